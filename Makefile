@@ -1,0 +1,90 @@
+# isoshade: make demo, make check; make help lists the rest.
+#
+#   config=release (default) | debug | sanitize      objects under build/$(config)
+
+config ?= release
+build := build/$(config)
+
+# ---- what it stands on: Debian packages -----------------------------------
+packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
+	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
+	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
+	blender povray gnuplot-nox python3-openvdb python3-numpy mricron-data
+
+# ---- compilers -------------------------------------------------------------
+CC := gcc
+CXX := g++
+warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Werror
+flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off
+flags_debug := -O0 -g
+flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+flags := $(flags_$(config)) -fopenmp -MMD -MP -Isrc -Iexporters -I.
+pkgs := jansson popt libpng zlib OpenEXR epoxy egl libxxhash
+CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(shell pkg-config --cflags $(pkgs))
+CXXFLAGS = -std=c++17 -Wall -Wextra $(flags) -isystem /usr/include/Imath
+LDLIBS = $(shell pkg-config --libs $(pkgs)) -lOpenEXRCore-3_1 -lteem -lniftiio -lznz -lopenvdb -ltbb -lImath-3_1 -lstdc++ -lm
+
+# ---- files -----------------------------------------------------------------
+lib_c := $(filter-out src/cli/main.c,$(wildcard src/*/*.c exporters/*/*.c))
+lib_cc := $(wildcard exporters/*/*.cc)
+lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
+lib := $(build)/libisoshade.a
+program := $(build)/isoshade
+test_c := $(wildcard tests/test_*.c)
+tests := $(test_c:tests/%.c=$(build)/tests/%)
+embedded := $(wildcard src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
+
+.PHONY: all setup demo check test help clean
+.DEFAULT_GOAL := all
+
+all: $(program) ## build the program for $(config)
+	@ln -sfn $(program) isoshade
+
+help: ## this list
+	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+
+# ---- setup: a stamp, so that a second run does nothing ---------------------
+stamp := build/.packages-$(shell echo $(packages) | cksum | cut -d' ' -f1)
+setup: $(stamp) ## install the Debian packages that are missing
+$(stamp):
+	@mkdir -p build
+	@sh tests/install-packages.sh $(packages)
+	@touch $@
+
+# The compiler itself may come from setup, so the real work is a second make.
+demo: setup ## build, take a real volume and validate it: the main job
+	@$(MAKE) --no-print-directory all
+	@sh refscenes/demo.sh
+
+check: setup ## build and run all tests, under the sanitizers too
+	@$(MAKE) --no-print-directory config=release all tests
+	@$(MAKE) --no-print-directory config=sanitize all tests
+	@bash tests/run.sh build/release build/sanitize
+
+tests: $(tests) ## build the test programs
+.PHONY: tests
+test: all tests ## build and run the tests of this config only
+	@bash tests/run.sh $(build)
+
+clean: ## remove what was built
+	rm -rf build/release build/debug build/sanitize isoshade
+
+# ---- rules -----------------------------------------------------------------
+$(program): $(build)/src/cli/main.o $(lib)
+	$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
+$(lib): $(lib_o)
+	@rm -f $@
+	ar rcs $@ $^
+$(build)/tests/%: $(build)/tests/%.o $(lib)
+	$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
+$(build)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) -c -o $@ $<
+$(build)/%.o: %.cc
+	@mkdir -p $(@D)
+	$(CXX) $(CXXFLAGS) -c -o $@ $<
+# Objects that embed text files (base/embed.h) follow them.
+embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
+$(embedders:%.c=$(build)/%.o): $(embedded)
+
+-include $(lib_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

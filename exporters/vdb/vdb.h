@@ -1,0 +1,44 @@
+/* vdb.h - the door to OpenVDB: C outside, C++ inside, no exception passes.
+ *
+ * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
+ * (decoded shading directions, world axes) of one level. The transform puts the
+ * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
+ * = origin + index_to_world (ijk + 1/2). All voxels are active and there are no
+ * active tiles (Cycles misreads them). Metadata: name, level, value range,
+ * directions' meaning, what made it. Several levels in one file are named
+ * density_level_N, gradient_level_N, as OpenVDB's vdb_lod does. */
+#ifndef ISO_EXPORT_VDB_H
+#define ISO_EXPORT_VDB_H
+
+#include "base/progress.h"
+#include "pyramid/pyramid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct iso_vdb_options {
+    bool half_float;      /* store as half: loses precision */
+    bool gradient;        /* write the gradient grid */
+    size_t pad_voxels;    /* rim of edge values around the level: renderers that fade at the border need one */
+    const char *creator;  /* metadata */
+} iso_vdb_options;
+iso_vdb_options iso_vdb_defaults(void);
+
+/* Levels [first, first + count) of p into one file; one level: plain names. */
+iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
+                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
+
+/* A grid read back dense over `size` voxels from index (0, 0, 0); channels 1 or
+ * 3; out holds channels * size floats, x fastest. *geometry, when not NULL, gets
+ * the transform in isoshade's convention. ISO_E_FORMAT when there is no such grid. */
+iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, const size_t size[3], float *out,
+                             iso_geometry *geometry, iso_error *err);
+
+const char *iso_vdb_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

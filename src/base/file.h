@@ -1,0 +1,57 @@
+/* file.h - outputs that appear whole or not at all.
+ *
+ * A file or a directory is made under a temporary name beside its final one
+ * and renamed when it is complete. What stood there before stays until then. */
+#ifndef ISO_FILE_H
+#define ISO_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "base/status.h"
+
+typedef struct iso_output {
+    char *final_path; /* what the user named */
+    char *temp_path;  /* where to write */
+} iso_output;
+
+/* Reserves a temporary file name beside path. Writers that take a path write
+ * to out->temp_path. ISO_E_IO when the folder is not there or not writable. */
+iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
+
+/* The same for a directory, which is created. An existing directory at path is
+ * replaced at commit only if it holds a file `marker` (so it is one of ours);
+ * else ISO_E_IO, and nothing of the user's is lost. */
+iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
+
+/* Renames into place. On failure the temporary is removed. */
+iso_status iso_output_commit(iso_output *out, iso_error *err);
+
+/* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
+void iso_output_abandon(iso_output *out);
+
+/* Removes a directory and all in it. Missing is fine. */
+void iso_remove_tree(const char *path);
+
+/* A fresh private directory under $TMPDIR or /tmp; the caller frees the path
+ * and removes the tree. NULL when none can be made. */
+char *iso_make_temp_dir(void);
+
+/* "dir/name", to be freed. NULL only when memory ends. */
+char *iso_path_join(const char *dir, const char *name);
+/* The folder of path, "." when it has none; to be freed. */
+char *iso_path_dir(const char *path);
+/* The last part of path without its folder; points into path. */
+const char *iso_path_base(const char *path);
+bool iso_path_exists(const char *path);
+bool iso_path_is_dir(const char *path);
+bool iso_path_ends_with(const char *path, const char *suffix);
+
+/* Reads a whole file; a terminating 0 is added behind *size bytes. To be freed. */
+iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error *err);
+
+/* Writes a whole file at once, under a temporary name. */
+iso_status iso_file_write(const char *path, const void *data, size_t size, iso_error *err);
+
+#endif

@@ -1,0 +1,191 @@
+#include "base/json.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
+{
+    char *text;
+    size_t size;
+    *root = NULL;
+    iso_status status = iso_file_read(path, &text, &size, err);
+    if (status != ISO_OK)
+        return status;
+    json_error_t where;
+    *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
+    free(text);
+    if (!*root)
+        return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", path, where.line, where.column, where.text);
+    if (!json_is_object(*root)) {
+        json_decref(*root);
+        *root = NULL;
+        return iso_fail(err, ISO_E_FORMAT, "%s: holds no JSON object", path);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
+{
+    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (!text)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its JSON text", path);
+    size_t size = strlen(text);
+    text[size] = '\n'; /* the file ends with a newline; the terminating 0 is not written */
+    iso_status status = iso_file_write(path, text, size + 1, err);
+    free(text);
+    return status;
+}
+
+static void fail(iso_json_reader *r, const char *key, const char *what)
+{
+    r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\": %s", r->path, key, what);
+}
+
+static json_t *find(iso_json_reader *r, const json_t *object, const char *key, bool required)
+{
+    if (r->status != ISO_OK)
+        return NULL;
+    json_t *value = json_object_get(object, key);
+    if (!value && required)
+        fail(r, key, "is missing");
+    return value;
+}
+
+static void take_number(iso_json_reader *r, const char *key, const json_t *item, double lo, double hi, double *value)
+{
+    if (!json_is_number(item)) {
+        fail(r, key, "is not a number");
+        return;
+    }
+    double number = json_number_value(item);
+    if (!(number >= lo && number <= hi))
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"%s\" is %g, must be %g to %g", r->path, key, number, lo, hi);
+    else
+        *value = number;
+}
+
+void iso_json_get_number(iso_json_reader *r, const json_t *object, const char *key, bool required, double lo, double hi,
+                         double *value)
+{
+    json_t *item = find(r, object, key, required);
+    if (item)
+        take_number(r, key, item, lo, hi, value);
+}
+
+void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t lo, size_t hi,
+                       size_t *value)
+{
+    json_t *item = find(r, object, key, required);
+    if (!item)
+        return;
+    double number = 0;
+    if (!json_is_integer(item))
+        fail(r, key, "is not a whole number");
+    else
+        take_number(r, key, item, (double)lo, (double)hi, &number);
+    if (r->status == ISO_OK)
+        *value = (size_t)number;
+}
+
+void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t count,
+                          double lo, double hi, double *values)
+{
+    json_t *item = find(r, object, key, required);
+    if (!item)
+        return;
+    if (!json_is_array(item) || json_array_size(item) != count) {
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\": is not a list of %zu numbers", r->path, key, count);
+        return;
+    }
+    for (size_t i = 0; i < count && r->status == ISO_OK; ++i)
+        take_number(r, key, json_array_get(item, i), lo, hi, &values[i]);
+}
+
+void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value)
+{
+    json_t *item = find(r, object, key, required);
+    if (!item)
+        return;
+    if (!json_is_boolean(item))
+        fail(r, key, "is neither true nor false");
+    else
+        *value = json_is_true(item);
+}
+
+void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *key, bool required, const char **value)
+{
+    json_t *item = find(r, object, key, required);
+    if (!item)
+        return;
+    if (!json_is_string(item))
+        fail(r, key, "is not a string");
+    else
+        *value = json_string_value(item);
+}
+
+void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key, bool required,
+                       const char *const words[], int *index)
+{
+    const char *word = NULL;
+    iso_json_get_string(r, object, key, required, &word);
+    if (!word)
+        return;
+    char list[256] = "";
+    for (int i = 0; words[i]; ++i) {
+        if (strcmp(words[i], word) == 0) {
+            *index = i;
+            return;
+        }
+        strncat(list, i ? ", " : "", sizeof list - strlen(list) - 1);
+        strncat(list, words[i], sizeof list - strlen(list) - 1);
+    }
+    r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\" is \"%s\", must be one of: %s", r->path, key, word, list);
+}
+
+json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required)
+{
+    json_t *item = find(r, object, key, required);
+    if (item && !json_is_object(item)) {
+        fail(r, key, "is not an object");
+        return NULL;
+    }
+    return item;
+}
+
+json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char *key, bool required)
+{
+    json_t *item = find(r, object, key, required);
+    if (item && !json_is_array(item)) {
+        fail(r, key, "is not a list");
+        return NULL;
+    }
+    return item;
+}
+
+void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[])
+{
+    const char *key;
+    json_t *value;
+    if (r->status != ISO_OK)
+        return;
+    json_object_foreach((json_t *)object, key, value) {
+        bool known = false;
+        for (int i = 0; keys[i] && !known; ++i)
+            known = strcmp(keys[i], key) == 0;
+        if (!known) {
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: unknown key \"%s\" in %s", r->path, key, where);
+            return;
+        }
+    }
+}
+
+json_t *iso_json_numbers(const double *values, size_t count)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i)
+        json_array_append_new(list, isfinite(values[i]) ? json_real(values[i]) : json_null());
+    return list;
+}

@@ -1,0 +1,51 @@
+/* json.h - reading and writing JSON files by jansson, with errors that name
+ * the file and the key, and writing them whole or not at all.
+ *
+ * Readers go through an iso_json_reader: it remembers the first error, so that
+ * a file is read key by key without a test after each. */
+#ifndef ISO_JSON_H
+#define ISO_JSON_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* Loads an object. ISO_E_IO, or ISO_E_FORMAT with line and column. */
+iso_status iso_json_load(const char *path, json_t **root, iso_error *err);
+
+/* Writes with an indent of 2, keys in order of insertion, reals with 9 digits (floats survive). */
+iso_status iso_json_save(const char *path, const json_t *root, iso_error *err);
+
+typedef struct iso_json_reader {
+    const char *path;
+    iso_status status; /* the first failure */
+    iso_error *err;
+} iso_json_reader;
+
+/* required: a missing key is an error; else *value keeps what it had.
+ * A number must be finite and lie in [lo, hi]; the message names file, key,
+ * value and limit. */
+void iso_json_get_number(iso_json_reader *r, const json_t *object, const char *key, bool required, double lo, double hi,
+                         double *value);
+void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t lo, size_t hi,
+                       size_t *value);
+void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t count,
+                          double lo, double hi, double *values);
+void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value);
+/* The string is borrowed from the object. */
+void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *key, bool required, const char **value);
+/* A word of a NULL-terminated list; *index is its place. */
+void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key, bool required,
+                       const char *const words[], int *index);
+/* Objects and arrays, borrowed; NULL when absent and not required. */
+json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required);
+json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char *key, bool required);
+/* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
+void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
+
+/* [a, b, c] */
+json_t *iso_json_numbers(const double *values, size_t count);
+
+#endif

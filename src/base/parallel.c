@@ -1,0 +1,24 @@
+#include "base/parallel.h"
+
+#include <omp.h>
+#include <sys/resource.h>
+#include <time.h>
+
+int iso_threads(int wanted)
+{
+    return wanted > 0 ? wanted : omp_get_max_threads();
+}
+
+double iso_clock_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double iso_peak_rss_bytes(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * (double)usage.ru_maxrss;
+}

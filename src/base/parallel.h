@@ -1,0 +1,16 @@
+/* parallel.h - threads by OpenMP. Loops say
+ *     #pragma omp parallel for schedule(static) num_threads(iso_threads(opt->threads))
+ * and give results that do not depend on the number. */
+#ifndef ISO_PARALLEL_H
+#define ISO_PARALLEL_H
+
+/* wanted > 0: that many; 0: as many as OpenMP offers (all cores, or OMP_NUM_THREADS). */
+int iso_threads(int wanted);
+
+/* Wall clock in seconds, for benchmarks and reports. */
+double iso_clock_seconds(void);
+
+/* Peak resident memory of this process in bytes. */
+double iso_peak_rss_bytes(void);
+
+#endif

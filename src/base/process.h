@@ -1,0 +1,27 @@
+/* process.h - running Blender, POV-Ray and gnuplot. */
+#ifndef ISO_PROCESS_H
+#define ISO_PROCESS_H
+
+#include <stdbool.h>
+
+#include "base/status.h"
+
+/* The path of a program: the environment variable ISOSHADE_<NAME> when it is
+ * set (it must then point to an executable file), else the first hit on PATH.
+ * To be freed. ISO_E_MISSING with the Debian package that has it. */
+iso_status iso_process_find(const char *program, const char *debian_package, char **path, iso_error *err);
+
+typedef struct iso_process_options {
+    const char *directory; /* working directory; NULL: unchanged */
+    void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
+    void *user;
+    double timeout_seconds; /* 0: none */
+} iso_process_options;
+
+/* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
+ * captured; on a non-zero exit, a signal or a timeout the status is
+ * ISO_E_PROGRAM and the message names the program, the cause and the last
+ * lines of the output that look like an error. */
+iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
+
+#endif

@@ -1,0 +1,40 @@
+/* metrics.h - how far two images are apart.
+ *
+ * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on
+ * what people see: sRGB of the colours clipped to [0, 1].
+ *   SSIM  Wang et al. 2004: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
+ *   FLIP  Andersson et al. 2020 (LDR), at 67 pixels a degree.
+ * A comparison with a non-finite pixel, or of different sizes, fails. */
+#ifndef ISO_METRICS_H
+#define ISO_METRICS_H
+
+#include "base/json.h"
+#include "image/image.h"
+
+typedef struct iso_metrics {
+    double rmse, max_abs, p99_abs; /* of the four channels; p99 of the pixels' largest difference */
+    double psnr_db;                /* peak 1; infinite for equal images */
+    double ssim, flip_mean;
+    size_t nonfinite_count;        /* pixels with NaN or Inf in either image */
+    size_t worst[2];               /* column, row of max_abs */
+} iso_metrics;
+
+/* ISO_E_RANGE: empty images or different sizes. With non-finite pixels the
+ * metrics are NaN and the status is ISO_OK: the verdict fails them. */
+iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err);
+
+/* What is allowed; a limit of 0 or less is not asked for. */
+typedef struct iso_limits {
+    double rmse, max_abs, p99_abs, ssim_dissimilarity, flip_mean;
+} iso_limits;
+
+/* "agree" or "differ". NaN never agrees; without any limit only equality does. */
+bool iso_metrics_within(const iso_metrics *m, const iso_limits *limits);
+
+/* The keys of design.md: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
+json_t *iso_metrics_to_json(const iso_metrics *m);
+
+/* |a - b| of the colours, scaled: an image to look at. scale 0: the largest difference becomes 1. */
+iso_status iso_image_difference(const iso_image *a, const iso_image *b, double scale, iso_image *out, iso_error *err);
+
+#endif

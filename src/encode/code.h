@@ -1,0 +1,53 @@
+/* code.h - directions in 3 bytes: one table of codes, one interface.
+ *
+ * A texture holds the three bytes of each voxel and filters them linearly. What
+ * a fetch returns is a *lattice vector* e: bytes read as SNORM8 (signed,
+ * c / 127) or as UNORM8 (2 c / 255 - 1). Decoding turns the filtered e into the
+ * shading direction d; its length says how far the direction can be trusted
+ * (coherence; 0: undefined), and the shading normal is
+ *     n = d / sqrt(|d|^2 + ISO_DIRECTION_EPS^2).
+ * The decoders and the normal are written once, in code_decode.h, which C (in
+ * double) and GLSL both include.
+ *
+ *   snorm     e = d rounded to 1/127. Decode: d = e. Linear, so every renderer
+ *             that filters vectors agrees; keeps the length. The default.
+ *   region48  gradients-2017 section 4: cube-dots of 48 triangular regions,
+ *             Eq. 2 with lambda = 0.61. Direction only; odd lattice. */
+#ifndef ISO_CODE_H
+#define ISO_CODE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+typedef enum iso_code { ISO_CODE_SNORM, ISO_CODE_REGION48, ISO_CODE_COUNT } iso_code;
+
+typedef struct iso_code_info {
+    const char *name;
+    const char *help;
+    bool is_signed;    /* SNORM8 lattice, else UNORM8 read as 2t - 1 */
+    bool keeps_length; /* d's length survives */
+    bool is_linear;    /* decode(e) = e, so that filtering decoded vectors is the same */
+} iso_code_info;
+
+const iso_code_info *iso_code_describe(iso_code code);
+iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err);
+
+/* count directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to 3 bytes each. */
+void iso_code_encode(iso_code code, const float *restrict directions, uint8_t *restrict bytes, size_t count);
+
+/* The lattice vector that 3 bytes stand for: what a nearest fetch returns. */
+void iso_code_lattice(iso_code code, const uint8_t bytes[3], double e[3]);
+
+/* A (filtered) lattice vector to the direction d, |d| <= 1 or a little above. */
+void iso_code_decode(iso_code code, const double e[3], double d[3]);
+
+/* Voxel by voxel: bytes to decoded directions. */
+void iso_code_decode_all(iso_code code, const uint8_t *restrict bytes, float *restrict directions, size_t count);
+
+/* n = d / sqrt(|d|^2 + eps^2) */
+void iso_code_normal(const double d[3], double n[3]);
+
+#endif

@@ -1,0 +1,84 @@
+/* pyramid.h - a volume at several levels, with directions from the finest.
+ *
+ *     NAME.iso/pyramid.json        what made it, options, geometry, checksums
+ *              level_K.nrrd        scalar
+ *              level_K_dir.nrrd    3 bytes a voxel, the encoded directions
+ *              level_K_grad.nrrd   3 floats a voxel (keep_float)
+ *              level_K_mag.nrrd    1 float a voxel, gradient magnitude per mm (keep_magnitude)
+ *
+ * Level 0's scalar keeps the type of the input where 8 or 16 bits or float;
+ * coarser levels are float. Voxel i of level k covers the fine voxels
+ * [i 2^k, (i+1) 2^k) of the volume continued by its edge.
+ * Direction d of a level: unit at level 0 (zero where the gradient is zero);
+ * at coarse levels by the filter:
+ *   moments  N = sum m^2 d, S = sum m^2 over the own children, carried in float
+ *            from level to level; stored d = (N/|N|) L^2, L = |N| / S in [0,1].
+ *   eq1      gradients-2017 Eq. 1 as written, iterated from G0: Gaussian times
+ *            magnitude, radius and sigma by option; stored unit.
+ *   naive    the mean of the children's gradient vectors; stored unit.
+ * scalar: mean of the 2x2x2 children, or a Gaussian. */
+#ifndef ISO_PYRAMID_H
+#define ISO_PYRAMID_H
+
+#include "base/progress.h"
+#include "encode/code.h"
+#include "gradient/gradient.h"
+#include "volume/volume.h"
+
+typedef enum iso_scalar_filter { ISO_SCALAR_MEAN, ISO_SCALAR_GAUSS, ISO_SCALAR_COUNT } iso_scalar_filter;
+typedef enum iso_direction_filter {
+    ISO_DIRECTION_MOMENTS,
+    ISO_DIRECTION_EQ1,
+    ISO_DIRECTION_NAIVE,
+    ISO_DIRECTION_COUNT
+} iso_direction_filter;
+
+typedef struct iso_pyramid_options {
+    size_t level_count; /* with level 0; fewer where a level would be a single voxel */
+    iso_scalar_filter scalar_filter;
+    iso_direction_filter direction_filter;
+    iso_gradient_options gradient;
+    iso_code code;
+    double gauss_sigma_voxels; /* of the Gaussian filters, in voxels of the finer level */
+    size_t gauss_radius;       /* taps along an axis: 2 * radius */
+    bool keep_float;
+    bool keep_magnitude;
+    int threads;
+} iso_pyramid_options;
+iso_pyramid_options iso_pyramid_defaults(void);
+
+const char *iso_scalar_filter_name(iso_scalar_filter f);
+const char *iso_direction_filter_name(iso_direction_filter f);
+iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err);
+iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter *f, iso_error *err);
+
+typedef struct iso_level {
+    iso_geometry geometry;
+    iso_type stored_type; /* of the scalar on disk */
+    float *scalar;        /* always there */
+    uint8_t *codes;       /* 3 bytes a voxel; always there */
+    float *directions;    /* 3 floats a voxel before encoding, or NULL */
+    float *magnitude;     /* 1 float a voxel, or NULL */
+    double min, max;      /* of the scalar */
+} iso_level;
+
+typedef struct iso_pyramid {
+    iso_pyramid_options options;
+    char *source; /* what it was made from */
+    size_t level_count;
+    iso_level *levels;
+} iso_pyramid;
+
+/* ISO_E_RANGE: options outside their limits, non-finite voxels. */
+iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
+                             const iso_progress *progress, iso_error *err);
+void iso_pyramid_destroy(iso_pyramid *p);
+
+/* A directory NAME.iso, complete or absent. */
+iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err);
+/* Checks sizes against pyramid.json, and checksums. */
+iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
+/* True when path is a directory with a pyramid.json. */
+bool iso_pyramid_is_one(const char *path);
+
+#endif

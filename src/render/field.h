@@ -1,0 +1,18 @@
+/* field.h - one level as a renderer sees it, and where its directions come from. */
+#ifndef ISO_RENDER_FIELD_H
+#define ISO_RENDER_FIELD_H
+
+#include "pyramid/pyramid.h"
+
+typedef enum iso_direction_source {
+    ISO_FROM_CODES,      /* fetch codes, filter, decode: what a GPU does */
+    ISO_FROM_DECODED,    /* decode at the voxels, then filter: what exports carry; the same for linear codes */
+    ISO_FROM_FLOAT,      /* iso_level.directions */
+    ISO_FROM_ON_THE_FLY, /* central differences of the filtered scalar, one voxel apart */
+    ISO_SOURCE_COUNT
+} iso_direction_source;
+
+const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, on-the-fly */
+iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
+
+#endif

@@ -1,0 +1,41 @@
+/* raycaster.h - the OpenGL ray caster: headless, by EGL, on a GPU or in software.
+ *
+ * Quadrature: segments [k ds, (k+1) ds] of each ray clipped to the box, one
+ * sample in the middle, 1 - exp(-sigma length). Textures: scalar R16 where the
+ * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
+ * from floats, or on the fly. At start the texture filter is probed: where
+ * 8-bit textures are filtered in 8 bits (llvmpipe), codes travel in 16 bits. */
+#ifndef ISO_RAYCASTER_H
+#define ISO_RAYCASTER_H
+
+#include "image/image.h"
+#include "render/field.h"
+#include "render/scene.h"
+
+typedef struct iso_gl iso_gl; /* a context with its programs */
+
+typedef struct iso_gl_info {
+    char vendor[128], renderer[128], version[128];
+    int filter_bits_unorm8;  /* bits that linear filtering of the format keeps, as probed */
+    int filter_bits_unorm16;
+    int filter_bits_float;
+} iso_gl_info;
+
+/* shader_dir: read the shaders there instead of the embedded ones; or NULL.
+ * ISO_E_MISSING when EGL gives no context, with what was tried. The context is
+ * current on the calling thread only. */
+iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
+void iso_gl_destroy(iso_gl *gl);
+iso_gl_info iso_gl_describe(const iso_gl *gl);
+
+typedef struct iso_gl_options {
+    iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
+    double step_voxels;          /* 0: the view's */
+} iso_gl_options;
+iso_gl_options iso_gl_defaults(void);
+
+/* Uploads a level and renders it; *seconds (may be NULL) is the drawing alone. */
+iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
+                         const iso_gl_options *opt, iso_image *image, double *seconds, iso_error *err);
+
+#endif

@@ -1,0 +1,40 @@
+/* reference.h - the arbiter: the rendering equation in double precision on the CPU.
+ *
+ * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a
+ * linear ramp of extinction; a sphere. Results do not depend on threads.
+ *
+ * Three quadratures:
+ *   converged  rays are cut where the trilinear cell changes, each piece is
+ *              integrated by Romberg-extrapolated midpoint sums and halved until
+ *              the change is below tolerance: no step is left in the result.
+ *   midpoint   what the GL ray caster does: segments [k ds, (k+1) ds] clipped to
+ *              the box, sample in the middle, 1 - exp(-sigma length).
+ *   povray     what POV-Ray's method 2 does: N equal intervals a ray, weight
+ *              tau exp(-tau / 2) (see exporters/povray). */
+#ifndef ISO_REFERENCE_H
+#define ISO_REFERENCE_H
+
+#include "base/progress.h"
+#include "image/image.h"
+#include "render/field.h"
+#include "render/scene.h"
+
+typedef enum iso_quadrature { ISO_QUADRATURE_CONVERGED, ISO_QUADRATURE_MIDPOINT, ISO_QUADRATURE_POVRAY } iso_quadrature;
+
+typedef struct iso_reference_options {
+    iso_quadrature quadrature;
+    iso_direction_source source;
+    double step_voxels; /* midpoint; 0: the view's */
+    size_t intervals;   /* povray */
+    double tolerance;   /* converged: of a pixel's value */
+    int threads;
+} iso_reference_options;
+iso_reference_options iso_reference_defaults(void);
+
+/* Creates *image (view->width x view->height, RGBA, premultiplied, background
+ * included in the colour, A = 1 - T_end). */
+iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
+                                const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                iso_error *err);
+
+#endif

@@ -1,0 +1,93 @@
+/* scene.h - what is rendered: camera, lights, shading, background, size, step, TF.
+ *
+ * One scene file (*.scene.json) feeds all renderers. It may ask to be fitted: a
+ * fitted camera frames the box of any volume, a fitted TF follows its range.
+ * iso_scene_resolve() turns it, for one volume, into an iso_view of plain
+ * numbers; renderers and exporters see only the view.
+ *
+ *   { "schema": "isoshade.scene/1",
+ *     "image": {"width": 160, "height": 160},
+ *     "camera": {"projection": "perspective" | "orthographic",
+ *                "fit": true, "direction": [1, 2, -1], "up": [0, 0, 1],     looking along direction
+ *                "margin": 1.05, "fov_y_deg": 30}
+ *            or {"projection": .., "position": [x, y, z], "look_at": [x, y, z], "up": .., "fov_y_deg": | "height_mm":}
+ *     "lights": [ {"direction": [0, 0, 1], "space": "world" | "camera", "intensity": 1} ],
+ *                 direction points towards the light; camera space: right, up, backwards (towards the viewer)
+ *     "shading": {"ambient": 0.3, "diffuse": 0.7, "specular": 0.2, "power": 20},
+ *     "background": [0, 0, 0],
+ *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
+ *     "tf": "name.tf.json" | { ... } }  a path relative to the scene file, or the TF itself
+ *
+ *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
+ * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
+ *   C = integral of T(t) sigma(s) c(s) shade(d) dt + T_end * background,  T = exp(-integral of sigma). */
+#ifndef ISO_SCENE_H
+#define ISO_SCENE_H
+
+#include "tf/tf.h"
+
+#define ISO_MAX_LIGHTS 8
+
+typedef struct iso_camera {
+    bool orthographic;
+    iso_vec3 position;           /* world mm; of the image plane's centre when orthographic */
+    iso_vec3 forward, right, up; /* orthonormal, right-handed: right = forward x up */
+    double half_height;          /* tan(fov_y / 2), or mm when orthographic */
+} iso_camera;
+
+typedef struct iso_light {
+    iso_vec3 direction; /* unit, towards the light */
+    bool in_camera_space;
+    double intensity;
+} iso_light;
+
+typedef struct iso_shading {
+    double ambient, diffuse, specular, power;
+} iso_shading;
+
+typedef struct iso_scene {
+    char *path; /* where it came from */
+    size_t width, height;
+    bool camera_fit;
+    bool orthographic;
+    iso_vec3 camera_direction, camera_position, camera_look_at, camera_up;
+    double fov_y_deg, height_mm, margin;
+    size_t light_count;
+    iso_light lights[ISO_MAX_LIGHTS];
+    iso_shading shading;
+    double background[3];
+    double step_voxels;
+    iso_tf tf;
+} iso_scene;
+
+iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);
+void iso_scene_destroy(iso_scene *scene);
+
+/* A scene resolved for one volume: all that a renderer needs besides a level. */
+typedef struct iso_view {
+    size_t width, height;
+    iso_camera camera;
+    size_t light_count;
+    iso_light lights[ISO_MAX_LIGHTS]; /* all in world space */
+    iso_shading shading;
+    double background[3];
+    double step_voxels;
+    iso_tf_table tf;
+} iso_view;
+
+/* value_min/max: of level 0. */
+iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
+                             iso_view *view, iso_error *err);
+void iso_view_destroy(iso_view *view);
+
+typedef struct iso_ray {
+    iso_vec3 origin, direction; /* world mm, unit direction */
+} iso_ray;
+
+/* The ray through the centre of pixel (column, row); row 0 is the top. */
+iso_ray iso_camera_ray(const iso_camera *camera, size_t width, size_t height, size_t column, size_t row);
+
+/* Where the ray is inside the box of g: [*t0, *t1] in mm, *t0 >= 0. False when it misses. */
+bool iso_ray_box(const iso_ray *ray, const iso_geometry *g, double *t0, double *t1);
+
+#endif

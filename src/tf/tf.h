@@ -1,0 +1,83 @@
+/* tf.h - transfer functions: value to linear colour and extinction.
+ *
+ * A TF file (*.tf.json) holds points; opacity is stated for a length, the
+ * opacity unit distance u, and becomes extinction = -ln(1 - a) / u in 1/mm (the
+ * rule of ANARI's volume appendix), so that no opacity depends on a step, a
+ * level or a spacing. What renderers get is a table of entries over [lo, hi],
+ * linear between entries, each component interpolated by itself; values beyond
+ * the range take the end entries.
+ *
+ *   { "schema": "isoshade.tf/1",
+ *     "range": [0, 255] | "fit",         fit: points' values are fractions of the volume's range
+ *     "unit_distance_mm": 2              or "unit_distance_voxels": 2 (level-0 mean spacing)
+ *     "color_space": "linear" | "srgb",  points are made linear first, then interpolated
+ *     "table_size": 256,                 2 to 4096
+ *     "points": [ {"value": 0, "r": 0, "g": 0, "b": 0, "opacity": 0}, ... ] }
+ *
+ * Between points colour and opacity are linear in value; entry i of M stands at
+ * lo + i (hi - lo) / (M - 1). Two points of equal value make a step. */
+#ifndef ISO_TF_H
+#define ISO_TF_H
+
+#include <stdbool.h>
+
+#include "base/json.h"
+#include "volume/geometry.h"
+
+/* Opacity is capped here before the logarithm: extinction stays finite. */
+#define ISO_TF_MAX_OPACITY 0.9999
+
+typedef struct iso_tf_point {
+    double value;
+    double rgb_linear[3]; /* 0 to 1 */
+    double opacity;       /* 0 to 1, for one unit distance */
+} iso_tf_point;
+
+typedef struct iso_tf {
+    size_t point_count;
+    iso_tf_point *points; /* ascending in value */
+    bool fit_range;
+    double range[2];      /* when not fit_range */
+    double unit_distance; /* in mm, or in voxels */
+    bool unit_is_voxels;
+    size_t table_size;
+} iso_tf;
+
+iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
+/* The same from an object inside another file; `path` is the file to blame. */
+iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
+iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
+/* A new object in the form of the file, points linear. */
+json_t *iso_tf_to_json(const iso_tf *tf);
+iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);
+void iso_tf_destroy(iso_tf *tf);
+
+/* What renderers and exporters use. */
+typedef struct iso_tf_table {
+    size_t count; /* entries */
+    double lo, hi;
+    float *entries; /* 4 a entry: linear r, g, b, extinction per mm */
+} iso_tf_table;
+
+/* Resolves range and unit distance against a volume: value_min/max and the
+ * geometry of level 0. ISO_E_RANGE for an empty range. */
+iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
+                           iso_tf_table *table, iso_error *err);
+void iso_tf_table_destroy(iso_tf_table *table);
+
+/* Linear lookup in double precision: r, g, b, extinction. */
+static inline void iso_tf_lookup(const iso_tf_table *t, double value, double rgbs[4])
+{
+    double x = (value - t->lo) / (t->hi - t->lo) * (double)(t->count - 1);
+    double last = (double)(t->count - 1);
+    x = x > 0 ? (x < last ? x : last) : 0;
+    size_t i = (size_t)x;
+    if (i + 1 >= t->count)
+        i = t->count - 2;
+    double f = x - (double)i;
+    const float *e = t->entries + 4 * i;
+    for (int c = 0; c < 4; ++c)
+        rgbs[c] = (1 - f) * (double)e[c] + f * (double)e[4 + c];
+}
+
+#endif

@@ -1,0 +1,62 @@
+/* geometry.h - where a grid of voxels lies in the world.
+ *
+ * Index coordinates are continuous: voxel i covers [i, i+1) and has its centre
+ * at i + 1/2. World coordinates are millimetres, right-handed:
+ *     world = origin_mm + index_to_world * index.
+ * The columns of index_to_world are the world steps of one voxel, so they hold
+ * spacing, rotation and, if the input has them, shear and reflection.
+ *
+ * The box that is rendered is [0, box_index] in index coordinates: the outer
+ * faces of the level-0 voxels, the same in the world at every level. A coarse
+ * level may overhang it where a size is odd.
+ *
+ *     level 0   |  0  |  1  |  2  |  3  |  4  |          size 5, box 5
+ *     level 1   |     0     |     1     |     2     |    size 3, box 2.5
+ *
+ * Gradients are covariant: world = transpose(inverse(index_to_world)) * index. */
+#ifndef ISO_GEOMETRY_H
+#define ISO_GEOMETRY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/linalg.h"
+#include "base/status.h"
+
+typedef struct iso_geometry {
+    size_t size[3]; /* voxels along x (fastest), y, z */
+    iso_mat3 index_to_world;
+    iso_vec3 origin_mm; /* the outer corner of voxel (0, 0, 0) */
+    double box_index[3];
+} iso_geometry;
+
+/* size, spacing along the world's axes, centred at the world's origin. */
+iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
+
+/* ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that
+ * is singular or not finite. `name` is the file or what else to blame. */
+iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err);
+
+/* The geometry of the next coarser level: sizes (n + 1) / 2, the same box. */
+iso_geometry iso_geometry_coarser(const iso_geometry *g);
+
+static inline size_t iso_geometry_voxel_count(const iso_geometry *g)
+{
+    return g->size[0] * g->size[1] * g->size[2];
+}
+iso_vec3 iso_geometry_to_world(const iso_geometry *g, iso_vec3 index);
+iso_vec3 iso_geometry_to_index(const iso_geometry *g, iso_vec3 world_mm);
+/* Lengths of the columns of index_to_world. */
+void iso_geometry_spacing_mm(const iso_geometry *g, double spacing_mm[3]);
+double iso_geometry_min_spacing_mm(const iso_geometry *g);
+/* The cube root of a voxel's volume. */
+double iso_geometry_mean_spacing_mm(const iso_geometry *g);
+/* The centre of the box, and half its diagonal. */
+iso_vec3 iso_geometry_box_center_mm(const iso_geometry *g);
+double iso_geometry_box_radius_mm(const iso_geometry *g);
+/* transpose(inverse(index_to_world)): index gradients to world gradients. */
+iso_mat3 iso_geometry_gradient_to_world(const iso_geometry *g);
+/* No rotation, shear or reflection. */
+bool iso_geometry_is_axis_aligned(const iso_geometry *g);
+
+#endif

@@ -1,0 +1,48 @@
+/* synthetic.h - volumes whose values and gradients are known in closed form.
+ *
+ * A field is a function of the normalised position p = (world - box centre) /
+ * (half the shortest box edge), evaluated in double precision; p is in [-1, 1]
+ * along the shortest edge. Samples are the field at the voxel centres. */
+#ifndef ISO_SYNTHETIC_H
+#define ISO_SYNTHETIC_H
+
+#include <stdint.h>
+
+#include "volume/volume.h"
+
+/* enum, name, what it is */
+#define ISO_FIELD_LIST(X)                                                                     \
+    X(ISO_FIELD_RAMP, "ramp", "linear in x, y and z")                                         \
+    X(ISO_FIELD_SLAB, "slab", "1 inside |z| < 1/2, linear flanks one voxel wide")             \
+    X(ISO_FIELD_SPHERE, "sphere", "1 - |p|: distance to the centre, spherical iso-surfaces")  \
+    X(ISO_FIELD_SHELLS, "shells", "two thin concentric Gaussian shells")                      \
+    X(ISO_FIELD_PLATE, "plate", "a thin tilted Gaussian plate: opposite gradients close by")  \
+    X(ISO_FIELD_MARSCHNER_LOBB, "marschner-lobb", "the test signal of Marschner and Lobb (1994)") \
+    X(ISO_FIELD_NOISE, "noise", "smooth band-limited noise: a sum of random plane waves")     \
+    X(ISO_FIELD_CONSTANT, "constant", "1/2 everywhere: no gradient at all")
+
+typedef enum iso_field_kind {
+#define ISO_FIELD_ENUM(name, text, help) name,
+    ISO_FIELD_LIST(ISO_FIELD_ENUM)
+#undef ISO_FIELD_ENUM
+    ISO_FIELD_COUNT
+} iso_field_kind;
+
+typedef struct iso_field {
+    iso_field_kind kind;
+    iso_geometry geometry; /* where p is normalised */
+    uint64_t seed;         /* of noise */
+} iso_field;
+
+const char *iso_field_name(iso_field_kind kind);
+const char *iso_field_help(iso_field_kind kind);
+iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err);
+
+/* Value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */
+double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient);
+
+/* Samples the field at f->geometry's voxel centres. Integer types: round(lo +
+ * value * (hi - lo)) over the whole range of the type; float and double: the value. */
+iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err);
+
+#endif

@@ -1,0 +1,77 @@
+/* volume.h - a scalar volume in memory, in the type that its file has.
+ *
+ * Samples stand x fastest, then y, then z. Stages that follow read rows as
+ * float (iso_volume_row): exact for 8 and 16 bits and float; 32-bit integers
+ * and doubles are rounded to the nearest float, which `isoshade info` says. */
+#ifndef ISO_VOLUME_H
+#define ISO_VOLUME_H
+
+#include <stdint.h>
+
+#include "base/progress.h"
+#include "base/status.h"
+#include "volume/geometry.h"
+
+/* enum, name, C type */
+#define ISO_TYPE_LIST(X)              \
+    X(ISO_U8, "uint8", uint8_t)       \
+    X(ISO_I8, "int8", int8_t)         \
+    X(ISO_U16, "uint16", uint16_t)    \
+    X(ISO_I16, "int16", int16_t)      \
+    X(ISO_U32, "uint32", uint32_t)    \
+    X(ISO_I32, "int32", int32_t)      \
+    X(ISO_F32, "float", float)        \
+    X(ISO_F64, "double", double)
+
+typedef enum iso_type {
+#define ISO_TYPE_ENUM(name, text, ctype) name,
+    ISO_TYPE_LIST(ISO_TYPE_ENUM)
+#undef ISO_TYPE_ENUM
+} iso_type;
+
+const char *iso_type_name(iso_type type);
+size_t iso_type_bytes(iso_type type);
+/* ISO_E_USAGE with the list of names. */
+iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
+
+typedef struct iso_volume {
+    iso_geometry geometry;
+    iso_type type;
+    void *data; /* owned */
+} iso_volume;
+
+/* Allocates zeroed samples after iso_geometry_check. */
+iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err);
+void iso_volume_destroy(iso_volume *v); /* accepts empty and NULL */
+
+/* nx floats of the row (y, z). */
+void iso_volume_row(const iso_volume *v, size_t y, size_t z, float *restrict row);
+/* The whole volume as float, iso_geometry_voxel_count() of them. */
+void iso_volume_floats(const iso_volume *v, float *restrict out);
+
+typedef struct iso_volume_stats {
+    double min, max, mean;     /* of the finite samples */
+    size_t nonfinite_count;    /* NaN and Inf */
+    size_t first_nonfinite[3]; /* x, y, z */
+} iso_volume_stats;
+iso_volume_stats iso_volume_measure(const iso_volume *v);
+
+/* Loads by the file's content and name: NRRD (.nrrd, .nhdr), NIfTI (.nii,
+ * .nii.gz, .hdr/.img). ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes
+ * that do not match), ISO_E_RANGE (sizes that overflow, NaN or Inf voxels). */
+iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err);
+
+/* A file without a header. */
+typedef struct iso_raw_layout {
+    iso_type type;
+    size_t size[3];
+    double spacing_mm[3];
+    bool big_endian;
+    size_t skip_bytes;
+} iso_raw_layout;
+iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err);
+
+/* NRRD, attached header; raw, or gzip when asked. */
+iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err);
+
+#endif
