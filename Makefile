@@ -69,20 +69,27 @@ test: all tests ## build and run the tests of this config only
 clean: ## remove what was built
 	rm -rf build/release build/debug build/sanitize isoshade
 
+# make V=1 shows the whole commands.
+ifndef V
+say = @echo "  $(1)  $@";
+else
+say =
+endif
+
 # ---- rules -----------------------------------------------------------------
 $(program): $(build)/src/cli/main.o $(lib)
-	$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
+	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
 $(lib): $(lib_o)
 	@rm -f $@
-	ar rcs $@ $^
+	$(call say,AR )ar rcs $@ $^
 $(build)/tests/%: $(build)/tests/%.o $(lib)
-	$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
+	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 $(build)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) -c -o $@ $<
+	$(call say,CC )$(CC) $(CFLAGS) -c -o $@ $<
 $(build)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) $(CXXFLAGS) -c -o $@ $<
+	$(call say,CXX)$(CXX) $(CXXFLAGS) -c -o $@ $<
 # Objects that embed text files (base/embed.h) follow them.
 embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)

@@ -1,0 +1,196 @@
+#include "tf/tf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* IEC 61966-2-1 */
+static double srgb_to_linear(double c)
+{
+    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+}
+
+static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf_point *p)
+{
+    static const char *const keys[] = {"value", "r", "g", "b", "opacity", NULL};
+    if (!json_is_object(item)) {
+        if (r->status == ISO_OK)
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: an entry of \"points\" is not an object", r->path);
+        return;
+    }
+    iso_json_only_keys(r, item, "a point", keys);
+    iso_json_get_number(r, item, "value", true, -1e30, 1e30, &p->value);
+    for (int c = 0; c < 3; ++c) {
+        iso_json_get_number(r, item, keys[1 + c], true, 0, 1, &p->rgb_linear[c]);
+        if (srgb)
+            p->rgb_linear[c] = srgb_to_linear(p->rgb_linear[c]);
+    }
+    iso_json_get_number(r, item, "opacity", true, 0, 1, &p->opacity);
+}
+
+static void read_points(iso_json_reader *r, const json_t *object, bool srgb, iso_tf *tf)
+{
+    json_t *list = iso_json_get_array(r, object, "points", true);
+    if (!list)
+        return;
+    tf->point_count = json_array_size(list);
+    if (tf->point_count < 1 || tf->point_count > 65536) {
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the transfer function has %zu points, must have 1 to 65536",
+                             r->path, tf->point_count);
+        return;
+    }
+    tf->points = calloc(tf->point_count, sizeof *tf->points);
+    if (!tf->points) {
+        r->status = iso_fail(r->err, ISO_E_MEMORY, "%s: no memory for %zu points", r->path, tf->point_count);
+        return;
+    }
+    for (size_t i = 0; i < tf->point_count; ++i) {
+        read_point(r, json_array_get(list, i), srgb, &tf->points[i]);
+        if (r->status == ISO_OK && i > 0 && tf->points[i].value < tf->points[i - 1].value)
+            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: point %zu has value %g below its predecessor's %g; values must ascend",
+                                 r->path, i, tf->points[i].value, tf->points[i - 1].value);
+    }
+}
+
+static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
+{
+    const json_t *range = json_object_get(object, "range");
+    if (range && json_is_string(range) && strcmp(json_string_value(range), "fit") == 0) {
+        tf->fit_range = true;
+        return;
+    }
+    iso_json_get_numbers(r, object, "range", true, 2, -1e30, 1e30, tf->range);
+    if (r->status == ISO_OK && !(tf->range[1] > tf->range[0]))
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"range\" is [%g, %g], its end must exceed its start", r->path,
+                             tf->range[0], tf->range[1]);
+}
+
+iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err)
+{
+    static const char *const keys[] = {"schema",      "comment",    "range",  "unit_distance_mm", "unit_distance_voxels",
+                                       "color_space", "table_size", "points", NULL};
+    static const char *const schemas[] = {"isoshade.tf/1", NULL};
+    static const char *const spaces[] = {"linear", "srgb", NULL};
+    iso_json_reader r = {.path = path, .err = err};
+    int schema = 0, space = 0;
+    *tf = (iso_tf){.table_size = 256};
+    iso_json_only_keys(&r, object, "the transfer function", keys);
+    iso_json_get_word(&r, object, "schema", true, schemas, &schema);
+    iso_json_get_word(&r, object, "color_space", true, spaces, &space);
+    iso_json_get_size(&r, object, "table_size", false, 2, 4096, &tf->table_size);
+    read_range(&r, object, tf);
+    tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
+    if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)
+        r.status = iso_fail(err, ISO_E_FORMAT, "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\", wanted one", path);
+    iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true, 1e-6, 1e6,
+                        &tf->unit_distance);
+    read_points(&r, object, space == 1, tf);
+    if (r.status != ISO_OK)
+        iso_tf_destroy(tf);
+    return r.status;
+}
+
+iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err)
+{
+    json_t *root;
+    *tf = (iso_tf){0};
+    iso_status status = iso_json_load(path, &root, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_tf_from_json(root, path, tf, err);
+    json_decref(root);
+    return status;
+}
+
+json_t *iso_tf_to_json(const iso_tf *tf)
+{
+    json_t *points = json_array();
+    for (size_t i = 0; i < tf->point_count; ++i) {
+        const iso_tf_point *p = &tf->points[i];
+        json_array_append_new(points, json_pack("{s:f, s:f, s:f, s:f, s:f}", "value", p->value, "r", p->rgb_linear[0], "g",
+                                                p->rgb_linear[1], "b", p->rgb_linear[2], "opacity", p->opacity));
+    }
+    return json_pack("{s:s, s:o, s:f, s:s, s:I, s:o}", "schema", "isoshade.tf/1", "range",
+                     tf->fit_range ? json_string("fit") : iso_json_numbers(tf->range, 2),
+                     tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", tf->unit_distance, "color_space",
+                     "linear", "table_size", (json_int_t)tf->table_size, "points", points);
+}
+
+iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err)
+{
+    json_t *root = iso_tf_to_json(tf);
+    iso_status status = iso_json_save(path, root, err);
+    json_decref(root);
+    return status;
+}
+
+iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err)
+{
+    *to = *from;
+    to->points = malloc(from->point_count * sizeof *to->points);
+    if (!to->points) {
+        *to = (iso_tf){0};
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu points of a transfer function", from->point_count);
+    }
+    memcpy(to->points, from->points, from->point_count * sizeof *to->points);
+    return ISO_OK;
+}
+
+void iso_tf_destroy(iso_tf *tf)
+{
+    if (!tf)
+        return;
+    free(tf->points);
+    *tf = (iso_tf){0};
+}
+
+/* Colour and opacity of the points at a value: linear between, constant beyond. */
+static void sample_points(const iso_tf *tf, double value, double rgba[4])
+{
+    const iso_tf_point *p = tf->points;
+    size_t above = 0;
+    while (above < tf->point_count && p[above].value <= value)
+        ++above;
+    const iso_tf_point *lo = &p[above > 0 ? above - 1 : 0];
+    const iso_tf_point *hi = &p[above < tf->point_count ? above : tf->point_count - 1];
+    double span = hi->value - lo->value;
+    double f = span > 0 ? fmin(fmax((value - lo->value) / span, 0), 1) : 0;
+    for (int c = 0; c < 3; ++c)
+        rgba[c] = (1 - f) * lo->rgb_linear[c] + f * hi->rgb_linear[c];
+    rgba[3] = (1 - f) * lo->opacity + f * hi->opacity;
+}
+
+iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
+                           iso_tf_table *table, iso_error *err)
+{
+    *table = (iso_tf_table){.count = tf->table_size, .lo = tf->range[0], .hi = tf->range[1]};
+    if (tf->point_count == 0)
+        return iso_fail(err, ISO_E_RANGE, "the transfer function has no points");
+    if (tf->fit_range) {
+        if (!isfinite(value_min) || !isfinite(value_max))
+            return iso_fail(err, ISO_E_RANGE, "the transfer function cannot be fitted to the range %g to %g", value_min, value_max);
+        table->lo = value_min;
+        /* A constant volume: any range that holds its value at the start serves. */
+        table->hi = value_max > value_min ? value_max : value_min + fmax(1, fabs(value_min));
+    }
+    double unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(level0) : 1);
+    table->entries = malloc(table->count * 4 * sizeof *table->entries);
+    if (!table->entries)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function of %zu entries", table->count);
+    for (size_t i = 0; i < table->count; ++i) {
+        double t = (double)i / (double)(table->count - 1), rgba[4];
+        sample_points(tf, tf->fit_range ? t : table->lo + t * (table->hi - table->lo), rgba);
+        for (int c = 0; c < 3; ++c)
+            table->entries[4 * i + (size_t)c] = (float)rgba[c];
+        table->entries[4 * i + 3] = (float)(-log1p(-fmin(rgba[3], ISO_TF_MAX_OPACITY)) / unit_mm);
+    }
+    return ISO_OK;
+}
+
+void iso_tf_table_destroy(iso_tf_table *table)
+{
+    if (!table)
+        return;
+    free(table->entries);
+    *table = (iso_tf_table){0};
+}
