@@ -2,6 +2,7 @@
 #ifndef ISO_IMAGE_H
 #define ISO_IMAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"

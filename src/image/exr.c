@@ -1,0 +1,221 @@
+/* exr.c - OpenEXR through OpenEXRCore, the library's C interface. */
+#include <openexr.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "image/image.h"
+
+/* The library reports through a callback; the last message is the cause. */
+typedef struct exr_log {
+    char text[512];
+} exr_log;
+
+static void on_exr_error(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    exr_log *log = NULL;
+    (void)code;
+    if (exr_get_user_data(context, (void **)&log) == EXR_ERR_SUCCESS && log) {
+        strncpy(log->text, message, sizeof log->text - 1);
+        log->text[sizeof log->text - 1] = 0;
+    }
+}
+
+static exr_context_initializer_t initializer(exr_log *log)
+{
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    init.error_handler_fn = on_exr_error;
+    init.user_data = log;
+    return init;
+}
+
+/* Channels are stored by name, in alphabetical order. */
+static const char *const channel_names[4] = {"A", "B", "G", "R"};
+static int component_of(const char *channel)
+{
+    static const char names[] = "RGBA";
+    const char *at = channel[0] && !channel[1] ? strchr(names, channel[0]) : NULL;
+    return at ? (int)(at - names) : -1;
+}
+
+static exr_result_t write_header(exr_context_t file, const iso_image *image, const iso_image_note *notes)
+{
+    int part;
+    exr_result_t result = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
+    if (result == EXR_ERR_SUCCESS)
+        result = exr_initialize_required_attr_simple(file, part, (int32_t)image->width, (int32_t)image->height,
+                                                     EXR_COMPRESSION_ZIP);
+    for (int c = 0; c < 4 && result == EXR_ERR_SUCCESS; ++c)
+        result = exr_add_channel(file, part, channel_names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    for (; notes && notes->key && result == EXR_ERR_SUCCESS; ++notes)
+        result = exr_attr_set_string(file, part, notes->key, notes->value);
+    return result == EXR_ERR_SUCCESS ? exr_write_header(file) : result;
+}
+
+static exr_result_t write_pixels(exr_context_t file, const iso_image *image)
+{
+    exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+    int32_t lines = 1;
+    exr_result_t result = exr_get_scanlines_per_chunk(file, 0, &lines);
+    for (size_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (size_t)lines) {
+        exr_chunk_info_t chunk;
+        result = exr_write_scanline_chunk_info(file, 0, (int)y, &chunk);
+        if (result == EXR_ERR_SUCCESS)
+            result = y == 0 ? exr_encoding_initialize(file, 0, &chunk, &pipe) : exr_encoding_update(file, 0, &chunk, &pipe);
+        for (int c = 0; c < pipe.channel_count && result == EXR_ERR_SUCCESS; ++c) {
+            exr_coding_channel_info_t *channel = &pipe.channels[c];
+            const float *from = image->rgba + 4 * y * image->width + (size_t)component_of(channel->channel_name);
+            channel->user_pixel_stride = 4 * sizeof(float);
+            channel->user_line_stride = (int32_t)(4 * sizeof(float) * image->width);
+            channel->encode_from_ptr = (const uint8_t *)from;
+        }
+        if (result == EXR_ERR_SUCCESS && y == 0)
+            result = exr_encoding_choose_default_routines(file, 0, &pipe);
+        if (result == EXR_ERR_SUCCESS)
+            result = exr_encoding_run(file, 0, &pipe);
+    }
+    exr_encoding_destroy(file, &pipe);
+    return result;
+}
+
+iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err)
+{
+    exr_log log = {""};
+    exr_context_initializer_t init = initializer(&log);
+    exr_context_t file = NULL;
+    iso_output out;
+    iso_status status = iso_output_begin(&out, path, err);
+    if (status != ISO_OK)
+        return status;
+    exr_result_t result = exr_start_write(&file, out.temp_path, EXR_WRITE_FILE_DIRECTLY, &init);
+    if (result == EXR_ERR_SUCCESS)
+        result = write_header(file, image, notes);
+    if (result == EXR_ERR_SUCCESS)
+        result = write_pixels(file, image);
+    exr_result_t closed = file ? exr_finish(&file) : EXR_ERR_SUCCESS;
+    if (result == EXR_ERR_SUCCESS && closed == EXR_ERR_SUCCESS)
+        return iso_output_commit(&out, err);
+    status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, log.text);
+    iso_output_abandon(&out);
+    return status;
+}
+
+/* Points the decoder at the pixels of one chunk, whose first is at (x, y) of
+ * the image. Channels that are not ours are skipped. *mask gathers which came. */
+static void aim(exr_decode_pipeline_t *pipe, iso_image *image, size_t x, size_t y, unsigned *mask)
+{
+    for (int c = 0; c < pipe->channel_count; ++c) {
+        exr_coding_channel_info_t *channel = &pipe->channels[c];
+        int component = component_of(channel->channel_name);
+        channel->decode_to_ptr = NULL;
+        if (component < 0 || channel->x_samples != 1 || channel->y_samples != 1)
+            continue;
+        *mask |= 1u << component;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 4 * sizeof(float);
+        channel->user_line_stride = (int32_t)(4 * sizeof(float) * image->width);
+        channel->decode_to_ptr = (uint8_t *)(image->rgba + 4 * (y * image->width + x) + component);
+    }
+}
+
+static exr_result_t decode_chunk(exr_context_t file, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *pipe,
+                                 bool *started, iso_image *image, size_t x, size_t y, unsigned *mask)
+{
+    exr_result_t result = *started ? exr_decoding_update(file, 0, chunk, pipe)
+                                   : exr_decoding_initialize(file, 0, chunk, pipe);
+    if (result != EXR_ERR_SUCCESS)
+        return result;
+    aim(pipe, image, x, y, mask);
+    if (!*started)
+        result = exr_decoding_choose_default_routines(file, 0, pipe);
+    *started = true;
+    return result == EXR_ERR_SUCCESS ? exr_decoding_run(file, 0, pipe) : result;
+}
+
+static exr_result_t read_scanlines(exr_context_t file, int32_t first_line, exr_decode_pipeline_t *pipe, iso_image *image,
+                                   unsigned *mask)
+{
+    int32_t lines = 1;
+    bool started = false;
+    exr_result_t result = exr_get_scanlines_per_chunk(file, 0, &lines);
+    for (size_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (size_t)lines) {
+        exr_chunk_info_t chunk;
+        result = exr_read_scanline_chunk_info(file, 0, first_line + (int)y, &chunk);
+        if (result == EXR_ERR_SUCCESS)
+            result = decode_chunk(file, &chunk, pipe, &started, image, 0, y, mask);
+    }
+    return result;
+}
+
+static exr_result_t read_tiles(exr_context_t file, exr_decode_pipeline_t *pipe, iso_image *image, unsigned *mask)
+{
+    int32_t tile_width = 0, tile_height = 0;
+    bool started = false;
+    exr_result_t result = exr_get_tile_sizes(file, 0, 0, 0, &tile_width, &tile_height);
+    for (size_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (size_t)tile_height)
+        for (size_t x = 0; x < image->width && result == EXR_ERR_SUCCESS; x += (size_t)tile_width) {
+            exr_chunk_info_t chunk;
+            result = exr_read_tile_chunk_info(file, 0, (int)(x / (size_t)tile_width), (int)(y / (size_t)tile_height), 0, 0, &chunk);
+            if (result == EXR_ERR_SUCCESS)
+                result = decode_chunk(file, &chunk, pipe, &started, image, x, y, mask);
+        }
+    return result;
+}
+
+static exr_result_t read_pixels(exr_context_t file, exr_attr_box2i_t window, iso_image *image, unsigned *mask)
+{
+    exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_storage_t storage;
+    exr_result_t result = exr_get_storage(file, 0, &storage);
+    if (result == EXR_ERR_SUCCESS && storage == EXR_STORAGE_SCANLINE)
+        result = read_scanlines(file, window.min.y, &pipe, image, mask);
+    else if (result == EXR_ERR_SUCCESS && storage == EXR_STORAGE_TILED)
+        result = read_tiles(file, &pipe, image, mask);
+    else if (result == EXR_ERR_SUCCESS)
+        result = EXR_ERR_FEATURE_NOT_IMPLEMENTED; /* deep images */
+    exr_decoding_destroy(file, &pipe);
+    return result;
+}
+
+static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log, iso_error *err)
+{
+    exr_attr_box2i_t window;
+    unsigned mask = 0;
+    if (exr_get_data_window(file, 0, &window) != EXR_ERR_SUCCESS)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no data window", path);
+    int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
+    if (width < 1 || height < 1 || width > 65536 || height > 65536)
+        return iso_fail(err, ISO_E_RANGE, "%s: image size %lld x %lld, each must be 1 to 65536", path, (long long)width,
+                        (long long)height);
+    iso_status status = iso_image_create(image, (size_t)width, (size_t)height, err);
+    if (status != ISO_OK)
+        return iso_fail_in(err, status, "%s", path);
+    exr_result_t result = read_pixels(file, window, image, &mask);
+    if (result != EXR_ERR_SUCCESS)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, log->text[0] ? log->text : exr_get_default_error_message(result));
+    else if ((mask & 7) != 7)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has no channels named R, G and B", path);
+    else if (!(mask & 8))
+        for (size_t i = 0; i < image->width * image->height; ++i)
+            image->rgba[4 * i + 3] = 1;
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
+}
+
+iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err)
+{
+    exr_log log = {""};
+    exr_context_initializer_t init = initializer(&log);
+    exr_context_t file = NULL;
+    *image = (iso_image){0};
+    if (!iso_path_exists(path) || iso_path_is_dir(path))
+        return iso_fail(err, ISO_E_IO, "%s: no such file", path);
+    if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
+        return iso_fail(err, ISO_E_FORMAT, "%s: not an OpenEXR image: %s", path, log.text);
+    iso_status status = load_opened(file, path, image, &log, err);
+    exr_finish(&file);
+    return status;
+}

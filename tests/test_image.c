@@ -1,0 +1,125 @@
+/* test_image.c - images to files and back. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "image/image.h"
+#include "test.h"
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = iso_make_temp_dir();
+    return folder ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    iso_remove_tree(folder);
+    free(folder);
+    return 0;
+}
+
+/* 37 x 53: neither a multiple of a chunk's lines, nor square. */
+static iso_image pattern(void)
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, 37, 53, &err));
+    for (size_t i = 0; i < 37 * 53 * 4; ++i)
+        image.rgba[i] = (float)sin((double)i) * 10;
+    return image;
+}
+
+static void exr_keeps_every_bit_and_the_orientation(void **state)
+{
+    (void)state;
+    iso_image a = pattern(), b;
+    char *path = iso_path_join(folder, "a.exr");
+    const iso_image_note notes[] = {{"command", "isoshade render"}, {NULL, NULL}};
+    assert_ok(iso_image_save_exr(&a, path, notes, &err));
+    assert_ok(iso_image_load_exr(path, &b, &err));
+    assert_int_equal(b.width, 37);
+    assert_int_equal(b.height, 53);
+    assert_memory_equal(a.rgba, b.rgba, 37 * 53 * 4 * sizeof(float));
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    free(path);
+}
+
+static void a_truncated_exr_is_refused(void **state)
+{
+    (void)state;
+    iso_image a = pattern(), b;
+    char *path = iso_path_join(folder, "cut.exr");
+    assert_ok(iso_image_save_exr(&a, path, NULL, &err));
+    assert_int_equal(truncate(path, 2000), 0);
+    assert_status(iso_image_load_exr(path, &b, &err), ISO_E_FORMAT);
+    assert_ok(iso_file_write(path, "not an image", 12, &err));
+    assert_status(iso_image_load_exr(path, &b, &err), ISO_E_FORMAT);
+    iso_image_destroy(&a);
+    free(path);
+}
+
+static void an_unwritable_folder_is_named(void **state)
+{
+    (void)state;
+    iso_image a = pattern();
+    iso_error e = {""};
+    assert_int_equal(iso_image_save_exr(&a, "/nonexistent/folder/a.exr", NULL, &e), ISO_E_IO);
+    assert_non_null(strstr(e.text, "/nonexistent/folder"));
+    assert_int_equal(iso_image_save_png(&a, "/nonexistent/folder/a.png", 1, &e), ISO_E_IO);
+    iso_image_destroy(&a);
+}
+
+static void ppm_of_16_bits_is_read_and_8_bits_refused(void **state)
+{
+    (void)state;
+    iso_image a;
+    char *path = iso_path_join(folder, "a.ppm");
+    static const char good[] = "P6\n# POV-Ray\n2 1\n65535\n\377\377\000\000\000\001\200\000\000\000\000\000";
+    assert_ok(iso_file_write(path, good, sizeof good - 1, &err));
+    assert_ok(iso_image_load_ppm(path, &a, &err));
+    assert_within(a.rgba[0], 1, 0);
+    assert_within(a.rgba[2], 1 / 65535.0, 1e-9); /* float rounding */
+    assert_within(a.rgba[4], 32768 / 65535.0, 1e-7);
+    assert_within(a.rgba[7], 1, 0);
+    iso_image_destroy(&a);
+    assert_ok(iso_file_write(path, good, sizeof good - 2, &err));
+    assert_status(iso_image_load_ppm(path, &a, &err), ISO_E_FORMAT);
+    assert_ok(iso_file_write(path, "P6 1 1 255 abc", 14, &err));
+    assert_status(iso_image_load_ppm(path, &a, &err), ISO_E_FORMAT);
+    free(path);
+}
+
+static void the_background_shows_through_what_is_left_of_alpha(void **state)
+{
+    (void)state;
+    iso_image a;
+    const double background[3] = {1, 0.5, 0};
+    assert_ok(iso_image_create(&a, 1, 1, &err));
+    a.rgba[0] = 0.25f;
+    a.rgba[3] = 0.75f;
+    iso_image_add_background(&a, background);
+    assert_within(a.rgba[0], 0.5, 0);
+    assert_within(a.rgba[1], 0.125, 0);
+    assert_within(a.rgba[2], 0, 0);
+    iso_image_destroy(&a);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exr_keeps_every_bit_and_the_orientation),
+        cmocka_unit_test(a_truncated_exr_is_refused),
+        cmocka_unit_test(an_unwritable_folder_is_named),
+        cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),
+        cmocka_unit_test(the_background_shows_through_what_is_left_of_alpha),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
