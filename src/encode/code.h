@@ -30,12 +30,13 @@ typedef struct iso_code_info {
     bool is_signed;    /* SNORM8 lattice, else UNORM8 read as 2t - 1 */
     bool keeps_length; /* d's length survives */
     bool is_linear;    /* decode(e) = e, so that filtering decoded vectors is the same */
+    int decoder;       /* ISO_DECODER_* of code_decode.h, for shaders */
 } iso_code_info;
 
 const iso_code_info *iso_code_describe(iso_code code);
 iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err);
 
-/* count directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to 3 bytes each. */
+/* count finite directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to 3 bytes each. */
 void iso_code_encode(iso_code code, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
 /* The lattice vector that 3 bytes stand for: what a nearest fetch returns. */

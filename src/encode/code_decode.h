@@ -1,0 +1,106 @@
+/* code_decode.h - from a (filtered) lattice vector to the shading normal: the
+ * one definition that C and GLSL share.
+ *
+ * GLSL: put this text behind the #version line; nothing has to be defined.
+ * C: define before the inclusion
+ *     ISO_REAL             float or double
+ *     ISO_VEC3             a struct with ISO_REAL x, y, z
+ *     ISO_MAKE_VEC3(x, y, z), ISO_SQRT(x), ISO_ABS(x)
+ *
+ *     e  lattice vector: a texture fetch, bytes read as SNORM8, or as UNORM8
+ *        and then 2 t - 1
+ *     d  iso_decode(decoder, e): shading direction, |d| <= 1 or a little above;
+ *        its length is how far it can be trusted, 0: undefined
+ *     n  iso_shading_normal(d) = d / sqrt(|d|^2 + eps^2), |n| < 1
+ *
+ * eps is one step of the signed lattice (1/127): n fades only where d is as
+ * short as one code step, that is where there is no direction. */
+#ifndef __STDC__ /* GLSL */
+#define ISO_REAL float
+#define ISO_VEC3 vec3
+#define ISO_MAKE_VEC3(x, y, z) vec3(x, y, z)
+#define ISO_SQRT(x) sqrt(x)
+#define ISO_ABS(x) abs(x)
+#define ISO_FUNCTION
+#else
+#define ISO_FUNCTION static inline
+#endif
+
+#define ISO_DIRECTION_EPS (1.0 / 127.0)
+
+/* Decoders; several codes may share one (iso_code_info.decoder). */
+#define ISO_DECODER_LINEAR 0
+#define ISO_DECODER_REGION48 1
+
+/* gradients-2017 section 4.1, Figure 10: the best lambda of Eq. 2. */
+#define ISO_REGION48_LAMBDA 0.61
+
+/* A length of e at which no direction is left: the eight codes around the
+ * centre of the unsigned lattice, of which (128,128,128) is kept for
+ * "undefined". Encoders emit no other vector shorter than 1/3 (its odd
+ * multiples have the same direction), so that with the slope below |d| = 1 at
+ * every defined voxel and falls to 0 only where filtering meets undefined
+ * voxels or opposite directions. */
+#define ISO_UNSIGNED_ZERO_LENGTH 0.006793 /* sqrt(3) / 255, rounded up */
+#define ISO_UNSIGNED_LENGTH_SLOPE 4.0
+
+#define ISO_MIN(a, b) ((a) < (b) ? (a) : (b))
+#define ISO_MAX(a, b) ((a) < (b) ? (b) : (a))
+
+ISO_FUNCTION ISO_REAL iso_decode_length(ISO_VEC3 v)
+{
+    return ISO_SQRT(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+/* |d| for a vector of length r on the unsigned lattice. */
+ISO_FUNCTION ISO_REAL iso_decode_trust(ISO_REAL r)
+{
+    ISO_REAL t = ISO_UNSIGNED_LENGTH_SLOPE * (r - ISO_UNSIGNED_ZERO_LENGTH);
+    return ISO_MAX(0.0, ISO_MIN(1.0, t));
+}
+
+/* Gives each component of e, by its rank among |components| (high >= middle >=
+ * low), the new magnitude of that rank, and its own sign. Equal components get
+ * equal magnitudes from every decoder, so the order among them is free. */
+ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REAL low, ISO_VEC3 ranked)
+{
+    ISO_REAL size = ISO_ABS(component);
+    ISO_REAL value = size >= high ? ranked.x : size <= low ? ranked.z : ranked.y;
+    return component < 0.0 ? -value : value;
+}
+
+/* gradients-2017 section 4.2: the region is the order and the signs of the
+ * components; the cube-dot (a, b, c) / a of the sorted ones is
+ * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalisation
+ * is only a scale of the vector, which the last step undoes anyway. */
+ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
+{
+    ISO_REAL length = iso_decode_length(e);
+    ISO_REAL trust = iso_decode_trust(length);
+    if (trust <= 0.0)
+        return ISO_MAKE_VEC3(0.0, 0.0, 0.0);
+    ISO_REAL x = ISO_ABS(e.x), y = ISO_ABS(e.y), z = ISO_ABS(e.z);
+    ISO_REAL high = ISO_MAX(x, ISO_MAX(y, z));
+    ISO_REAL low = ISO_MIN(x, ISO_MIN(y, z));
+    ISO_REAL middle = ISO_MAX(ISO_MIN(x, y), ISO_MIN(ISO_MAX(x, y), z));
+    ISO_REAL u = 1.0 - middle / high, v = (middle - low) / high, w = low / high;
+    u = u * (1.0 - ISO_REGION48_LAMBDA + ISO_REGION48_LAMBDA * u);
+    v = v * (1.0 - ISO_REGION48_LAMBDA + ISO_REGION48_LAMBDA * v);
+    w = w * (1.0 - ISO_REGION48_LAMBDA + ISO_REGION48_LAMBDA * w);
+    ISO_VEC3 ranked = ISO_MAKE_VEC3(u + v + w, v + w, w);
+    ISO_REAL scale = trust / iso_decode_length(ranked);
+    ranked = ISO_MAKE_VEC3(ranked.x * scale, ranked.y * scale, ranked.z * scale);
+    return ISO_MAKE_VEC3(iso_decode_pick(e.x, high, low, ranked), iso_decode_pick(e.y, high, low, ranked),
+                         iso_decode_pick(e.z, high, low, ranked));
+}
+
+ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
+{
+    return decoder == ISO_DECODER_REGION48 ? iso_decode_region48(e) : e;
+}
+
+ISO_FUNCTION ISO_VEC3 iso_shading_normal(ISO_VEC3 d)
+{
+    ISO_REAL length = ISO_SQRT(d.x * d.x + d.y * d.y + d.z * d.z + ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
+    return ISO_MAKE_VEC3(d.x / length, d.y / length, d.z / length);
+}
