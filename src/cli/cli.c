@@ -114,8 +114,8 @@ char *iso_cli_command_line(const iso_cli *cli)
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
         return NULL;
-    fputs("isoshade", memory);
-    for (int i = 0; i < cli->argc; ++i) {
+    fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
+    for (int i = 1; i < cli->argc; ++i) {
         if (is_plain(cli->argv[i])) {
             fprintf(memory, " %s", cli->argv[i]);
             continue;
@@ -133,6 +133,8 @@ json_t *iso_cli_json(const iso_cli *cli)
 {
     char schema[64];
     snprintf(schema, sizeof schema, "isoshade.%s/1", cli->command->name);
+    for (char *space = strchr(schema, ' '); space; space = strchr(space, ' '))
+        *space = '.';
     char *line = iso_cli_command_line(cli);
     json_t *root = json_pack("{s:s, s:s, s:{}}", "schema", schema, "command", line ? line : "", "options");
     free(line);

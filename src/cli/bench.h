@@ -1,0 +1,12 @@
+/* bench.h - the one list of benchmarks; `isoshade bench NAME` and its help
+ * expand from it. src/cli/bench_NAME.c defines iso_bench_NAME, an iso_command
+ * whose name is "bench NAME"; it is called and parses as a command does. */
+#ifndef ISO_CLI_BENCH_H
+#define ISO_CLI_BENCH_H
+
+#include "cli/cli.h"
+
+#define ISO_BENCH_LIST(X) \
+    X(encode)
+
+#endif

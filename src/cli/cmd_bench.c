@@ -1,0 +1,50 @@
+/* cmd_bench.c - hands on to the benchmarks. */
+#include "cli/bench.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define ISO_BENCH_EXTERN(name) extern const iso_command iso_bench_##name;
+ISO_BENCH_LIST(ISO_BENCH_EXTERN)
+#undef ISO_BENCH_EXTERN
+
+#define ISO_BENCH_ENTRY(name) &iso_bench_##name,
+static const iso_command *const benchmarks[] = {ISO_BENCH_LIST(ISO_BENCH_ENTRY) NULL};
+#undef ISO_BENCH_ENTRY
+
+static const char *short_name(const iso_command *benchmark)
+{
+    return benchmark->name + strlen("bench ");
+}
+
+static void print_list(const iso_command *self)
+{
+    printf("isoshade %s - %s\n\nusage: isoshade %s %s\n\n%s\n\nbenchmarks:\n", self->name, self->summary, self->name,
+           self->usage, self->details);
+    for (const iso_command *const *b = benchmarks; *b; ++b)
+        printf("  %-12s %s\n", short_name(*b), (*b)->summary);
+    printf("\nisoshade bench NAME --help shows its options.\n\nexamples:\n%s", self->examples);
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    if (argc < 2)
+        return iso_fail(err, ISO_E_USAGE, "no benchmark named; isoshade bench --help lists them");
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        print_list(self);
+        return ISO_OK;
+    }
+    for (const iso_command *const *b = benchmarks; *b; ++b)
+        if (strcmp(short_name(*b), argv[1]) == 0)
+            return (*b)->run(*b, argc - 1, argv + 1, err);
+    return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+}
+
+const iso_command iso_command_bench = {
+    .name = "bench",
+    .summary = "measure speed against accuracy",
+    .usage = "NAME [options]",
+    .details = "Times are wall clock, the least of several runs; compare ratios within one run.",
+    .examples = "isoshade bench encode --count 100000\n",
+    .run = run,
+};
