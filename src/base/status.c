@@ -29,14 +29,13 @@ iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)
 iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ...)
 {
     if (err) {
-        char callee[sizeof err->text];
-        memcpy(callee, err->text, sizeof callee);
+        iso_error callee = *err;
         va_list args;
         va_start(args, format);
-        int used = vsnprintf(err->text, sizeof err->text, format, args);
+        vsnprintf(err->text, sizeof err->text, format, args);
         va_end(args);
-        if (used >= 0 && (size_t)used < sizeof err->text)
-            snprintf(err->text + used, sizeof err->text - (size_t)used, ": %s", callee);
+        strncat(err->text, ": ", sizeof err->text - strlen(err->text) - 1);
+        strncat(err->text, callee.text, sizeof err->text - strlen(err->text) - 1);
     }
     return status;
 }

@@ -1,0 +1,215 @@
+#include "render/reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "render/sampler.h"
+
+iso_reference_options iso_reference_defaults(void)
+{
+    return (iso_reference_options){.quadrature = ISO_QUADRATURE_CONVERGED, .source = ISO_FROM_CODES, .intervals = 100,
+                                   .tolerance = 1e-6};
+}
+
+/* A ray in the level's index space, with what its samples need. */
+typedef struct ray_state {
+    const iso_sampler *sampler;
+    const iso_view *view;
+    iso_vec3 origin, direction; /* index per mm of t */
+    iso_vec3 to_viewer;         /* world, unit */
+} ray_state;
+
+/* What a stretch of the ray emits towards its own start, and its optical depth. */
+typedef struct stretch {
+    double color[3], depth;
+} stretch;
+
+/* shade(d) of render/scene.h */
+static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
+{
+    const iso_shading *m = &view->shading;
+    double sum = m->ambient;
+    for (size_t i = 0; i < view->light_count; ++i) {
+        const iso_light *light = &view->lights[i];
+        iso_vec3 half = iso_normalize(iso_add(light->direction, to_viewer));
+        sum += light->intensity * m->diffuse * fabs(iso_dot(n, light->direction));
+        if (m->specular > 0)
+            sum += light->intensity * m->specular * pow(fabs(iso_dot(n, half)), m->power);
+    }
+    return sum;
+}
+
+/* Emission sigma c shade and extinction sigma per mm at t. */
+static double emission(const ray_state *ray, double t, double color[3])
+{
+    iso_vec3 p = iso_madd(ray->origin, ray->direction, t);
+    double rgbs[4];
+    iso_tf_lookup(&ray->view->tf, iso_sample_scalar(ray->sampler, p), rgbs);
+    double scale = 0;
+    if (rgbs[3] > 0)
+        scale = rgbs[3] * shade(ray->view, iso_sample_normal(ray->sampler, p), ray->to_viewer);
+    for (int c = 0; c < 3; ++c)
+        color[c] = scale * rgbs[c];
+    return rgbs[3];
+}
+
+/* front over back */
+static stretch compose(stretch front, stretch back)
+{
+    double t = exp(-front.depth);
+    for (int c = 0; c < 3; ++c)
+        front.color[c] += t * back.color[c];
+    front.depth += back.depth;
+    return front;
+}
+
+/* n equal intervals, samples in the middle, weight ds exp(-sigma ds / 2): POV-Ray's method 2. */
+static stretch sum_intervals(const ray_state *ray, double a, double b, size_t n)
+{
+    stretch s = {{0}, 0};
+    double ds = (b - a) / (double)n;
+    for (size_t i = 0; i < n; ++i) {
+        double color[3];
+        double sigma = emission(ray, a + ((double)i + 0.5) * ds, color);
+        double weight = ds * exp(-(s.depth + 0.5 * sigma * ds));
+        for (int c = 0; c < 3; ++c)
+            s.color[c] += weight * color[c];
+        s.depth += sigma * ds;
+    }
+    return s;
+}
+
+/* (4 fine - coarse) / 3 removes the error's term in ds^2. */
+static stretch extrapolate(stretch fine, stretch coarse)
+{
+    for (int c = 0; c < 3; ++c)
+        fine.color[c] += (fine.color[c] - coarse.color[c]) / 3;
+    fine.depth += (fine.depth - coarse.depth) / 3;
+    return fine;
+}
+
+static double distance(stretch a, stretch b)
+{
+    double d = fabs(a.depth - b.depth);
+    for (int c = 0; c < 3; ++c)
+        d = fmax(d, fabs(a.color[c] - b.color[c]));
+    return d;
+}
+
+/* Smooth between cell borders except where the TF has a knot: there the
+ * extrapolation stalls and the piece is halved. weight is the transmittance in
+ * front of the piece, so that hidden pieces are not refined. */
+static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth)
+{
+    enum { max_depth = 14 };
+    stretch two = sum_intervals(ray, a, b, 2), four = sum_intervals(ray, a, b, 4);
+    stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
+    if (depth >= max_depth || weight * distance(fine, coarse) <= tolerance)
+        return fine;
+    double middle = 0.5 * (a + b);
+    stretch front = integrate_piece(ray, a, middle, weight, 0.5 * tolerance, depth + 1);
+    stretch back = integrate_piece(ray, middle, b, weight * exp(-front.depth), 0.5 * tolerance, depth + 1);
+    return compose(front, back);
+}
+
+/* The first plane of voxel centres (i + 1/2) beyond index position p, as t from there. */
+static double to_next_plane(double p, double d)
+{
+    if (d == 0)
+        return INFINITY;
+    double q = p - 0.5;
+    double plane = d > 0 ? floor(q) + 1 : ceil(q) - 1;
+    return (plane - q) / d;
+}
+
+static stretch integrate_converged(const ray_state *ray, double t0, double t1, double tolerance)
+{
+    stretch whole = {{0}, 0};
+    /* Skips slivers of rounding at the planes; far below any tolerance. */
+    double least = 1e-9 * (t1 - t0);
+    for (double a = t0; a < t1;) {
+        iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
+        double step = fmin(to_next_plane(p.x, ray->direction.x),
+                           fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
+        double b = fmin(a + least + step, t1);
+        double weight = exp(-whole.depth);
+        if (weight < 1e-12)
+            break;
+        whole = compose(whole, integrate_piece(ray, a, b, weight, tolerance * (b - a) / (t1 - t0), 0));
+        a = b > a ? b : t1;
+    }
+    return whole;
+}
+
+/* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
+static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
+{
+    stretch s = {{0}, 0};
+    for (double k = floor(t0 / ds); k * ds < t1; ++k) {
+        double a = fmax(k * ds, t0), b = fmin((k + 1) * ds, t1), color[3];
+        if (!(b > a))
+            continue;
+        double sigma = emission(ray, 0.5 * (a + b), color);
+        if (sigma <= 0)
+            continue;
+        double weight = exp(-s.depth) * -expm1(-sigma * (b - a)) / sigma;
+        for (int c = 0; c < 3; ++c)
+            s.color[c] += weight * color[c];
+        s.depth += sigma * (b - a);
+    }
+    return s;
+}
+
+static void render_pixel(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt, size_t column,
+                         size_t row, float rgba[4])
+{
+    const iso_geometry *g = &sampler->level->geometry;
+    iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
+    iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
+    ray_state state = {.sampler = sampler, .view = view, .to_viewer = iso_scale(ray.direction, -1),
+                       .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
+                       .direction = iso_mul(to_index, ray.direction)};
+    double t0, t1;
+    stretch s = {{0}, 0};
+    if (iso_ray_box(&ray, g, &t0, &t1)) {
+        double step = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+        if (opt->quadrature == ISO_QUADRATURE_CONVERGED)
+            s = integrate_converged(&state, t0, t1, opt->tolerance);
+        else if (opt->quadrature == ISO_QUADRATURE_MIDPOINT)
+            s = integrate_midpoint(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
+        else
+            s = sum_intervals(&state, t0, t1, opt->intervals);
+    }
+    double t_end = exp(-s.depth);
+    for (int c = 0; c < 3; ++c)
+        rgba[c] = (float)(s.color[c] + t_end * view->background[c]);
+    rgba[3] = (float)(1 - t_end);
+}
+
+iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
+                                const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                iso_error *err)
+{
+    *image = (iso_image){0};
+    if (!(opt->tolerance > 0) || opt->intervals < 1)
+        return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g and intervals %zu must be above 0", opt->tolerance,
+                        opt->intervals);
+    iso_sampler sampler;
+    iso_status status = iso_sampler_create(&sampler, level, code, opt->source, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, view->width, view->height, err);
+    size_t done = 0;
+    int threads = iso_threads(opt->threads);
+    if (status == ISO_OK) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (size_t row = 0; row < view->height; ++row) {
+            for (size_t column = 0; column < view->width; ++column)
+                render_pixel(&sampler, view, opt, column, row, image->rgba + 4 * (row * view->width + column));
+#pragma omp critical(iso_reference_progress)
+            iso_progress_report(progress, "reference", (double)++done / (double)view->height);
+        }
+    }
+    iso_sampler_destroy(&sampler);
+    return status;
+}

@@ -1,0 +1,112 @@
+#include "render/sampler.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
+                              iso_error *err)
+{
+    const iso_geometry *g = &level->geometry;
+    size_t count = iso_geometry_voxel_count(g);
+    *s = (iso_sampler){.level = level, .code = code, .source = source,
+                       .gradient_to_world = iso_geometry_gradient_to_world(g),
+                       .on_the_fly_eps = ISO_ON_THE_FLY_EPS * (level->max - level->min) / iso_geometry_min_spacing_mm(g)};
+    if (source == ISO_FROM_FLOAT) {
+        if (!level->directions)
+            return iso_fail(err, ISO_E_RANGE, "the level holds no float directions; build with --keep-float");
+        s->vectors = level->directions;
+    }
+    if (source != ISO_FROM_CODES && source != ISO_FROM_DECODED)
+        return ISO_OK;
+    s->owned = malloc(count * 3 * sizeof *s->owned);
+    if (!s->owned)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    s->vectors = s->owned;
+    if (source == ISO_FROM_DECODED) {
+        iso_code_decode_all(code, level->codes, s->owned, count);
+        return ISO_OK;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        double e[3];
+        iso_code_lattice(code, level->codes + 3 * i, e);
+        for (size_t c = 0; c < 3; ++c)
+            s->owned[3 * i + c] = (float)e[c];
+    }
+    return ISO_OK;
+}
+
+void iso_sampler_destroy(iso_sampler *s)
+{
+    if (!s)
+        return;
+    free(s->owned);
+    *s = (iso_sampler){0};
+}
+
+/* The eight voxels round a point and their weights. */
+typedef struct stencil {
+    size_t voxel[8];
+    double weight[8];
+} stencil;
+
+static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
+{
+    const double p[3] = {index.x - 0.5, index.y - 0.5, index.z - 0.5};
+    size_t lo[3], hi[3];
+    double f[3];
+    for (int a = 0; a < 3; ++a) {
+        double last = (double)(g->size[a] - 1);
+        double q = p[a] > 0 ? (p[a] < last ? p[a] : last) : 0;
+        lo[a] = (size_t)q;
+        hi[a] = lo[a] + 1 < g->size[a] ? lo[a] + 1 : lo[a];
+        f[a] = q - (double)lo[a];
+    }
+    stencil s;
+    for (int c = 0; c < 8; ++c) {
+        size_t x = c & 1 ? hi[0] : lo[0], y = c & 2 ? hi[1] : lo[1], z = c & 4 ? hi[2] : lo[2];
+        s.voxel[c] = x + g->size[0] * (y + g->size[1] * z);
+        s.weight[c] = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
+    }
+    return s;
+}
+
+double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
+{
+    stencil at = stencil_at(&s->level->geometry, index);
+    double value = 0;
+    for (int c = 0; c < 8; ++c)
+        value += at.weight[c] * (double)s->level->scalar[at.voxel[c]];
+    return value;
+}
+
+/* Central differences of the filtered scalar, one voxel apart to each side. */
+static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
+{
+    iso_vec3 index_gradient = {
+        0.5 * (iso_sample_scalar(s, iso_v3(p.x + 1, p.y, p.z)) - iso_sample_scalar(s, iso_v3(p.x - 1, p.y, p.z))),
+        0.5 * (iso_sample_scalar(s, iso_v3(p.x, p.y + 1, p.z)) - iso_sample_scalar(s, iso_v3(p.x, p.y - 1, p.z))),
+        0.5 * (iso_sample_scalar(s, iso_v3(p.x, p.y, p.z + 1)) - iso_sample_scalar(s, iso_v3(p.x, p.y, p.z - 1))),
+    };
+    iso_vec3 g = iso_mul(s->gradient_to_world, index_gradient);
+    double square = iso_dot(g, g) + s->on_the_fly_eps * s->on_the_fly_eps;
+    return square > 0 ? iso_scale(g, 1 / sqrt(square)) : g;
+}
+
+iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
+{
+    if (!s->vectors)
+        return normal_on_the_fly(s, index);
+    stencil at = stencil_at(&s->level->geometry, index);
+    double e[3] = {0}, n[3];
+    for (int c = 0; c < 8; ++c)
+        for (size_t a = 0; a < 3; ++a)
+            e[a] += at.weight[c] * (double)s->vectors[3 * at.voxel[c] + a];
+    if (s->source == ISO_FROM_CODES) {
+        double d[3];
+        iso_code_decode(s->code, e, d);
+        iso_code_normal(d, n);
+    } else {
+        iso_code_normal(e, n);
+    }
+    return iso_v3(n[0], n[1], n[2]);
+}

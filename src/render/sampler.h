@@ -1,0 +1,34 @@
+/* sampler.h - a level's scalar and shading normal at any point, in double precision.
+ *
+ * Points are in the level's index coordinates (voxel i has its centre at i + 1/2).
+ * The field's data are the floats and bytes of the level; all arithmetic on them
+ * is double. Trilinear between voxel centres, clamped to the edge. */
+#ifndef ISO_SAMPLER_H
+#define ISO_SAMPLER_H
+
+#include "render/field.h"
+
+/* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
+ * value range over its smallest spacing: flat regions fade to ambient. */
+#define ISO_ON_THE_FLY_EPS 1e-4
+
+typedef struct iso_sampler {
+    const iso_level *level;
+    iso_code code;
+    iso_direction_source source;
+    float *owned;         /* lattice vectors or decoded directions, made here */
+    const float *vectors; /* 3 a voxel, filtered; NULL on the fly */
+    iso_mat3 gradient_to_world;
+    double on_the_fly_eps; /* value per mm */
+} iso_sampler;
+
+/* ISO_E_RANGE when the level holds no floats and they are asked for. */
+iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
+                              iso_error *err);
+void iso_sampler_destroy(iso_sampler *s);
+
+double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
+/* World axes, |n| <= 1, zero where there is no direction. */
+iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
+
+#endif
