@@ -29,13 +29,16 @@ iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)
 iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ...)
 {
     if (err) {
-        iso_error callee = *err;
+        char context[sizeof err->text / 2];
         va_list args;
         va_start(args, format);
-        vsnprintf(err->text, sizeof err->text, format, args);
+        vsnprintf(context, sizeof context, format, args);
         va_end(args);
-        strncat(err->text, ": ", sizeof err->text - strlen(err->text) - 1);
-        strncat(err->text, callee.text, sizeof err->text - strlen(err->text) - 1);
+        size_t used = strlen(context);
+        memmove(err->text + used + 2, err->text, sizeof err->text - used - 3);
+        memcpy(err->text, context, used);
+        memcpy(err->text + used, ": ", 2);
+        err->text[sizeof err->text - 1] = 0;
     }
     return status;
 }
