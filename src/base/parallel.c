@@ -9,6 +9,11 @@ int iso_threads(int wanted)
     return wanted > 0 ? wanted : omp_get_max_threads();
 }
 
+int iso_thread_index(void)
+{
+    return omp_get_thread_num();
+}
+
 double iso_clock_seconds(void)
 {
     struct timespec t;

@@ -7,6 +7,9 @@
 /* wanted > 0: that many; 0: as many as OpenMP offers (all cores, or OMP_NUM_THREADS). */
 int iso_threads(int wanted);
 
+/* The number of the calling thread within its parallel region, from 0. */
+int iso_thread_index(void);
+
 /* Wall clock in seconds, for benchmarks and reports. */
 double iso_clock_seconds(void);
 
