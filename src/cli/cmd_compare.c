@@ -1,0 +1,141 @@
+/* isoshade compare: how far two images are apart, and whether that is allowed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "cli/cli.h"
+#include "compare/metrics.h"
+
+typedef struct compare_options {
+    iso_limits limits;
+    char *difference;
+    double scale;
+} compare_options;
+
+static iso_status load(const char *path, iso_image *image, iso_error *err)
+{
+    if (iso_path_ends_with(path, ".ppm"))
+        return iso_image_load_ppm(path, image, err);
+    return iso_image_load_exr(path, image, err);
+}
+
+/* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
+static iso_status check_limits(iso_limits *l, iso_error *err)
+{
+    const struct { const char *name; double *value; } all[] = {
+        {"--max-rmse", &l->rmse},
+        {"--max-abs", &l->max_abs},
+        {"--max-p99", &l->p99_abs},
+        {"--max-dissimilarity", &l->ssim_dissimilarity},
+        {"--max-flip", &l->flip_mean},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        if (*all[i].value == -INFINITY)
+            *all[i].value = 0;
+        else if (!(*all[i].value > 0 && *all[i].value < INFINITY))
+            return iso_fail(err, ISO_E_USAGE, "%s is %g, must be above 0; without limits only equal images agree",
+                            all[i].name, *all[i].value);
+    }
+    return ISO_OK;
+}
+
+static json_t *describe_limits(const iso_limits *l)
+{
+    json_t *o = json_object();
+    const struct { const char *name; double value; } all[] = {
+        {"rmse", l->rmse},
+        {"max_abs", l->max_abs},
+        {"p99_abs", l->p99_abs},
+        {"ssim_dissimilarity", l->ssim_dissimilarity},
+        {"flip_mean", l->flip_mean},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        if (all[i].value > 0)
+            json_object_set_new(o, all[i].name, json_real(all[i].value));
+    return o;
+}
+
+static void print_text(const iso_metrics *m, bool agree)
+{
+    if (m->nonfinite_count > 0)
+        printf("%zu pixels are not finite\n", m->nonfinite_count);
+    else
+        printf("rmse      %.4g\nmax_abs   %.4g at column %zu, row %zu\np99_abs   %.4g\npsnr_db   %.4g\n"
+               "ssim      %.6f\nflip_mean %.6f\n",
+               m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
+    printf("verdict   %s\n", agree ? "agree" : "differ");
+}
+
+static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_image images[3], iso_error *err)
+{
+    iso_metrics m;
+    iso_status status = load(cli->arguments[0], &images[0], err);
+    if (status == ISO_OK)
+        status = load(cli->arguments[1], &images[1], err);
+    if (status == ISO_OK)
+        status = iso_metrics_measure(&images[0], &images[1], &m, err);
+    if (status == ISO_OK && opt->difference) {
+        status = iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err);
+        if (status == ISO_OK)
+            status = iso_image_save_png(&images[2], opt->difference, 1, err);
+    }
+    if (status != ISO_OK)
+        return status;
+    bool agree = iso_metrics_within(&m, &opt->limits);
+    if (cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_limits(&opt->limits)));
+        json_object_set_new(root, "a", json_string(cli->arguments[0]));
+        json_object_set_new(root, "b", json_string(cli->arguments[1]));
+        json_object_update_new(root, iso_metrics_to_json(&m));
+        json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
+        iso_cli_print_json(root);
+    } else {
+        print_text(&m, agree);
+    }
+    return agree ? ISO_OK : ISO_E_DIFFERS;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    compare_options opt = {.limits = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+    struct poptOption options[] = {
+        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.limits.rmse, 0, "largest root mean square difference", "X"},
+        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.limits.max_abs, 0, "largest difference of any channel", "X"},
+        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.limits.p99_abs, 0, "largest difference of 99 % of the pixels", "X"},
+        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.limits.ssim_dissimilarity, 0, "largest 1 - SSIM", "X"},
+        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.limits.flip_mean, 0, "largest mean FLIP", "X"},
+        {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
+        {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_image images[3] = {{0}};
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = check_limits(&opt.limits, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_check_range("--scale", opt.scale, 0, 1e30, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = compare(&cli, &opt, images, err);
+    for (int i = 0; i < 3; ++i)
+        iso_image_destroy(&images[i]);
+    free(opt.difference);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_compare = {
+    .name = "compare",
+    .summary = "measure how far two images are apart",
+    .usage = "A.exr B.exr [--max-rmse X ...] [--difference OUT.png] [--json]",
+    .details = "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
+               "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
+               "on the sRGB that people see. Pixels that are not finite always differ.",
+    .examples = "  isoshade compare a.exr b.exr\n"
+                "  isoshade compare a.exr b.exr --max-rmse 1e-4 --max-abs 2e-3 --json\n"
+                "  isoshade compare a.exr b.exr --difference difference.png\n",
+    .run = run,
+};

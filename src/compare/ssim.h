@@ -1,0 +1,17 @@
+/* ssim.h - structural similarity.
+ *
+ * Wang, Bovik, Sheikh, Simoncelli, "Image Quality Assessment: From Error
+ * Visibility to Structural Similarity", IEEE TIP 13(4), 2004: Eq. 13 with a
+ * Gaussian window of 11x11, sigma 1.5, K1 = .01, K2 = .03, L = 1, on one channel.
+ * Windows lie wholly inside the image, as in the authors' program; an image with
+ * fewer than 11 rows or columns takes windows cut at its border instead. */
+#ifndef ISO_SSIM_H
+#define ISO_SSIM_H
+
+#include "image/image.h"
+
+/* The mean over all windows, of Rec. 601 luma of sRGB-encoded colours clipped to
+ * [0, 1]. ISO_E_RANGE: empty or different sizes; ISO_E_MEMORY. */
+iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, iso_error *err);
+
+#endif

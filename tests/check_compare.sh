@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# The command compare: verdicts, exit codes, JSON, messages, and no half-written files.
+set -u
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failed=0
+check() { # name, condition as a command
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
+}
+expect() { # name, exit code, command ...
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 "$dir/err")"; failed=1; fi
+}
+# picture FILE WIDTH HEIGHT HIGH-BYTE: 16-bit PPM, every channel HIGH-BYTE * 256.
+picture() {
+    printf 'P6\n%d %d\n65535\n' "$2" "$3" >"$1"
+    for ((i = 0; i < 3 * $2 * $3; ++i)); do printf "\\x$4\\x00"; done >>"$1"
+}
+picture "$dir/a.ppm" 12 11 80
+picture "$dir/b.ppm" 12 11 81
+picture "$dir/small.ppm" 11 12 80
+printf 'P6\n12 11\n65535\nshort' >"$dir/short.ppm"
+head -c 64 /dev/zero >"$dir/zeros.exr"
+
+expect equal_images_agree 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm"
+check verdict_is_printed grep -q '^verdict   agree' "$dir/out"
+expect different_images_differ_without_limits 1 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm"
+# 256 / 65535 = 0.0039: one limit above, one below
+expect a_wide_limit_lets_them_agree 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.004
+expect a_tight_limit_does_not 1 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.0038 --max-rmse 1
+expect json_is_printed 1 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.0038 --json
+for key in schema command options rmse max_abs p99_abs psnr_db ssim flip_mean nonfinite_count verdict; do
+    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
+done
+check json_names_the_schema grep -q '"isoshade.compare/1"' "$dir/out"
+expect the_difference_is_drawn 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --difference "$dir/d.png"
+check the_picture_is_a_png grep -q PNG "$dir/d.png"
+expect different_sizes_are_refused 5 "$ISOSHADE" compare "$dir/a.ppm" "$dir/small.ppm" --difference "$dir/no.png"
+check both_sizes_are_named grep -q '12x11.*11x12' "$dir/err"
+check nothing_is_left test ! -e "$dir/no.png"
+expect a_missing_file_is_named 3 "$ISOSHADE" compare "$dir/none.exr" "$dir/a.ppm"
+check the_message_names_the_file grep -q none.exr "$dir/err"
+expect a_short_file_is_refused 4 "$ISOSHADE" compare "$dir/short.ppm" "$dir/a.ppm"
+expect a_file_that_is_no_image_is_refused 4 "$ISOSHADE" compare "$dir/zeros.exr" "$dir/zeros.exr"
+expect a_limit_of_zero_is_refused 2 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --max-abs 0
+expect a_limit_that_is_nan_is_refused 2 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --max-flip nan
+expect one_image_is_too_few 2 "$ISOSHADE" compare "$dir/a.ppm"
+expect an_unwritable_picture_is_an_error 3 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --difference "$dir/no/d.png"
+expect help_is_not_an_error 0 "$ISOSHADE" compare --help
+check help_ends_with_examples grep -q '^  isoshade compare a.exr b.exr$' "$dir/out"
+exit $failed
