@@ -94,4 +94,5 @@ $(build)/%.o: %.cc
 embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)
 
+.SECONDARY:
 -include $(lib_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

@@ -7,7 +7,7 @@ passed=0 failed=0
 count() { # the output of one test
     local p f
     p=$(grep -cE '^(\[       OK \]|ok )' <<<"$1")
-    f=$(grep -cE '^(\[  FAILED  \] [A-Za-z_0-9]+$|not ok )' <<<"$1")
+    f=$(grep -E '^(\[  FAILED  \] [A-Za-z_0-9]+$|not ok )' <<<"$1" | sort -u | grep -c .)
     passed=$((passed + p)) failed=$((failed + f))
     [ "$2" = 0 ] || [ "$f" -gt 0 ] || failed=$((failed + 1))
     [ "$2" = 0 ] && [ $((p + f)) = 0 ] && { echo "$3 ran no test"; failed=$((failed + 1)); }

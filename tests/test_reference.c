@@ -1,0 +1,274 @@
+/* test_reference.c - the arbiter against closed forms. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/reference.h"
+#include "test.h"
+
+#define PI 3.14159265358979323846
+
+/* A level whose directions all point along +z of the world. */
+static iso_level make_level(const size_t size[3], const double spacing[3], double (*value)(iso_vec3 world))
+{
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing), .stored_type = ISO_F32, .min = 0, .max = 1};
+    size_t count = iso_geometry_voxel_count(&level.geometry), i = 0;
+    level.scalar = malloc(count * sizeof(float));
+    level.codes = malloc(3 * count);
+    for (size_t z = 0; z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y)
+            for (size_t x = 0; x < size[0]; ++x, ++i) {
+                iso_vec3 index = {(double)x + 0.5, (double)y + 0.5, (double)z + 0.5};
+                const float up[3] = {0, 0, 1};
+                level.scalar[i] = (float)value(iso_geometry_to_world(&level.geometry, index));
+                iso_code_encode(ISO_CODE_SNORM, up, level.codes + 3 * i, 1);
+            }
+    return level;
+}
+
+static void free_level(iso_level *level)
+{
+    free(level->scalar);
+    free(level->codes);
+}
+
+/* Two entries over [0, 1]: value 0 and value 1. */
+static float line_entries[8];
+static iso_view make_view(iso_vec3 forward, const float entries[8])
+{
+    memcpy(line_entries, entries, sizeof line_entries);
+    iso_vec3 helper = fabs(forward.z) < 0.9 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0);
+    iso_view view = {.width = 5, .height = 4, .shading = {.ambient = 1, .power = 1}, .light_count = 1, .step_voxels = 0.25};
+    view.lights[0] = (iso_light){.direction = {0, 0, 1}, .intensity = 1};
+    view.camera = (iso_camera){.orthographic = true, .forward = forward, .half_height = 0.5};
+    view.camera.right = iso_normalize(iso_cross(forward, helper));
+    view.camera.up = iso_cross(view.camera.right, forward);
+    view.camera.position = iso_scale(forward, -50);
+    view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = line_entries};
+    return view;
+}
+
+static iso_image render(const iso_level *level, const iso_view *view, const iso_reference_options *opt)
+{
+    iso_image image;
+    assert_ok(iso_reference_render(level, ISO_CODE_SNORM, view, opt, &image, NULL, &err));
+    return image;
+}
+
+static double constant(iso_vec3 p) { (void)p; return 0.5; }
+/* size 6 along z at spacing 2: voxel centres at -5 .. 5; 0.1 to 0.9 between them */
+static double ramp(iso_vec3 p) { return 0.5 + 0.08 * p.z; }
+static double paraboloid(iso_vec3 p) { return fmax(0, 1 - iso_dot(p, p)); }
+
+static const size_t small_size[3] = {4, 5, 6};
+static const double small_spacing[3] = {1, 1.5, 2};
+
+static void a_slab_has_the_opacity_of_its_thickness(void **state)
+{
+    (void)state;
+    const float entries[8] = {0.8f, 0.4f, 0.2f, 0.3f, 0.8f, 0.4f, 0.2f, 0.3f};
+    iso_level level = make_level(small_size, small_spacing, constant);
+    const iso_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
+    const double thickness[3] = {4, 7.5, 12};
+    for (int a = 0; a < 3; ++a) {
+        iso_view view = make_view(axes[a], entries);
+        view.background[1] = 0.5;
+        for (int q = 0; q < 2; ++q) { /* converged and midpoint are both exact here */
+            iso_reference_options opt = iso_reference_defaults();
+            opt.quadrature = q ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
+            iso_image image = render(&level, &view, &opt);
+            double alpha = 1 - exp(-(double)0.3f * thickness[a]);
+            for (size_t i = 0; i < 20; ++i) { /* 1e-7: the image is float */
+                assert_within(image.rgba[4 * i + 3], alpha, 1e-7);
+                assert_within(image.rgba[4 * i], alpha * (double)0.8f, 1e-7);
+                assert_within(image.rgba[4 * i + 1], alpha * (double)0.4f + (1 - alpha) * 0.5, 1e-7);
+            }
+            iso_image_destroy(&image);
+        }
+    }
+    free_level(&level);
+}
+
+/* The chord of an oblique ray through the middle of the box is closed as well. */
+static void an_oblique_chord_counts_in_full(void **state)
+{
+    (void)state;
+    const float entries[8] = {1, 1, 1, 0.1f, 1, 1, 1, 0.1f};
+    iso_level level = make_level(small_size, small_spacing, constant);
+    iso_view view = make_view(iso_normalize(iso_v3(1, 0, 1)), entries);
+    view.camera.half_height = 1e-6;
+    iso_reference_options opt = iso_reference_defaults();
+    iso_image image = render(&level, &view, &opt);
+    assert_within(image.rgba[3], 1 - exp(-(double)0.1f * 4 * sqrt(2)), 2e-6); /* the pixels' own offsets */
+    iso_image_destroy(&image);
+    free_level(&level);
+}
+
+/* sigma = k s and colour = s on a ramp: front half voxel constant, a linear part, back half voxel constant. */
+static double ramp_color(double k, double s0, double s1, double half, double length)
+{
+    double g = (s1 - s0) / length, root = sqrt(k / (2 * g));
+    double front = s0 * (1 - exp(-k * s0 * half)), t_front = exp(-k * s0 * half);
+    double t_linear = exp(-k * (s0 + s1) / 2 * length);
+    double integral_t = exp(k * s0 * s0 / (2 * g)) * sqrt(PI / (2 * k * g)) * (erf(s1 * root) - erf(s0 * root));
+    double linear = s0 - s1 * t_linear + g * integral_t;
+    double back = s1 * (1 - exp(-k * s1 * half));
+    return front + t_front * (linear + t_linear * back);
+}
+
+static void a_ramp_of_extinction_and_colour_matches_its_integral(void **state)
+{
+    (void)state;
+    const float entries[8] = {0, 0, 0, 0, 1, 1, 1, 0.25f};
+    iso_level level = make_level(small_size, small_spacing, ramp);
+    iso_view view = make_view(iso_v3(0, 0, 1), entries);
+    iso_reference_options opt = iso_reference_defaults();
+    iso_image image = render(&level, &view, &opt);
+    double depth = 0.25 * 0.5 * 12; /* the mean of the ramp is 1/2 */
+    /* 1e-6 is the tolerance that was asked for; the data are floats (1e-7). */
+    assert_within(image.rgba[3], 1 - exp(-depth), 1e-6);
+    assert_within(image.rgba[0], ramp_color(0.25, 0.1, 0.9, 1, 10), 1e-6);
+    iso_image_destroy(&image);
+    /* From the other side the ramp falls; the wrong way round must not pass. */
+    view = make_view(iso_v3(0, 0, -1), entries);
+    image = render(&level, &view, &opt);
+    assert_more_than(fabs(image.rgba[0] - ramp_color(0.25, 0.1, 0.9, 1, 10)), 1e-2);
+    iso_image_destroy(&image);
+    free_level(&level);
+}
+
+/* Opacity of the ball with extinction s0 (1 - r^2) through its centre: tau = s0 4/3. Trilinear
+ * interpolation of r^2 is off by h^2 f (1 - f) an axis, so the error falls with h^2. */
+static double sphere_error(size_t n)
+{
+    const size_t size[3] = {n, n, n};
+    const double spacing[3] = {2.2 / (double)n, 2.2 / (double)n, 2.2 / (double)n};
+    const float entries[8] = {1, 1, 1, 0, 1, 1, 1, 0.75f};
+    iso_level level = make_level(size, spacing, paraboloid);
+    iso_view view = make_view(iso_normalize(iso_v3(1, 2, 3)), entries);
+    view.camera.half_height = 1e-9;
+    iso_reference_options opt = iso_reference_defaults();
+    iso_image image = render(&level, &view, &opt);
+    double error = fabs((double)image.rgba[3] - (1 - exp(-1.0)));
+    iso_image_destroy(&image);
+    free_level(&level);
+    return error;
+}
+
+static void a_sphere_converges_with_the_square_of_the_spacing(void **state)
+{
+    (void)state;
+    double coarse = sphere_error(20), fine = sphere_error(40);
+    assert_at_most(fine, 2e-3);
+    assert_within(coarse / fine, 4, 0.6); /* the order is 2; the ray's phase in the cells differs */
+}
+
+static double image_difference(const iso_image *a, const iso_image *b)
+{
+    double worst = 0;
+    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
+        worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
+    return worst;
+}
+
+static void stepping_quadratures_converge_to_the_converged_one(void **state)
+{
+    (void)state;
+    const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
+    const size_t size[3] = {12, 11, 10};
+    const double spacing[3] = {0.18, 0.2, 0.22};
+    iso_level level = make_level(size, spacing, paraboloid);
+    iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
+    view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.6, .specular = 0.3, .power = 8};
+    iso_reference_options opt = iso_reference_defaults();
+    iso_image exact = render(&level, &view, &opt);
+    double error[2][2];
+    for (int fine = 0; fine < 2; ++fine) {
+        opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+        opt.step_voxels = fine ? 0.125 : 0.25;
+        iso_image a = render(&level, &view, &opt);
+        opt.quadrature = ISO_QUADRATURE_POVRAY;
+        opt.intervals = fine ? 160 : 80;
+        iso_image b = render(&level, &view, &opt);
+        error[0][fine] = image_difference(&a, &exact);
+        error[1][fine] = image_difference(&b, &exact);
+        iso_image_destroy(&a);
+        iso_image_destroy(&b);
+    }
+    for (int q = 0; q < 2; ++q) {
+        assert_at_most(error[q][1], 1e-3);
+        assert_more_than(error[q][0] / error[q][1], 2.5); /* order 2, with the phase of knots and cell borders */
+    }
+    iso_image_destroy(&exact);
+    free_level(&level);
+}
+
+static void threads_do_not_change_the_image(void **state)
+{
+    (void)state;
+    const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
+    const size_t size[3] = {8, 7, 6};
+    const double spacing[3] = {0.2, 0.2, 0.2};
+    iso_level level = make_level(size, spacing, paraboloid);
+    iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
+    iso_reference_options opt = iso_reference_defaults();
+    opt.threads = 1;
+    iso_image one = render(&level, &view, &opt);
+    opt.threads = 3;
+    iso_image three = render(&level, &view, &opt);
+    assert_memory_equal(one.rgba, three.rgba, 4 * 5 * 4 * sizeof(float));
+    iso_image_destroy(&one);
+    iso_image_destroy(&three);
+    free_level(&level);
+}
+
+/* All directions are +z: a light from +z is full, one from the side is none, two-sided. */
+static void light_follows_the_directions_in_the_world(void **state)
+{
+    (void)state;
+    const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
+    iso_level level = make_level(small_size, small_spacing, constant);
+    iso_view view = make_view(iso_v3(0, 1, 0), entries);
+    view.shading = (iso_shading){.ambient = 0.25, .diffuse = 0.75, .power = 1};
+    iso_reference_options opt = iso_reference_defaults();
+    const iso_vec3 lights[3] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}};
+    const double expected[3] = {1, 1, 0.25};
+    for (int i = 0; i < 3; ++i) {
+        view.lights[0].direction = lights[i];
+        iso_image image = render(&level, &view, &opt);
+        assert_within(image.rgba[0], expected[i], 1e-4); /* eps = one code step: 3e-5; exp(-5 * 7.5) */
+        iso_image_destroy(&image);
+    }
+    free_level(&level);
+}
+
+static void floats_that_are_not_there_are_refused(void **state)
+{
+    (void)state;
+    const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
+    iso_level level = make_level(small_size, small_spacing, constant);
+    iso_view view = make_view(iso_v3(0, 1, 0), entries);
+    iso_reference_options opt = iso_reference_defaults();
+    iso_image image;
+    opt.source = ISO_FROM_FLOAT;
+    assert_status(iso_reference_render(&level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    opt = iso_reference_defaults();
+    opt.tolerance = 0;
+    assert_status(iso_reference_render(&level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    free_level(&level);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_slab_has_the_opacity_of_its_thickness),
+        cmocka_unit_test(an_oblique_chord_counts_in_full),
+        cmocka_unit_test(a_ramp_of_extinction_and_colour_matches_its_integral),
+        cmocka_unit_test(a_sphere_converges_with_the_square_of_the_spacing),
+        cmocka_unit_test(stepping_quadratures_converge_to_the_converged_one),
+        cmocka_unit_test(threads_do_not_change_the_image),
+        cmocka_unit_test(light_follows_the_directions_in_the_world),
+        cmocka_unit_test(floats_that_are_not_there_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

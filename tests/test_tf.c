@@ -1,0 +1,287 @@
+/* test_tf.c - transfer functions and scenes: files to tables and views. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "render/scene.h"
+#include "test.h"
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = iso_make_temp_dir();
+    return folder ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    iso_remove_tree(folder);
+    free(folder);
+    return 0;
+}
+
+static char *write_text(const char *name, const char *text)
+{
+    char *path = iso_path_join(folder, name);
+    assert_ok(iso_file_write(path, text, strlen(text), &err));
+    return path;
+}
+
+#define TF_HEAD "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"linear\", "
+#define TF_POINTS \
+    "\"points\": [{\"value\": 0, \"r\": 0, \"g\": 0.5, \"b\": 1, \"opacity\": 0}, {\"value\": 10, \"r\": 1, \"g\": 0.5, \"b\": 0, \"opacity\": 0.5}]}"
+
+static iso_geometry box(void)
+{
+    const size_t size[3] = {10, 20, 40};
+    const double spacing[3] = {1, 2, 0.5};
+    return iso_geometry_axis_aligned(size, spacing);
+}
+
+static void opacity_becomes_extinction_over_its_unit_distance(void **state)
+{
+    (void)state;
+    char *path = write_text("a.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
+    iso_tf tf;
+    iso_tf_table table;
+    iso_geometry g = box();
+    assert_ok(iso_tf_load(path, &tf, &err));
+    assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
+    assert_int_equal(table.count, 11);
+    for (size_t i = 0; i < 11; ++i) { /* 1e-7: entries are floats */
+        assert_within(table.entries[4 * i], 0.1 * (double)i, 1e-7);
+        assert_within(table.entries[4 * i + 3], -log(1 - 0.05 * (double)i) / 2, 1e-7);
+    }
+    double rgbs[4];
+    iso_tf_lookup(&table, 2.5, rgbs); /* halfway between two entries, each component by itself */
+    assert_within(rgbs[3], 0.5 * ((double)table.entries[11] + (double)table.entries[15]), 1e-12);
+    iso_tf_lookup(&table, -5, rgbs);
+    assert_within(rgbs[2], 1, 0);
+    iso_tf_lookup(&table, 99, rgbs);
+    assert_within(rgbs[0], 1, 0);
+    iso_tf_table_destroy(&table);
+    iso_tf_destroy(&tf);
+    free(path);
+}
+
+static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void **state)
+{
+    (void)state;
+    char *path = write_text("b.tf.json", "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
+                                         "\"unit_distance_voxels\": 3, \"points\": [{\"value\": 0.5, \"r\": 0.5, \"g\": 0, \"b\": 1, \"opacity\": 1}]}");
+    iso_tf tf;
+    iso_tf_table table;
+    iso_geometry g = box();
+    assert_ok(iso_tf_load(path, &tf, &err));
+    assert_ok(iso_tf_tabulate(&tf, -1000, 3000, &g, &table, &err));
+    assert_within(table.lo, -1000, 0);
+    assert_within(table.hi, 3000, 0);
+    assert_within(table.entries[0], 0.21404114048223255, 1e-7); /* sRGB 0.5, IEC 61966-2-1 */
+    assert_within(table.entries[3], -log(1 - ISO_TF_MAX_OPACITY) / 3, 1e-5); /* the mean spacing is 1; opacity 1 is capped */
+    iso_tf_table_destroy(&table);
+    assert_ok(iso_tf_tabulate(&tf, 7, 7, &g, &table, &err)); /* a constant volume */
+    assert_true(table.hi > table.lo);
+    iso_tf_table_destroy(&table);
+    assert_status(iso_tf_tabulate(&tf, NAN, 7, &g, &table, &err), ISO_E_RANGE);
+    iso_tf_destroy(&tf);
+    free(path);
+}
+
+static void two_points_of_one_value_make_a_step(void **state)
+{
+    (void)state;
+    char *path = write_text("c.tf.json", TF_HEAD "\"range\": [0, 4], \"unit_distance_mm\": 1, \"table_size\": 5, \"points\": ["
+                                         "{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0}, {\"value\": 1.5, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0},"
+                                         "{\"value\": 1.5, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}, {\"value\": 4, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}]}");
+    const float expected[5] = {0, 0, 1, 1, 1};
+    iso_tf tf;
+    iso_tf_table table;
+    iso_geometry g = box();
+    assert_ok(iso_tf_load(path, &tf, &err));
+    assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
+    for (size_t i = 0; i < 5; ++i)
+        assert_within(table.entries[4 * i], (double)expected[i], 0);
+    iso_tf_table_destroy(&table);
+    iso_tf_destroy(&tf);
+    free(path);
+}
+
+static void a_saved_tf_loads_as_the_same_table(void **state)
+{
+    (void)state;
+    char *path = write_text("d.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS);
+    char *again = iso_path_join(folder, "again.tf.json");
+    iso_tf a, b;
+    iso_tf_table ta, tb;
+    iso_geometry g = box();
+    assert_ok(iso_tf_load(path, &a, &err));
+    assert_ok(iso_tf_save(&a, again, &err));
+    assert_ok(iso_tf_load(again, &b, &err));
+    assert_ok(iso_tf_tabulate(&a, 0, 1, &g, &ta, &err));
+    assert_ok(iso_tf_tabulate(&b, 0, 1, &g, &tb, &err));
+    assert_memory_equal(ta.entries, tb.entries, ta.count * 16);
+    iso_tf_table_destroy(&ta);
+    iso_tf_table_destroy(&tb);
+    iso_tf_destroy(&a);
+    iso_tf_destroy(&b);
+    free(path);
+    free(again);
+}
+
+static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *named;
+        iso_status status;
+    } cases[] = {
+        {"{", "not JSON", ISO_E_FORMAT},
+        {"[]", "no JSON object", ISO_E_FORMAT},
+        {"{\"schema\": \"isoshade.tf/2\"}", "isoshade.tf/2", ISO_E_FORMAT},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": []}", "0 points", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [1, 1], \"unit_distance_mm\": 1, " TF_POINTS, "range", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 0, " TF_POINTS, "unit_distance_mm", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [0, 1], " TF_POINTS, "unit_distance_mm", ISO_E_FORMAT},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"tabel_size\": 3, " TF_POINTS, "tabel_size", ISO_E_FORMAT},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"table_size\": 5000, " TF_POINTS, "4096", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1.5}]}", "1.5", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 1, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}, {\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}]}", "ascend", ISO_E_RANGE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char *path = write_text("bad.tf.json", cases[i].text);
+        iso_tf tf;
+        iso_error e = {""};
+        assert_int_equal(iso_tf_load(path, &tf, &e), cases[i].status);
+        if (!strstr(e.text, cases[i].named) || !strstr(e.text, "bad.tf.json"))
+            fail_msg("case %zu: \"%s\" does not name %s and the file", i, e.text, cases[i].named);
+        free(path);
+    }
+}
+
+#define SCENE(camera, lights, shading)                                                                        \
+    "{\"schema\": \"isoshade.scene/1\", \"camera\": {" camera "}, \"lights\": [" lights "], \"shading\": {" shading "}, \"tf\": " TF_HEAD \
+    "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS "}"
+#define FIT_CAMERA "\"projection\": \"perspective\", \"fit\": true, \"direction\": [1, 1, 0]"
+#define ONE_LIGHT "{\"direction\": [0, 0, 2], \"space\": \"camera\"}"
+#define PLAIN_SHADING "\"ambient\": 0.3, \"diffuse\": 0.7"
+
+static void a_fitted_camera_frames_the_whole_box(void **state)
+{
+    (void)state;
+    char *path = write_text("a.scene.json", SCENE(FIT_CAMERA, ONE_LIGHT, PLAIN_SHADING));
+    iso_scene scene;
+    iso_view view;
+    iso_geometry g = box();
+    assert_ok(iso_scene_load(path, &scene, &err));
+    assert_ok(iso_scene_resolve(&scene, &g, 0, 1, &view, &err));
+    for (int corner = 0; corner < 8; ++corner) {
+        iso_vec3 index = {corner & 1 ? 10 : 0, corner & 2 ? 20 : 0, corner & 4 ? 40 : 0};
+        iso_vec3 p = iso_sub(iso_geometry_to_world(&g, index), view.camera.position);
+        double depth = iso_dot(p, view.camera.forward);
+        assert_more_than(depth, 0);
+        assert_at_most(fabs(iso_dot(p, view.camera.right)) / depth, view.camera.half_height);
+        assert_at_most(fabs(iso_dot(p, view.camera.up)) / depth, view.camera.half_height);
+    }
+    /* a light at the viewer's back shines along the view */
+    assert_within(iso_dot(view.lights[0].direction, view.camera.forward), -1, 1e-12);
+    iso_view_destroy(&view);
+    iso_scene_destroy(&scene);
+    free(path);
+}
+
+static void rays_leave_through_pixel_centres_with_row_0_on_top(void **state)
+{
+    (void)state;
+    iso_camera c = {.forward = {0, 1, 0}, .right = {1, 0, 0}, .up = {0, 0, 1}, .half_height = 0.5};
+    iso_ray ray = iso_camera_ray(&c, 4, 2, 3, 0);
+    assert_within(ray.direction.x / ray.direction.y, 0.75, 1e-12);
+    assert_within(ray.direction.z / ray.direction.y, 0.25, 1e-12);
+    c.orthographic = true;
+    ray = iso_camera_ray(&c, 4, 2, 0, 1);
+    assert_within(ray.origin.x, -0.75, 1e-12);
+    assert_within(ray.origin.z, -0.25, 1e-12);
+    assert_within(ray.direction.y, 1, 0);
+}
+
+static void a_ray_meets_the_box_between_its_faces(void **state)
+{
+    (void)state;
+    iso_geometry g = box(); /* 10 x 40 x 20 mm round the origin */
+    double t0, t1;
+    iso_ray ray = {{-20, 0, 0}, {1, 0, 0}};
+    assert_true(iso_ray_box(&ray, &g, &t0, &t1));
+    assert_within(t0, 15, 1e-12);
+    assert_within(t1, 25, 1e-12);
+    ray.origin.x = 0; /* from inside */
+    assert_true(iso_ray_box(&ray, &g, &t0, &t1));
+    assert_within(t0, 0, 0);
+    assert_within(t1, 5, 1e-12);
+    ray.origin = iso_v3(-20, 0, 10.1);
+    assert_false(iso_ray_box(&ray, &g, &t0, &t1));
+    ray = (iso_ray){{20, 0, 0}, {1, 0, 0}}; /* behind */
+    assert_false(iso_ray_box(&ray, &g, &t0, &t1));
+}
+
+static void bad_scenes_are_refused_by_key_and_value(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *named;
+        iso_status status;
+    } cases[] = {
+        {SCENE(FIT_CAMERA, "", PLAIN_SHADING), "0 lights", ISO_E_RANGE},
+        {SCENE(FIT_CAMERA, "{\"direction\": [0, 0, 0]}", PLAIN_SHADING), "direction", ISO_E_RANGE},
+        {SCENE(FIT_CAMERA, ONE_LIGHT, "\"ambient\": 0.5, \"diffuse\": 0.7"), "1.2", ISO_E_RANGE},
+        {SCENE(FIT_CAMERA, ONE_LIGHT, "\"ambient\": 0.5"), "diffuse", ISO_E_FORMAT},
+        {SCENE("\"projection\": \"fisheye\"", ONE_LIGHT, PLAIN_SHADING), "fisheye", ISO_E_FORMAT},
+        {SCENE("\"projection\": \"perspective\", \"fit\": true, \"direction\": [0, 0, 1]", ONE_LIGHT, PLAIN_SHADING), "up", ISO_E_RANGE},
+        {SCENE("\"projection\": \"orthographic\", \"position\": [0,0,0], \"look_at\": [1,0,0]", ONE_LIGHT, PLAIN_SHADING), "height_mm", ISO_E_FORMAT},
+        {SCENE("\"projection\": \"perspective\", \"position\": [1,0,0], \"look_at\": [1,0,0]", ONE_LIGHT, PLAIN_SHADING), "coincide", ISO_E_RANGE},
+        {"{\"schema\": \"isoshade.scene/1\", \"camera\": {" FIT_CAMERA "}, \"lights\": [" ONE_LIGHT "], \"shading\": {" PLAIN_SHADING "}, \"tf\": \"none.tf.json\"}", "none.tf.json", ISO_E_IO},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char *path = write_text("bad.scene.json", cases[i].text);
+        iso_scene scene;
+        iso_error e = {""};
+        assert_int_equal(iso_scene_load(path, &scene, &e), cases[i].status);
+        if (!strstr(e.text, cases[i].named))
+            fail_msg("case %zu: \"%s\" does not name %s", i, e.text, cases[i].named);
+        free(path);
+    }
+}
+
+static void the_reference_scenes_load(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"refscenes/head.scene.json", "refscenes/marschner-lobb.scene.json", "refscenes/shells.scene.json"};
+    iso_geometry g = box();
+    for (size_t i = 0; i < 3; ++i) {
+        iso_scene scene;
+        iso_view view;
+        assert_ok(iso_scene_load(names[i], &scene, &err));
+        assert_ok(iso_scene_resolve(&scene, &g, 0, 255, &view, &err));
+        iso_view_destroy(&view);
+        iso_scene_destroy(&scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(opacity_becomes_extinction_over_its_unit_distance),
+        cmocka_unit_test(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing),
+        cmocka_unit_test(two_points_of_one_value_make_a_step),
+        cmocka_unit_test(a_saved_tf_loads_as_the_same_table),
+        cmocka_unit_test(bad_transfer_functions_are_refused_by_key_and_value),
+        cmocka_unit_test(a_fitted_camera_frames_the_whole_box),
+        cmocka_unit_test(rays_leave_through_pixel_centres_with_row_0_on_top),
+        cmocka_unit_test(a_ray_meets_the_box_between_its_faces),
+        cmocka_unit_test(bad_scenes_are_refused_by_key_and_value),
+        cmocka_unit_test(the_reference_scenes_load),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
