@@ -20,7 +20,7 @@ flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags := $(flags_$(config)) -fopenmp -MMD -MP -Isrc -Iexporters -I.
 pkgs := jansson popt libpng zlib OpenEXR epoxy egl libxxhash
-CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(shell pkg-config --cflags $(pkgs))
+CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(shell pkg-config --cflags $(pkgs)) -isystem /usr/include/nifti
 CXXFLAGS = -std=c++17 -Wall -Wextra $(flags) -isystem /usr/include/Imath
 LDLIBS = $(shell pkg-config --libs $(pkgs)) -lOpenEXRCore-3_1 -lteem -lniftiio -lznz -lopenvdb -ltbb -lImath-3_1 -lstdc++ -lm
 

@@ -1,5 +1,7 @@
 /* commands.h - the one list of commands; the table and its order in --help
  * expand from it. src/cli/cmd_NAME.c defines iso_command_NAME. */
 #define ISO_COMMAND_LIST(X) \
-    X(bench) \
-    X(compare)
+    X(info) \
+    X(make) \
+    X(compare) \
+    X(bench)

@@ -34,10 +34,17 @@ size_t iso_type_bytes(iso_type type);
 /* ISO_E_USAGE with the list of names. */
 iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
 
+/* What a file says besides geometry and samples. */
+typedef struct iso_volume_notes {
+    bool world_is_ras;                   /* world = right, anterior, superior; else the file's own frame */
+    double scale_slope, scale_intercept; /* physical value = slope * sample + intercept: kept, never applied */
+} iso_volume_notes;
+
 typedef struct iso_volume {
     iso_geometry geometry;
     iso_type type;
     void *data; /* owned */
+    iso_volume_notes notes;
 } iso_volume;
 
 /* Allocates zeroed samples after iso_geometry_check. */
@@ -56,9 +63,11 @@ typedef struct iso_volume_stats {
 } iso_volume_stats;
 iso_volume_stats iso_volume_measure(const iso_volume *v);
 
-/* Loads by the file's content and name: NRRD (.nrrd, .nhdr), NIfTI (.nii,
- * .nii.gz, .hdr/.img). ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes
- * that do not match), ISO_E_RANGE (sizes that overflow, NaN or Inf voxels). */
+/* Loads by the file's content: NRRD (.nrrd, .nhdr) or NIfTI-1 (.nii, .nii.gz,
+ * .hdr/.img). ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes that do not
+ * match the file, types and dimensions that are not ours), ISO_E_RANGE (sizes
+ * that overflow, NaN or Inf voxels), ISO_E_MEMORY. stream.h reads slab by slab
+ * and says how world coordinates come from the file. */
 iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err);
 
 /* A file without a header. */

@@ -1,0 +1,179 @@
+/* cmd_info.c - what a volume is: geometry, type, range, histogram. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "cli/cli.h"
+#include "cli/input.h"
+
+#define BINS 64
+
+typedef struct volume_facts {
+    iso_volume_stats stats;
+    size_t bins[BINS];      /* over [min, max] */
+    double percentile[5];   /* 1, 25, 50, 75, 99, to a bin's width */
+    double loss_max;        /* by rounding to float: largest difference */
+    size_t loss_count;      /* voxels changed by it */
+} volume_facts;
+
+static const double percents[5] = {1, 25, 50, 75, 99};
+
+/* The sample itself, where a row of floats would round it. */
+static double exact_sample(const iso_volume *v, size_t at)
+{
+    switch (v->type) {
+    case ISO_U32: return ((const uint32_t *)v->data)[at];
+    case ISO_I32: return ((const int32_t *)v->data)[at];
+    case ISO_F64: return ((const double *)v->data)[at];
+    default: return NAN;
+    }
+}
+
+static void measure_loss(const iso_volume *v, volume_facts *facts)
+{
+    if (v->type != ISO_U32 && v->type != ISO_I32 && v->type != ISO_F64)
+        return;
+    size_t count = iso_geometry_voxel_count(&v->geometry);
+    for (size_t i = 0; i < count; ++i) {
+        double value = exact_sample(v, i), lost = fabs(value - (double)(float)value);
+        facts->loss_count += lost > 0;
+        facts->loss_max = fmax(facts->loss_max, lost);
+    }
+}
+
+static iso_status measure_histogram(const iso_volume *v, volume_facts *facts, iso_error *err)
+{
+    const size_t *n = v->geometry.size;
+    float *row = malloc(n[0] * sizeof *row);
+    if (!row)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    double lo = facts->stats.min, width = facts->stats.max - lo;
+    for (size_t r = 0; r < n[1] * n[2]; ++r) {
+        iso_volume_row(v, r % n[1], r / n[1], row);
+        for (size_t x = 0; x < n[0]; ++x) {
+            double at = width > 0 ? ((double)row[x] - lo) / width * BINS : 0;
+            ++facts->bins[at < 0 ? 0 : at < BINS ? (size_t)at : BINS - 1];
+        }
+    }
+    free(row);
+    double count = (double)iso_geometry_voxel_count(&v->geometry), below = 0;
+    for (int b = 0, p = 0; b < BINS && p < 5; ++b) {
+        double here = (double)facts->bins[b];
+        for (; p < 5 && below + here >= percents[p] / 100 * count; ++p)
+            facts->percentile[p] = lo + width / BINS * (b + (here > 0 ? (percents[p] / 100 * count - below) / here : 0));
+        below += here;
+    }
+    return ISO_OK;
+}
+
+static void print_text(const char *path, const iso_volume *v, const volume_facts *f)
+{
+    const iso_geometry *g = &v->geometry;
+    double spacing[3];
+    iso_geometry_spacing_mm(g, spacing);
+    printf("%s\n  size       %zu x %zu x %zu = %zu voxels of %s\n", path, g->size[0], g->size[1], g->size[2],
+           iso_geometry_voxel_count(g), iso_type_name(v->type));
+    printf("  spacing    %g x %g x %g mm\n  corner     %g, %g, %g mm (%s)\n", spacing[0], spacing[1], spacing[2],
+           g->origin_mm.x, g->origin_mm.y, g->origin_mm.z, v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
+    for (int a = 0; a < 3; ++a) {
+        iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
+        printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
+    }
+    printf("  range      %.9g to %.9g, mean %.6g\n", f->stats.min, f->stats.max, f->stats.mean);
+    printf("  percentiles");
+    for (int p = 0; p < 5; ++p)
+        printf("  %g %%: %.5g", percents[p], f->percentile[p]);
+    static const char shades[] = " .:-=+*#%@";
+    size_t most = 1;
+    for (int b = 0; b < BINS; ++b)
+        most = f->bins[b] > most ? f->bins[b] : most;
+    printf("\n  histogram  |");
+    for (int b = 0; b < BINS; ++b) /* logarithmic: one voxel is seen beside millions */
+        putchar(shades[f->bins[b] ? 1 + (int)(8 * log((double)f->bins[b]) / log((double)most + 1)) : 0]);
+    printf("| (log)\n");
+    if (v->notes.scale_slope != 1 || v->notes.scale_intercept != 0)
+        printf("  scale      physical value = %.9g * sample + %.9g (noted, not applied)\n", v->notes.scale_slope,
+               v->notes.scale_intercept);
+    if (f->loss_count > 0)
+        printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->loss_count, f->loss_max);
+}
+
+static json_t *integers(const size_t *values, size_t count)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i)
+        json_array_append_new(list, json_integer((json_int_t)values[i]));
+    return list;
+}
+
+static void print_json(const iso_cli *cli, const char *path, const iso_volume *v, const volume_facts *f)
+{
+    const iso_geometry *g = &v->geometry;
+    double spacing[3], origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
+    iso_geometry_spacing_mm(g, spacing);
+    json_t *root = iso_cli_json(cli), *matrix = json_array();
+    for (int r = 0; r < 3; ++r)
+        json_array_append_new(matrix, iso_json_numbers(g->index_to_world.m[r], 3));
+    json_object_set_new(root, "volume", json_string(path));
+    json_object_set_new(root, "size", integers(g->size, 3));
+    json_object_set_new(root, "type", json_string(iso_type_name(v->type)));
+    json_object_set_new(root, "spacing_mm", iso_json_numbers(spacing, 3));
+    json_object_set_new(root, "origin_mm", iso_json_numbers(origin, 3));
+    json_object_set_new(root, "index_to_world_mm", matrix);
+    json_object_set_new(root, "world_is_ras", json_boolean(v->notes.world_is_ras));
+    json_object_set_new(root, "min", json_real(f->stats.min));
+    json_object_set_new(root, "max", json_real(f->stats.max));
+    json_object_set_new(root, "mean", json_real(f->stats.mean));
+    json_object_set_new(root, "percents", iso_json_numbers(percents, 5));
+    json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, 5));
+    json_object_set_new(root, "histogram", integers(f->bins, BINS));
+    json_object_set_new(root, "scale_slope", json_real(v->notes.scale_slope));
+    json_object_set_new(root, "scale_intercept", json_real(v->notes.scale_intercept));
+    json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
+    json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
+    iso_cli_print_json(root);
+}
+
+static iso_status show(const iso_cli *cli, const iso_cli_input *input, iso_error *err)
+{
+    iso_volume v;
+    iso_status status = iso_cli_load_volume(cli->arguments[0], input, &v, err);
+    if (status != ISO_OK)
+        return status;
+    volume_facts facts = {.stats = iso_volume_measure(&v)};
+    status = measure_histogram(&v, &facts, err);
+    measure_loss(&v, &facts);
+    if (status == ISO_OK && cli->json)
+        print_json(cli, cli->arguments[0], &v, &facts);
+    else if (status == ISO_OK)
+        print_text(cli->arguments[0], &v, &facts);
+    iso_volume_destroy(&v);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    iso_cli_input input;
+    iso_cli_input_defaults(&input);
+    struct poptOption options[] = {ISO_CLI_INPUT_OPTIONS(&input), POPT_TABLEEND};
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = show(&cli, &input, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_info = {
+    .name = "info",
+    .summary = "show a volume's geometry, type, range and histogram",
+    .usage = "VOLUME [options]",
+    .details = "Reads NRRD (.nrrd, .nhdr), NIfTI-1 (.nii, .nii.gz, .hdr with .img), and raw files by the --raw options.",
+    .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
+                "  isoshade info sphere.nrrd\n"
+                "  isoshade info sphere.nrrd --json\n",
+    .run = run,
+};

@@ -1,0 +1,230 @@
+/* nrrd_open.c - NRRD headers by teem; raw and gzip samples are then read by
+ * source.c, plane by plane, other encodings and lists of files by teem at once. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <teem/biff.h>
+#include <teem/nrrd.h>
+#include <unistd.h>
+
+#include "volume/stream_kernel.h"
+
+/* The innermost of teem's messages says what is wrong. */
+static iso_status teem_failed(const char *path, iso_error *err)
+{
+    char *text = biffGetDone(NRRD);
+    char cause[512] = "unknown error";
+    for (char *rest = text, *line; text && (line = strsep(&rest, "\n"));)
+        if (*line)
+            snprintf(cause, sizeof cause, "%s", line);
+    free(text);
+    const char *tag = strncmp(cause, "[nrrd] ", 7) == 0 ? cause + 7 : cause;
+    return iso_fail(err, ISO_E_FORMAT, "%s: not a good NRRD file: %s", path, tag);
+}
+
+static bool our_type(int teem_type, iso_type *type)
+{
+    switch (teem_type) {
+    case nrrdTypeChar: *type = ISO_I8; return true;
+    case nrrdTypeUChar: *type = ISO_U8; return true;
+    case nrrdTypeShort: *type = ISO_I16; return true;
+    case nrrdTypeUShort: *type = ISO_U16; return true;
+    case nrrdTypeInt: *type = ISO_I32; return true;
+    case nrrdTypeUInt: *type = ISO_U32; return true;
+    case nrrdTypeFloat: *type = ISO_F32; return true;
+    case nrrdTypeDouble: *type = ISO_F64; return true;
+    default: return false;
+    }
+}
+
+/* Three axes of positions, and none of components. */
+static iso_status check_axes(const Nrrd *nrrd, const char *path, iso_error *err)
+{
+    unsigned dim = nrrd->dim;
+    while (dim > 3 && nrrd->axis[dim - 1].size == 1)
+        --dim;
+    if (dim != 3)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %u axes, a scalar volume has 3", path, dim);
+    for (unsigned a = 0; a < 3; ++a) {
+        int kind = nrrd->axis[a].kind;
+        if (kind != nrrdKindUnknown && kind != nrrdKindDomain && kind != nrrdKindSpace)
+            return iso_fail(err, ISO_E_FORMAT, "%s: axis %u is of kind %s, a scalar volume has 3 axes of space", path, a,
+                            airEnumStr(nrrdKind, kind));
+    }
+    return ISO_OK;
+}
+
+static double millimetres(const char *unit)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"um", 1e-3}, {"micron", 1e-3}, {"microns", 1e-3}, {"\xc2\xb5m", 1e-3}, {"micrometer", 1e-3},
+                 {"nm", 1e-6}, {"cm", 10}, {"m", 1000}};
+    for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; ++i)
+        if (strcmp(units[i].name, unit) == 0)
+            return units[i].mm;
+    return 1;
+}
+
+/* The signs that turn an anatomical space to right, anterior, superior. */
+static bool ras_signs(int space, double sign[3])
+{
+    sign[0] = sign[1] = sign[2] = 1;
+    if (space == nrrdSpaceLeftAnteriorSuperior || space == nrrdSpaceLeftPosteriorSuperior)
+        sign[0] = -1;
+    if (space == nrrdSpaceLeftPosteriorSuperior)
+        sign[1] = -1;
+    return space == nrrdSpaceRightAnteriorSuperior || space == nrrdSpaceLeftAnteriorSuperior ||
+           space == nrrdSpaceLeftPosteriorSuperior;
+}
+
+static iso_vec3 scaled(const double v[3], const double scale[3])
+{
+    return iso_v3(v[0] * scale[0], v[1] * scale[1], v[2] * scale[2]);
+}
+
+static iso_status oriented_geometry(const Nrrd *nrrd, const char *path, iso_volume *header, iso_error *err)
+{
+    iso_geometry *g = &header->geometry;
+    if (nrrd->spaceDim != 3)
+        return iso_fail(err, ISO_E_FORMAT, "%s: space of dimension %u, must be 3", path, nrrd->spaceDim);
+    double scale[3];
+    header->notes.world_is_ras = ras_signs(nrrd->space, scale);
+    for (int a = 0; a < 3; ++a)
+        scale[a] *= millimetres(nrrd->spaceUnits[a]);
+    for (int a = 0; a < 3; ++a) {
+        iso_vec3 step = scaled(nrrd->axis[a].spaceDirection, scale);
+        g->index_to_world.m[0][a] = step.x;
+        g->index_to_world.m[1][a] = step.y;
+        g->index_to_world.m[2][a] = step.z;
+    }
+    if (isnan(nrrd->spaceOrigin[0]))
+        g->origin_mm = iso_scale(iso_sub(iso_geometry_box_center_mm(g), g->origin_mm), -1);
+    else
+        g->origin_mm = iso_sub(scaled(nrrd->spaceOrigin, scale), iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
+    return ISO_OK;
+}
+
+static void plain_geometry(const Nrrd *nrrd, iso_geometry *g)
+{
+    double spacing[3], corner[3];
+    bool placed = true;
+    for (int a = 0; a < 3; ++a) {
+        const NrrdAxisInfo *axis = &nrrd->axis[a];
+        double mm = millimetres(axis->units);
+        spacing[a] = (isnan(axis->spacing) ? 1 : axis->spacing) * mm;
+        placed = placed && !isnan(axis->min);
+        corner[a] = axis->min * mm - (axis->center == nrrdCenterNode ? 0.5 * spacing[a] : 0);
+    }
+    *g = iso_geometry_axis_aligned(g->size, spacing);
+    if (placed)
+        g->origin_mm = iso_v3(corner[0], corner[1], corner[2]);
+}
+
+static void read_scale(const Nrrd *nrrd, iso_volume_notes *notes)
+{
+    static const char *const keys[2][2] = {{"scale_slope", "scale_intercept"}, {"nifti_scl_slope", "nifti_scl_inter"}};
+    for (int k = 0; k < 2; ++k) {
+        char *slope = nrrdKeyValueGet(nrrd, keys[k][0]), *intercept = nrrdKeyValueGet(nrrd, keys[k][1]);
+        double s = slope ? strtod(slope, NULL) : 0, i = intercept ? strtod(intercept, NULL) : 0;
+        if (isfinite(s) && s != 0 && isfinite(i)) {
+            notes->scale_slope = s;
+            notes->scale_intercept = i;
+        }
+        free(slope);
+        free(intercept);
+    }
+}
+
+static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
+{
+    iso_volume *header = &source->header;
+    iso_status status = check_axes(nrrd, source->path, err);
+    if (status != ISO_OK)
+        return status;
+    if (!our_type(nrrd->type, &header->type))
+        return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
+                        source->path, airEnumStr(nrrdType, nrrd->type));
+    for (int a = 0; a < 3; ++a) {
+        header->geometry.size[a] = nrrd->axis[a].size;
+        header->geometry.box_index[a] = (double)nrrd->axis[a].size;
+    }
+    if (nrrd->spaceDim > 0)
+        status = oriented_geometry(nrrd, source->path, header, err);
+    else
+        plain_geometry(nrrd, &header->geometry);
+    read_scale(nrrd, &header->notes);
+    return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;
+}
+
+/* Hands the open data file over: positioned behind the header (or the lines
+ * and bytes to skip), raw or gzip. */
+static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_error *err)
+{
+    off_t at = ftello(io->dataFile);
+    struct stat st;
+    if (at < 0 || fstat(fileno(io->dataFile), &st) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
+    source->swap_bytes = iso_type_bytes(source->header.type) > 1 && io->endian != airEndianUnknown && io->endian != airMyEndian();
+    if (io->encoding == nrrdEncodingRaw) {
+        source->file = io->dataFile;
+        io->dataFile = NULL;
+        return iso_source_check_bytes(source, (double)(st.st_size - at), err);
+    }
+    /* deflate cannot shrink by more than 1032 */
+    if ((double)iso_source_bytes(source) > 1032.0 * (double)(st.st_size - at))
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need",
+                        source->path, (long long)(st.st_size - at), iso_source_bytes(source));
+    int fd = dup(fileno(io->dataFile));
+    source->gz = fd >= 0 && lseek(fd, at, SEEK_SET) == at ? gzdopen(fd, "rb") : NULL;
+    if (!source->gz)
+        return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
+    gzbuffer(source->gz, 1 << 18);
+    if (gzdirect(source->gz))
+        return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, as the header says", source->path);
+    if (io->byteSkip > 0 && gzseek(source->gz, io->byteSkip, SEEK_SET) < 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path, io->byteSkip);
+    return ISO_OK;
+}
+
+/* Text encodings, bzip2 and lists of files: all at once by teem. */
+static iso_status load_by_teem(iso_volume_source *source, iso_error *err)
+{
+    Nrrd *nrrd = nrrdNew();
+    iso_status status = ISO_OK;
+    if (nrrdLoad(nrrd, source->path, NULL) != 0)
+        status = teem_failed(source->path, err);
+    if (status == ISO_OK) {
+        source->preloaded = nrrd->data;
+        nrrd->data = NULL;
+    }
+    nrrdNuke(nrrd);
+    return status;
+}
+
+iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err)
+{
+    Nrrd *nrrd = nrrdNew();
+    NrrdIoState *io = nrrdIoStateNew();
+    io->skipData = 1;
+    io->keepNrrdDataFileOpen = 1;
+    iso_status status = ISO_OK;
+    if (nrrdLoad(nrrd, source->path, io) != 0)
+        status = teem_failed(source->path, err);
+    else
+        status = read_header(nrrd, source, err);
+    if (status == ISO_OK) {
+        bool streamed = io->encoding == nrrdEncodingRaw || io->encoding == nrrdEncodingGzip;
+        status = streamed && io->dataFile ? take_file(source, io, err) : load_by_teem(source, err);
+    }
+    if (io->dataFile)
+        fclose(io->dataFile);
+    io->dataFile = NULL;
+    nrrdIoStateNix(io);
+    nrrdNuke(nrrd);
+    return status;
+}

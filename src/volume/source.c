@@ -1,0 +1,225 @@
+/* source.c - opening by content, raw files, and reading planes. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "volume/stream_kernel.h"
+
+/* zlib counts bytes in int. */
+#define GZ_CHUNK_BYTES ((size_t)1 << 30)
+
+size_t iso_source_bytes(const iso_volume_source *source)
+{
+    return iso_geometry_voxel_count(&source->header.geometry) * iso_type_bytes(source->header.type);
+}
+
+iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err)
+{
+    const iso_geometry *g = &source->header.geometry;
+    double need = (double)iso_source_bytes(source);
+    if (available == need)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_FORMAT, "%s: %s: holds %.0f bytes of samples, %zu x %zu x %zu of %s need %.0f",
+                    source->path, available < need ? "truncated" : "too long", available, g->size[0], g->size[1],
+                    g->size[2], iso_type_name(source->header.type), need);
+}
+
+static iso_status new_source(const char *path, iso_volume_source **source, iso_error *err)
+{
+    struct stat st;
+    *source = NULL;
+    if (stat(path, &st) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (!S_ISREG(st.st_mode))
+        return iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
+    iso_volume_source *s = calloc(1, sizeof *s);
+    if (s)
+        s->path = strdup(path);
+    if (!s || !s->path) {
+        iso_source_close(s);
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    }
+    s->header.notes.scale_slope = 1;
+    *source = s;
+    return ISO_OK;
+}
+
+/* The first bytes, unpacked where they are compressed. */
+static iso_status read_head(const char *path, unsigned char head[348], size_t *size, iso_error *err)
+{
+    gzFile gz = gzopen(path, "rb");
+    if (!gz)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    int n = gzread(gz, head, 348);
+    *size = n > 0 ? (size_t)n : 0;
+    gzclose(gz);
+    return ISO_OK;
+}
+
+static iso_status open_by_content(iso_volume_source *s, iso_error *err)
+{
+    unsigned char head[348];
+    size_t size = 0;
+    iso_status status = read_head(s->path, head, &size, err);
+    if (status != ISO_OK)
+        return status;
+    if (size == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: is empty", s->path);
+    if (size >= 4 && memcmp(head, "NRRD", 4) == 0)
+        return iso_nrrd_open(s, err);
+    if (iso_nifti_starts_like(head, size))
+        return iso_nifti_open(s, err);
+    char shown[9] = "";
+    for (size_t i = 0; i < 8 && i < size; ++i)
+        shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
+    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is neither NRRD (\"NRRD000N\") nor NIfTI-1 (348 as its first number)",
+                    s->path, shown);
+}
+
+iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err)
+{
+    iso_status status = new_source(path, source, err);
+    if (status == ISO_OK)
+        status = open_by_content(*source, err);
+    if (status != ISO_OK) {
+        iso_source_close(*source);
+        *source = NULL;
+    }
+    return status;
+}
+
+static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
+{
+    s->header.type = layout->type;
+    s->header.geometry = iso_geometry_axis_aligned(layout->size, layout->spacing_mm);
+    iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
+    if (status != ISO_OK)
+        return status;
+    s->file = fopen(s->path, "rb");
+    struct stat st;
+    if (!s->file || fstat(fileno(s->file), &st) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", s->path, strerror(errno));
+    status = iso_source_check_bytes(s, (double)st.st_size - (double)layout->skip_bytes, err);
+    if (status == ISO_OK && fseeko(s->file, (off_t)layout->skip_bytes, SEEK_SET) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", s->path, layout->skip_bytes);
+    s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+    return status;
+}
+
+iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err)
+{
+    iso_status status = new_source(path, source, err);
+    if (status == ISO_OK)
+        status = open_raw(*source, layout, err);
+    if (status != ISO_OK) {
+        iso_source_close(*source);
+        *source = NULL;
+    }
+    return status;
+}
+
+const iso_volume *iso_source_volume(const iso_volume_source *source)
+{
+    return &source->header;
+}
+
+static void swap_samples(unsigned char *bytes, size_t sample_bytes, size_t count)
+{
+    if (sample_bytes == 2) {
+        for (size_t i = 0; i < count; ++i) {
+            uint16_t v;
+            memcpy(&v, bytes + 2 * i, 2);
+            v = __builtin_bswap16(v);
+            memcpy(bytes + 2 * i, &v, 2);
+        }
+    } else if (sample_bytes == 4) {
+        for (size_t i = 0; i < count; ++i) {
+            uint32_t v;
+            memcpy(&v, bytes + 4 * i, 4);
+            v = __builtin_bswap32(v);
+            memcpy(bytes + 4 * i, &v, 4);
+        }
+    } else if (sample_bytes == 8) {
+        for (size_t i = 0; i < count; ++i) {
+            uint64_t v;
+            memcpy(&v, bytes + 8 * i, 8);
+            v = __builtin_bswap64(v);
+            memcpy(bytes + 8 * i, &v, 8);
+        }
+    }
+}
+
+static iso_status read_compressed(iso_volume_source *s, unsigned char *out, size_t bytes, iso_error *err)
+{
+    size_t done = 0;
+    while (done < bytes) {
+        size_t chunk = bytes - done < GZ_CHUNK_BYTES ? bytes - done : GZ_CHUNK_BYTES;
+        int n = gzread(s->gz, out + done, (unsigned)chunk);
+        if (n > 0)
+            done += (size_t)n;
+        if (n == (int)chunk)
+            continue;
+        int code;
+        const char *text = gzerror(s->gz, &code);
+        if (code != Z_OK && code != Z_BUF_ERROR)
+            return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path, text);
+        size_t planes = s->header.geometry.size[2];
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: the compressed samples end after plane %.2f of %zu", s->path,
+                        (double)s->planes_done + (double)done / (double)iso_source_bytes(s) * (double)planes, planes);
+    }
+    return ISO_OK;
+}
+
+/* Compressed data must end with the last plane: more of it means wrong sizes,
+ * and only the end shows a bad checksum. */
+static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
+{
+    unsigned char extra;
+    int n = gzread(s->gz, &extra, 1), code;
+    const char *text = gzerror(s->gz, &code);
+    if (n > 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: too long: compressed samples go on after the %zu bytes that the sizes need",
+                        s->path, iso_source_bytes(s));
+    if (n < 0 || code != Z_OK)
+        return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
+                        code == Z_BUF_ERROR ? "the end is missing" : text);
+    return ISO_OK;
+}
+
+iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
+{
+    const size_t *n = s->header.geometry.size;
+    size_t sample = iso_type_bytes(s->header.type), plane = n[0] * n[1] * sample;
+    if (plane_count > n[2] - s->planes_done)
+        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
+    size_t bytes = plane * plane_count;
+    iso_status status = ISO_OK;
+    if (s->preloaded)
+        memcpy(out, s->preloaded + s->planes_done * plane, bytes);
+    else if (s->gz)
+        status = read_compressed(s, out, bytes, err);
+    else if (fread(out, 1, bytes, s->file) != bytes)
+        status = iso_fail(err, ISO_E_IO, "%s: read error in planes %zu to %zu of %zu", s->path, s->planes_done,
+                          s->planes_done + plane_count, n[2]);
+    if (status != ISO_OK)
+        return status;
+    if (s->swap_bytes)
+        swap_samples(out, sample, bytes / sample);
+    s->planes_done += plane_count;
+    return s->gz && s->planes_done == n[2] ? check_compressed_end(s, err) : ISO_OK;
+}
+
+void iso_source_close(iso_volume_source *s)
+{
+    if (!s)
+        return;
+    if (s->file)
+        fclose(s->file);
+    if (s->gz)
+        gzclose(s->gz);
+    free(s->preloaded);
+    free(s->path);
+    free(s);
+}

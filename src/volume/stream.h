@@ -1,0 +1,51 @@
+/* stream.h - volumes plane by plane, for those larger than memory.
+ *
+ * A source reads a file from its first plane to its last; a sink writes one.
+ * iso_volume_load() and iso_volume_save() stand on them.
+ *
+ * World coordinates (geometry.h) are millimetres. Where the file names an
+ * anatomical space (NRRD: left-posterior-superior and the like; NIfTI with an
+ * sform or a qform) they are turned to right, anterior, superior, so that one
+ * patient lies in one place whatever the file format; a reflected space (LAS)
+ * gives a reflected index_to_world. Else the world is the file's own frame.
+ *   NRRD   space directions are the columns of index_to_world; space origin is
+ *          the centre of the first sample, so origin_mm = space origin - half a
+ *          step along each axis. Without a space: spacings along the world's
+ *          axes, axis mins where all three are given, else the box is centred.
+ *          Units mm, um, cm, m are converted; others are taken for mm.
+ *   NIfTI  sform before qform before bare pixdim (centred); its matrix maps
+ *          voxel centres, so the corner lies at (-1/2, -1/2, -1/2).
+ * Trailing axes of one sample are dropped. Volumes of two axes, of several
+ * components a voxel or of several time steps are refused. */
+#ifndef ISO_VOLUME_STREAM_H
+#define ISO_VOLUME_STREAM_H
+
+#include "volume/volume.h"
+
+typedef struct iso_volume_source iso_volume_source;
+
+/* Reads the header and checks it against the size of the file. Statuses as
+ * iso_volume_load. *source stays NULL on failure. */
+iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err);
+iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err);
+
+/* What the header says; data is NULL. Valid until close. */
+const iso_volume *iso_source_volume(const iso_volume_source *source);
+
+/* The next plane_count planes, in the machine's byte order, into
+ * plane_count * nx * ny * iso_type_bytes(type) bytes. With the last plane the
+ * end of compressed data is checked too. NaN and Inf are not looked for. */
+iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
+void iso_source_close(iso_volume_source *source); /* accepts NULL */
+
+typedef struct iso_volume_sink iso_volume_sink;
+
+/* An NRRD file, header attached, raw or gzip; it appears when the sink is
+ * committed. `like` gives geometry, type and notes; its data is not read. */
+iso_status iso_sink_open(const char *path, const iso_volume *like, bool gzip, iso_volume_sink **sink, iso_error *err);
+iso_status iso_sink_write(iso_volume_sink *sink, size_t plane_count, const void *planes, iso_error *err);
+/* Puts the file in place; ISO_E_RANGE when planes are missing. Frees the sink in every case. */
+iso_status iso_sink_commit(iso_volume_sink *sink, iso_error *err);
+void iso_sink_abandon(iso_volume_sink *sink); /* accepts NULL */
+
+#endif

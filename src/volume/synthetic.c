@@ -1,0 +1,221 @@
+#include "volume/synthetic.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+
+static const struct {
+    const char *name, *help;
+} fields[] = {
+#define ISO_FIELD_ROW(name, text, help) [name] = {text, help},
+    ISO_FIELD_LIST(ISO_FIELD_ROW)
+#undef ISO_FIELD_ROW
+};
+
+const char *iso_field_name(iso_field_kind kind)
+{
+    return fields[kind].name;
+}
+
+const char *iso_field_help(iso_field_kind kind)
+{
+    return fields[kind].help;
+}
+
+iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err)
+{
+    char list[256] = "";
+    for (int i = 0; i < ISO_FIELD_COUNT; ++i) {
+        if (strcmp(fields[i].name, name) == 0) {
+            *kind = (iso_field_kind)i;
+            return ISO_OK;
+        }
+        strcat(list, i ? ", " : "");
+        strcat(list, fields[i].name);
+    }
+    return iso_fail(err, ISO_E_USAGE, "unknown kind \"%s\", must be one of: %s", name, list);
+}
+
+static double half_shortest_edge_mm(const iso_geometry *g)
+{
+    double spacing[3], shortest = INFINITY;
+    iso_geometry_spacing_mm(g, spacing);
+    for (int a = 0; a < 3; ++a)
+        shortest = fmin(shortest, spacing[a] * g->box_index[a]);
+    return 0.5 * shortest;
+}
+
+/* Each field below takes the normalised position p and gives its value in
+ * [0, 1] and its gradient by p. */
+
+static double ramp(iso_vec3 p, double extent, iso_vec3 *d)
+{
+    /* Slopes differ by axis; scaled so that the whole box, `extent` half-edges
+     * away from its centre, stays in [0, 1]. */
+    *d = iso_scale(iso_v3(1, 2, 3), 1 / (12 * extent));
+    return 0.5 + iso_dot(*d, p);
+}
+
+static double slab(iso_vec3 p, double flank, iso_vec3 *d)
+{
+    double out = (fabs(p.z) - 0.5) / flank; /* -1/2 to 1/2 within the flank */
+    *d = iso_v3(0, 0, out > -0.5 && out < 0.5 ? -copysign(1 / flank, p.z) : 0);
+    return fmin(fmax(0.5 - out, 0), 1);
+}
+
+static double sphere(iso_vec3 p, iso_vec3 *d)
+{
+    double r = iso_norm(p);
+    *d = r > 0 && r < 1 ? iso_scale(p, -1 / r) : iso_v3(0, 0, 0);
+    return fmax(1 - r, 0);
+}
+
+static double gauss(double x, double width, double *slope)
+{
+    double v = exp(-x * x / (2 * width * width));
+    *slope = -x / (width * width) * v;
+    return v;
+}
+
+static double shells(iso_vec3 p, iso_vec3 *d)
+{
+    double r = iso_norm(p), s1, s2;
+    double v = gauss(r - 0.45, 0.03, &s1) + gauss(r - 0.8, 0.03, &s2);
+    *d = r > 0 ? iso_scale(p, (s1 + s2) / r) : iso_v3(0, 0, 0);
+    return v;
+}
+
+static double plate(iso_vec3 p, iso_vec3 *d)
+{
+    const iso_vec3 normal = iso_normalize(iso_v3(1, 2, 4));
+    double slope, v = gauss(iso_dot(p, normal), 0.04, &slope);
+    *d = iso_scale(normal, slope);
+    return v;
+}
+
+/* Marschner and Lobb 1994, Eq. 7, with alpha = .25 and fM = 6. */
+static double marschner_lobb(iso_vec3 p, iso_vec3 *d)
+{
+    const double pi = 3.14159265358979323846, alpha = 0.25, f = 6;
+    double r = sqrt(p.x * p.x + p.y * p.y), inner = 2 * pi * f * cos(pi * r / 2);
+    double scale = 1 / (2 * (1 + alpha));
+    /* d/dr cos(inner) = sin(inner) 2 pi f (pi / 2) sin(pi r / 2); over r it is finite at r = 0 */
+    double half = pi * r / 2, sinc = half > 1e-8 ? sin(half) / half : 1;
+    double radial = alpha * scale * sin(inner) * 2 * pi * f * (pi / 2) * (pi / 2) * sinc;
+    *d = iso_v3(radial * p.x, radial * p.y, -scale * pi / 2 * cos(pi * p.z / 2));
+    return scale * (1 - sin(pi * p.z / 2) + alpha * (1 + cos(inner)));
+}
+
+/* splitmix64 (Steele et al. 2014): a stream of 64-bit numbers from any seed. */
+static double uniform(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+#define NOISE_WAVES 24
+
+static double noise(iso_vec3 p, uint64_t seed, iso_vec3 *d)
+{
+    const double pi = 3.14159265358979323846;
+    double sum = 0;
+    *d = iso_v3(0, 0, 0);
+    for (int w = 0; w < NOISE_WAVES; ++w) {
+        double z = 2 * uniform(&seed) - 1, turn = 2 * pi * uniform(&seed), flat = sqrt(1 - z * z);
+        double wave_number = pi * (1 + 5 * uniform(&seed)), phase = 2 * pi * uniform(&seed);
+        iso_vec3 k = iso_scale(iso_v3(flat * cos(turn), flat * sin(turn), z), wave_number);
+        double angle = iso_dot(k, p) + phase;
+        sum += sin(angle);
+        *d = iso_madd(*d, k, cos(angle) / (2.0 * NOISE_WAVES));
+    }
+    return 0.5 + sum / (2.0 * NOISE_WAVES);
+}
+
+static double evaluate(const iso_field *f, iso_vec3 p, double half_edge, iso_vec3 *d)
+{
+    double spacing[3];
+    switch (f->kind) {
+    case ISO_FIELD_RAMP: return ramp(p, iso_geometry_box_radius_mm(&f->geometry) / half_edge, d);
+    case ISO_FIELD_SLAB:
+        iso_geometry_spacing_mm(&f->geometry, spacing);
+        return slab(p, spacing[2] / half_edge, d);
+    case ISO_FIELD_SPHERE: return sphere(p, d);
+    case ISO_FIELD_SHELLS: return shells(p, d);
+    case ISO_FIELD_PLATE: return plate(p, d);
+    case ISO_FIELD_MARSCHNER_LOBB: return marschner_lobb(p, d);
+    case ISO_FIELD_NOISE: return noise(p, f->seed, d);
+    case ISO_FIELD_CONSTANT:
+    case ISO_FIELD_COUNT: break;
+    }
+    *d = iso_v3(0, 0, 0);
+    return 0.5;
+}
+
+double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient)
+{
+    double half_edge = half_shortest_edge_mm(&f->geometry);
+    iso_vec3 d;
+    iso_vec3 p = iso_scale(iso_sub(world_mm, iso_geometry_box_center_mm(&f->geometry)), 1 / half_edge);
+    double value = evaluate(f, p, half_edge, &d);
+    if (gradient)
+        *gradient = iso_scale(d, 1 / half_edge);
+    return fmin(fmax(value, 0), 1);
+}
+
+static void type_range(iso_type type, double *lo, double *hi)
+{
+    *lo = 0;
+    *hi = 1;
+    switch (type) {
+    case ISO_U8: *hi = UINT8_MAX; break;
+    case ISO_U16: *hi = UINT16_MAX; break;
+    case ISO_U32: *hi = UINT32_MAX; break;
+    case ISO_I8: *lo = INT8_MIN, *hi = INT8_MAX; break;
+    case ISO_I16: *lo = INT16_MIN, *hi = INT16_MAX; break;
+    case ISO_I32: *lo = INT32_MIN, *hi = INT32_MAX; break;
+    case ISO_F32:
+    case ISO_F64: break;
+    }
+}
+
+static void store_sample(void *data, iso_type type, size_t at, double value)
+{
+    double lo, hi;
+    type_range(type, &lo, &hi);
+    double whole = nearbyint(lo + value * (hi - lo));
+    switch (type) {
+    case ISO_F32: ((float *)data)[at] = (float)value; break;
+    case ISO_F64: ((double *)data)[at] = value; break;
+    case ISO_U8: ((uint8_t *)data)[at] = (uint8_t)whole; break;
+    case ISO_I8: ((int8_t *)data)[at] = (int8_t)whole; break;
+    case ISO_U16: ((uint16_t *)data)[at] = (uint16_t)whole; break;
+    case ISO_I16: ((int16_t *)data)[at] = (int16_t)whole; break;
+    case ISO_U32: ((uint32_t *)data)[at] = (uint32_t)whole; break;
+    case ISO_I32: ((int32_t *)data)[at] = (int32_t)whole; break;
+    }
+}
+
+void iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out)
+{
+    const size_t *n = f->geometry.size;
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+    for (size_t row = z0 * n[1]; row < z1 * n[1]; ++row) {
+        size_t y = row % n[1], z = row / n[1];
+        for (size_t x = 0; x < n[0]; ++x) {
+            iso_vec3 at = iso_geometry_to_world(&f->geometry, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5));
+            store_sample(out, type, (row - z0 * n[1]) * n[0] + x, iso_field_value(f, at, NULL));
+        }
+    }
+}
+
+iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err)
+{
+    iso_status status = iso_volume_create(v, &f->geometry, type, iso_field_name(f->kind), err);
+    if (status == ISO_OK)
+        iso_field_sample_planes(f, type, 0, f->geometry.size[2], 0, v->data);
+    return status;
+}

@@ -1,0 +1,206 @@
+#include "volume/volume.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "volume/stream.h"
+
+static const struct {
+    const char *name;
+    size_t bytes;
+} types[] = {
+#define ISO_TYPE_ROW(name, text, ctype) [name] = {text, sizeof(ctype)},
+    ISO_TYPE_LIST(ISO_TYPE_ROW)
+#undef ISO_TYPE_ROW
+};
+
+const char *iso_type_name(iso_type type)
+{
+    return types[type].name;
+}
+
+size_t iso_type_bytes(iso_type type)
+{
+    return types[type].bytes;
+}
+
+iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err)
+{
+    char list[128] = "";
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+        if (strcmp(types[i].name, name) == 0) {
+            *type = (iso_type)i;
+            return ISO_OK;
+        }
+        strcat(list, i ? ", " : "");
+        strcat(list, types[i].name);
+    }
+    return iso_fail(err, ISO_E_USAGE, "unknown type \"%s\", must be one of: %s", name, list);
+}
+
+iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err)
+{
+    *v = (iso_volume){0};
+    iso_status status = iso_geometry_check(g, name, err);
+    if (status != ISO_OK)
+        return status;
+    size_t count = iso_geometry_voxel_count(g);
+    void *data = calloc(count, iso_type_bytes(type));
+    if (!data)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu x %zu voxels of %s (%zu bytes)", name,
+                        g->size[0], g->size[1], g->size[2], iso_type_name(type), count * iso_type_bytes(type));
+    *v = (iso_volume){.geometry = *g, .type = type, .data = data, .notes = {.scale_slope = 1}};
+    return ISO_OK;
+}
+
+void iso_volume_destroy(iso_volume *v)
+{
+    if (!v)
+        return;
+    free(v->data);
+    *v = (iso_volume){0};
+}
+
+static void to_floats(const iso_volume *v, size_t first, size_t count, float *restrict out)
+{
+    switch (v->type) {
+#define ISO_TYPE_CASE(name, text, ctype)                      \
+    case name: {                                              \
+        const ctype *restrict in = (const ctype *)v->data + first; \
+        for (size_t i = 0; i < count; ++i)                    \
+            out[i] = (float)in[i];                            \
+        break;                                                \
+    }
+        ISO_TYPE_LIST(ISO_TYPE_CASE)
+#undef ISO_TYPE_CASE
+    }
+}
+
+void iso_volume_row(const iso_volume *v, size_t y, size_t z, float *restrict row)
+{
+    const size_t *n = v->geometry.size;
+    to_floats(v, (z * n[1] + y) * n[0], n[0], row);
+}
+
+void iso_volume_floats(const iso_volume *v, float *restrict out)
+{
+    const size_t *n = v->geometry.size;
+    size_t plane = n[0] * n[1];
+#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+    for (size_t z = 0; z < n[2]; ++z)
+        to_floats(v, z * plane, plane, out + z * plane);
+}
+
+/* What one plane adds; planes are summed in order, so threads change nothing. */
+typedef struct plane_stats {
+    double min, max, sum;
+    size_t nonfinite_count, first_nonfinite;
+} plane_stats;
+
+static plane_stats measure_samples(const iso_volume *v, size_t first, size_t count)
+{
+    plane_stats s = {.min = INFINITY, .max = -INFINITY};
+    switch (v->type) {
+#define ISO_TYPE_CASE(name, text, ctype)                      \
+    case name: {                                              \
+        const ctype *in = (const ctype *)v->data + first;     \
+        for (size_t i = 0; i < count; ++i) {                  \
+            double value = (double)in[i];                     \
+            if (!isfinite(value)) {                           \
+                if (s.nonfinite_count++ == 0)                 \
+                    s.first_nonfinite = first + i;            \
+                continue;                                     \
+            }                                                 \
+            s.min = value < s.min ? value : s.min;            \
+            s.max = value > s.max ? value : s.max;            \
+            s.sum += value;                                   \
+        }                                                     \
+        break;                                                \
+    }
+        ISO_TYPE_LIST(ISO_TYPE_CASE)
+#undef ISO_TYPE_CASE
+    }
+    return s;
+}
+
+iso_volume_stats iso_volume_measure(const iso_volume *v)
+{
+    const size_t *n = v->geometry.size;
+    size_t plane = n[0] * n[1];
+    iso_volume_stats total = {.min = INFINITY, .max = -INFINITY};
+    double sum = 0;
+#pragma omp parallel for ordered schedule(static, 1) num_threads(iso_threads(0))
+    for (size_t z = 0; z < n[2]; ++z) {
+        plane_stats s = measure_samples(v, z * plane, plane);
+#pragma omp ordered
+        {
+            if (total.nonfinite_count == 0 && s.nonfinite_count > 0) {
+                total.first_nonfinite[0] = s.first_nonfinite % n[0];
+                total.first_nonfinite[1] = s.first_nonfinite / n[0] % n[1];
+                total.first_nonfinite[2] = z;
+            }
+            total.nonfinite_count += s.nonfinite_count;
+            total.min = fmin(total.min, s.min);
+            total.max = fmax(total.max, s.max);
+            sum += s.sum;
+        }
+    }
+    size_t finite = iso_geometry_voxel_count(&v->geometry) - total.nonfinite_count;
+    total.mean = finite > 0 ? sum / (double)finite : NAN;
+    return total;
+}
+
+/* All planes of a source, which is closed. */
+static iso_status load_all(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err)
+{
+    const iso_volume *header = iso_source_volume(source);
+    iso_volume_notes notes = header->notes;
+    iso_status status = iso_volume_create(v, &header->geometry, header->type, path, err);
+    if (status == ISO_OK)
+        status = iso_source_read(source, v->geometry.size[2], v->data, err);
+    iso_source_close(source);
+    if (status == ISO_OK && (v->type == ISO_F32 || v->type == ISO_F64)) {
+        iso_volume_stats s = iso_volume_measure(v);
+        if (s.nonfinite_count > 0)
+            status = iso_fail(err, ISO_E_RANGE, "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
+                              path, s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0],
+                              s.first_nonfinite[1], s.first_nonfinite[2]);
+    }
+    if (status != ISO_OK) {
+        iso_volume_destroy(v);
+        return status;
+    }
+    v->notes = notes;
+    return ISO_OK;
+}
+
+iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err)
+{
+    *v = (iso_volume){0};
+    iso_volume_source *source;
+    iso_status status = iso_source_open(path, &source, err);
+    return status == ISO_OK ? load_all(source, path, v, err) : status;
+}
+
+iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err)
+{
+    *v = (iso_volume){0};
+    iso_volume_source *source;
+    iso_status status = iso_source_open_raw(path, layout, &source, err);
+    return status == ISO_OK ? load_all(source, path, v, err) : status;
+}
+
+iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err)
+{
+    iso_volume_sink *sink;
+    iso_status status = iso_sink_open(path, v, gzip, &sink, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_sink_write(sink, v->geometry.size[2], v->data, err);
+    if (status == ISO_OK)
+        return iso_sink_commit(sink, err);
+    iso_sink_abandon(sink);
+    return status;
+}
