@@ -32,7 +32,7 @@ lib := $(build)/libisoshade.a
 program := $(build)/isoshade
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := $(wildcard src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
+embedded := src/encode/code_decode.h $(wildcard src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all

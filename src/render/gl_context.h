@@ -1,0 +1,59 @@
+/* gl_context.h - a headless OpenGL context, its programs and its textures.
+ *
+ * The context comes from EGL through libepoxy: each EGL device that is no
+ * software renderer first, then Mesa without a surface (llvmpipe). Core profile,
+ * 4.3 or newer. Nothing here knows about volumes.
+ *
+ * Private to src/render and src/brick: commands see render/raycaster.h. */
+#ifndef ISO_GL_CONTEXT_H
+#define ISO_GL_CONTEXT_H
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+#include <stddef.h>
+
+#include "render/raycaster.h"
+
+#define ISO_GL_MAX_PROGRAMS 64
+
+struct iso_gl {
+    EGLDisplay display;
+    EGLContext context;
+    iso_gl_info info;
+    char *shader_dir; /* or NULL: the embedded shaders */
+    GLint max_texture_size, max_texture_3d_size;
+    GLuint vertex_array;
+    size_t program_count;
+    struct iso_gl_program {
+        char *key; /* fragment file and defines */
+        GLuint name;
+    } programs[ISO_GL_MAX_PROGRAMS];
+};
+
+/* Makes the context current on this thread. */
+iso_status iso_gl_bind(iso_gl *gl, iso_error *err);
+
+/* The program that draws a triangle over the whole target with the fragment
+ * shader `fragment` (a name under shaders/, such as "raycast.glsl"), preceded by
+ * the direction decoders and by `defines` (lines "#define NAME VALUE\n").
+ * Compiled once, kept by the context. ISO_E_PROGRAM with the compiler's log. */
+iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defines, GLuint *program, iso_error *err);
+
+/* A 3D texture, linear, clamped to the edge, storage only. ISO_E_RANGE with
+ * size and limit when it is too large for this GL, ISO_E_MEMORY. */
+iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
+                                    GLuint *texture, iso_error *err);
+/* A 2D texture, nearest, from floats in RGBA. */
+iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
+                                         GLuint *texture, iso_error *err);
+
+/* Draws the program over a width x height float target and reads it back, first
+ * row first; *seconds (may be NULL) is the drawing alone. Textures and uniforms
+ * are the caller's. */
+iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
+                       iso_error *err);
+
+/* ISO_E_PROGRAM or ISO_E_MEMORY when GL has an error pending; `what` was done. */
+iso_status iso_gl_check(const char *what, iso_error *err);
+
+#endif

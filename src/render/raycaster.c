@@ -1,0 +1,275 @@
+#include "render/raycaster.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "render/gl_context.h"
+#include "render/sampler.h"
+
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS };
+
+/* A level on the GPU, and how its texels become values and lattice vectors. */
+typedef struct level_textures {
+    GLuint scalar, directions, tf;
+    double value_per_texel; /* value = min + texel * value_per_texel */
+    double direction_scale, direction_offset;
+} level_textures;
+
+iso_gl_options iso_gl_defaults(void)
+{
+    return (iso_gl_options){.source = ISO_FROM_CODES};
+}
+
+/* ---- upload ----------------------------------------------------------------- */
+
+static bool is_small_integer(iso_type type)
+{
+    return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
+}
+
+/* Integers of at most 16 bits are exact in R16: texel = (value - min) * m with the largest integer m that fits, so
+ * that a signed type needs no special case and few digits are lost to an offset. All else becomes (value - min) /
+ * (max - min) in float. Plane by plane: no second copy of the volume. */
+static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_textures *t, iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = size[0] * size[1];
+    double range = level->max - level->min;
+    bool integers = is_small_integer(level->stored_type) && range <= 65535 &&
+                    gl->info.filter_bits_unorm16 >= gl->info.filter_bits_float - 1;
+    double multiple = range > 0 ? floor(65535 / range) : 1;
+    iso_status status =
+        iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar, err);
+    if (status != ISO_OK)
+        return status;
+    void *plane = malloc(plane_count * (integers ? sizeof(uint16_t) : sizeof(float)));
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu voxels", plane_count);
+    uint16_t *codes = plane;
+    float *parts = plane;
+    for (size_t z = 0; z < size[2]; ++z) {
+        const float *from = level->scalar + z * plane_count;
+        for (size_t i = 0; i < plane_count; ++i)
+            if (integers)
+                codes[i] = (uint16_t)lrint(((double)from[i] - level->min) * multiple);
+            else
+                parts[i] = range > 0 ? (float)(((double)from[i] - level->min) / range) : 0;
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
+                        integers ? GL_UNSIGNED_SHORT : GL_FLOAT, plane);
+    }
+    free(plane);
+    t->value_per_texel = integers ? 65535 / multiple : range;
+    return iso_gl_check("uploading the scalar", err);
+}
+
+/* Bytes where they are filtered as finely as floats, else the same lattice in 16 bits: a multiple of the byte, so that
+ * nothing is rounded. */
+static iso_status upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, level_textures *t,
+                               iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = 3 * size[0] * size[1];
+    bool is_signed = iso_code_describe(code)->is_signed;
+    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
+                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
+    GLenum format = is_signed ? (wide ? GL_RGBA16_SNORM : GL_RGBA8_SNORM) : (wide ? GL_RGBA16 : GL_RGBA8);
+    GLenum type = is_signed ? (wide ? GL_SHORT : GL_BYTE) : (wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE);
+    t->direction_scale = is_signed ? (wide ? 32767.0 / (127 * 258) : 1) : 2;
+    t->direction_offset = is_signed ? 0 : -1;
+    iso_status status = iso_gl_create_texture_3d(gl, format, size, "direction codes", &t->directions, err);
+    if (status != ISO_OK)
+        return status;
+    int16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
+    if (wide && !plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
+    for (size_t z = 0; z < size[2]; ++z) {
+        const uint8_t *bytes = level->codes + z * plane_count;
+        for (size_t i = 0; wide && i < plane_count; ++i) {
+            int byte = (int8_t)bytes[i] < -127 ? -127 : (int8_t)bytes[i];
+            plane[i] = is_signed ? (int16_t)(byte * 258) : (int16_t)(uint16_t)(bytes[i] * 257);
+        }
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, type,
+                        wide ? (const void *)plane : bytes);
+    }
+    free(plane);
+    return iso_gl_check("uploading direction codes", err);
+}
+
+static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
+                                 level_textures *t, iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = size[0] * size[1];
+    if (source == ISO_FROM_FLOAT && !level->directions)
+        return iso_fail(err, ISO_E_RANGE, "gl: the level holds no float directions; build with --keep-float");
+    iso_status status = iso_gl_create_texture_3d(gl, GL_RGB32F, size, "float directions", &t->directions, err);
+    if (status != ISO_OK)
+        return status;
+    float *plane = malloc(3 * plane_count * sizeof *plane);
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);
+    for (size_t z = 0; z < size[2]; ++z) {
+        if (source == ISO_FROM_DECODED)
+            iso_code_decode_all(code, level->codes + 3 * z * plane_count, plane, plane_count);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, GL_FLOAT,
+                        source == ISO_FROM_DECODED ? plane : level->directions + 3 * z * plane_count);
+    }
+    free(plane);
+    t->direction_scale = 1;
+    return iso_gl_check("uploading float directions", err);
+}
+
+static void destroy_textures(level_textures *t)
+{
+    const GLuint names[3] = {t->scalar, t->directions, t->tf};
+    glDeleteTextures(3, names);
+}
+
+static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
+                         const iso_tf_table *tf, level_textures *t, iso_error *err)
+{
+    *t = (level_textures){0};
+    glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
+    iso_status status = upload_scalar(gl, level, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
+    if (status == ISO_OK && source == ISO_FROM_CODES)
+        status = upload_codes(gl, level, code, t, err);
+    else if (status == ISO_OK && source != ISO_FROM_ON_THE_FLY)
+        status = upload_vectors(gl, level, code, source, t, err);
+    if (status != ISO_OK)
+        destroy_textures(t);
+    return status;
+}
+
+/* ---- uniforms --------------------------------------------------------------- */
+
+static void set_float(GLuint program, const char *name, double value)
+{
+    glUniform1f(glGetUniformLocation(program, name), (float)value);
+}
+
+static void set_int(GLuint program, const char *name, int value)
+{
+    glUniform1i(glGetUniformLocation(program, name), value);
+}
+
+static void set_vec3(GLuint program, const char *name, iso_vec3 v)
+{
+    glUniform3f(glGetUniformLocation(program, name), (float)v.x, (float)v.y, (float)v.z);
+}
+
+/* In the level's index space, relative to the box centre: double precision here, small floats there. */
+static void set_camera(GLuint program, const iso_geometry *g, const iso_view *view)
+{
+    const iso_camera *c = &view->camera;
+    iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
+    iso_vec3 to_center = iso_sub(iso_geometry_box_center_mm(g), c->position);
+    double depth = iso_dot(to_center, c->forward);
+    iso_vec3 center = iso_sub(iso_scale(c->forward, depth), to_center);
+    glUniform2f(glGetUniformLocation(program, "image_size"), (float)view->width, (float)view->height);
+    glUniform2f(glGetUniformLocation(program, "half_image"),
+                (float)(c->half_height * (double)view->width / (double)view->height), (float)c->half_height);
+    set_int(program, "orthographic", c->orthographic);
+    set_vec3(program, "forward_world", c->forward);
+    set_vec3(program, "right_world", c->right);
+    set_vec3(program, "up_world", c->up);
+    set_vec3(program, "forward_index", iso_mul(to_index, c->forward));
+    set_vec3(program, "right_index", iso_mul(to_index, c->right));
+    set_vec3(program, "up_index", iso_mul(to_index, c->up));
+    set_vec3(program, "plane_center", iso_mul(to_index, center));
+    set_float(program, "plane_depth", depth);
+}
+
+static void set_field(GLuint program, const iso_level *level, const level_textures *t, const iso_tf_table *tf,
+                      double step_voxels)
+{
+    const iso_geometry *g = &level->geometry;
+    double scale[3], offset[3];
+    for (int a = 0; a < 3; ++a) {
+        scale[a] = 1 / (double)g->size[a];
+        offset[a] = 0.5 * g->box_index[a] / (double)g->size[a];
+    }
+    set_int(program, "scalar", UNIT_SCALAR);
+    set_int(program, "tf", UNIT_TF);
+    set_int(program, "directions", UNIT_DIRECTIONS);
+    set_vec3(program, "box_half", iso_v3(0.5 * g->box_index[0], 0.5 * g->box_index[1], 0.5 * g->box_index[2]));
+    set_vec3(program, "texture_scale", iso_v3(scale[0], scale[1], scale[2]));
+    set_vec3(program, "voxel", iso_v3(scale[0], scale[1], scale[2]));
+    set_vec3(program, "texture_offset", iso_v3(offset[0], offset[1], offset[2]));
+    double min_spacing_mm = iso_geometry_min_spacing_mm(g), entries = (double)(tf->count - 1) / (tf->hi - tf->lo);
+    set_float(program, "step_mm", step_voxels * min_spacing_mm);
+    set_float(program, "tf_scale", t->value_per_texel * entries);
+    set_float(program, "tf_offset", (level->min - tf->lo) * entries);
+    set_int(program, "tf_count", (int)tf->count);
+    set_float(program, "direction_scale", t->direction_scale);
+    set_float(program, "direction_offset", t->direction_offset);
+    /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
+    double range = level->max - level->min;
+    iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(g),
+                                range > 0 ? 0.5 * t->value_per_texel * min_spacing_mm / range : 0);
+    float columns[9];
+    for (int i = 0; i < 9; ++i)
+        columns[i] = (float)m.m[i % 3][i / 3];
+    glUniformMatrix3fv(glGetUniformLocation(program, "gradient_to_world"), 1, GL_FALSE, columns);
+    set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
+}
+
+static void set_light(GLuint program, const iso_view *view)
+{
+    for (size_t i = 0; i < view->light_count; ++i) {
+        char name[48];
+        snprintf(name, sizeof name, "light_direction[%zu]", i);
+        set_vec3(program, name, view->lights[i].direction);
+        snprintf(name, sizeof name, "light_intensity[%zu]", i);
+        set_float(program, name, view->lights[i].intensity);
+    }
+    const iso_shading *s = &view->shading;
+    glUniform4f(glGetUniformLocation(program, "shading"), (float)s->ambient, (float)s->diffuse, (float)s->specular,
+                (float)s->power);
+    set_vec3(program, "background", iso_v3(view->background[0], view->background[1], view->background[2]));
+}
+
+/* ---- rendering -------------------------------------------------------------- */
+
+static iso_status get_program(iso_gl *gl, iso_code code, iso_direction_source source, size_t light_count,
+                              GLuint *program, iso_error *err)
+{
+    char defines[160];
+    snprintf(defines, sizeof defines, "#define DIRECTION_SOURCE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n",
+             source == ISO_FROM_CODES ? 0 : source == ISO_FROM_ON_THE_FLY ? 2 : 1,
+             source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, light_count);
+    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+}
+
+iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
+                         const iso_gl_options *opt, iso_image *image, double *seconds, iso_error *err)
+{
+    double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    *image = (iso_image){0};
+    if (!(step_voxels > 0 && isfinite(step_voxels)))
+        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
+    GLuint program;
+    level_textures textures;
+    iso_status status = iso_gl_bind(gl, err);
+    if (status == ISO_OK)
+        status = get_program(gl, code, opt->source, view->light_count, &program, err);
+    if (status == ISO_OK)
+        status = upload(gl, level, code, opt->source, &view->tf, &textures, err);
+    if (status != ISO_OK)
+        return status;
+    glUseProgram(program);
+    set_camera(program, &level->geometry, view);
+    set_field(program, level, &textures, &view->tf, step_voxels);
+    set_light(program, view);
+    status = iso_image_create(image, view->width, view->height, err);
+    if (status == ISO_OK)
+        status = iso_gl_draw(gl, program, view->width, view->height, image->rgba, seconds, err);
+    destroy_textures(&textures);
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
+}

@@ -1,0 +1,366 @@
+/* The ray caster against the reference with the same sampling. Sizes and spacings are unequal, the grid is rotated. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/raycaster.h"
+#include "render/reference.h"
+
+/* Causes: texture coordinates and filter weights are floats (3e-8 of a volume of 56 voxels is 2e-6 voxels), and so is
+ * the sum over some 100 samples. Mean errors cancel, hence the RMSE is a twentieth. */
+#define MAX_ABS 2e-5
+#define RMSE 1e-6
+
+static iso_gl *gl; /* one context for all tests: it takes a while to start */
+
+/* ---- a volume, a view ------------------------------------------------------- */
+
+static iso_geometry rotated_geometry(void)
+{
+    /* Columns: a rotation by unequal angles round z, then x; spacings 1, 0.8, 1.7. */
+    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
+    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
+    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33}};
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            g.index_to_world.m[row][column] = rotation[row][column] * h[column];
+    return g;
+}
+
+/* A curved, asymmetric field in [0, 1] with gradients in all directions. */
+static double field(double x, double y, double z)
+{
+    double r = sqrt((x - 0.4) * (x - 0.4) + 1.3 * (y - 0.55) * (y - 0.55) + 0.8 * (z - 0.5) * (z - 0.5));
+    return 0.5 + 0.25 * sin(14 * r) + 0.15 * sin(5 * x + 3 * y) + 0.1 * cos(7 * z - 2 * x);
+}
+
+static void fill(iso_volume *v)
+{
+    const size_t *n = v->geometry.size;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&v->geometry); ++i) {
+        size_t x = i % n[0], y = i / n[0] % n[1], z = i / (n[0] * n[1]);
+        double f = field(((double)x + 0.5) / (double)n[0], ((double)y + 0.5) / (double)n[1],
+                         ((double)z + 0.5) / (double)n[2]);
+        switch (v->type) {
+        case ISO_U8: ((uint8_t *)v->data)[i] = (uint8_t)lrint(255 * f); break;
+        case ISO_U16: ((uint16_t *)v->data)[i] = (uint16_t)lrint(60000 * f); break;
+        case ISO_I16: ((int16_t *)v->data)[i] = (int16_t)lrint(4000 * f - 1024); break;
+        default: ((float *)v->data)[i] = (float)(3 * f - 100); break;
+        }
+    }
+}
+
+static iso_pyramid make_pyramid(iso_type type, iso_code code)
+{
+    iso_geometry g = rotated_geometry();
+    iso_volume v;
+    iso_pyramid p;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 3;
+    opt.code = code;
+    opt.keep_float = true;
+    assert_ok(iso_volume_create(&v, &g, type, "test", &err));
+    fill(&v);
+    assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+    iso_volume_destroy(&v);
+    return p;
+}
+
+/* A TF over the level-0 range with a half-transparent skin and an opaque core, in colours that differ. */
+static void make_tf(iso_tf_table *t, const iso_level *level)
+{
+    enum { count = 64 };
+    *t = (iso_tf_table){.count = count, .lo = level->min, .hi = level->max};
+    t->entries = malloc(4 * count * sizeof *t->entries);
+    assert_non_null(t->entries);
+    for (int i = 0; i < count; ++i) {
+        double x = (double)i / (count - 1);
+        double skin = exp(-pow((x - 0.45) / 0.05, 2)), core = x > 0.7 ? (x - 0.7) / 0.3 : 0;
+        t->entries[4 * i] = (float)(0.9 - 0.5 * x);
+        t->entries[4 * i + 1] = (float)(0.3 + 0.6 * x);
+        t->entries[4 * i + 2] = (float)(0.5 + 0.4 * sin(9 * x));
+        t->entries[4 * i + 3] = (float)(0.08 * skin + 0.6 * core);
+    }
+}
+
+typedef enum view_kind { PERSPECTIVE, ORTHOGRAPHIC, INSIDE } view_kind;
+
+static iso_view make_view(view_kind kind, const iso_level *level0)
+{
+    const iso_geometry *g = &level0->geometry;
+    double radius = iso_geometry_box_radius_mm(g);
+    iso_vec3 center = iso_geometry_box_center_mm(g);
+    iso_view v = {.width = 48, .height = 40, .step_voxels = 0.6, .light_count = 2,
+                  .shading = {.ambient = 0.3, .diffuse = 0.4, .specular = 0.3, .power = 20},
+                  .background = {0.2, 0.1, 0.4}};
+    iso_camera *c = &v.camera;
+    c->forward = iso_normalize(iso_v3(1, 2, -0.7));
+    c->right = iso_normalize(iso_cross(c->forward, iso_v3(0.1, 0, 1)));
+    c->up = iso_cross(c->right, c->forward);
+    c->orthographic = kind == ORTHOGRAPHIC;
+    c->half_height = kind == ORTHOGRAPHIC ? 0.9 * radius : kind == INSIDE ? 0.8 : tan(0.26);
+    c->position = iso_madd(center, c->forward, kind == INSIDE ? -0.2 * radius : -3.7 * radius);
+    v.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.9};
+    /* In camera space, resolved: right, up, backwards. */
+    v.lights[1] = (iso_light){.direction = iso_normalize(iso_sub(iso_add(c->right, c->up), c->forward)),
+                              .in_camera_space = true, .intensity = 0.5};
+    make_tf(&v.tf, level0);
+    return v;
+}
+
+/* ---- differences ------------------------------------------------------------ */
+
+typedef struct difference {
+    double max_abs, rmse;
+} difference;
+
+static difference compare(const iso_image *a, const iso_image *b)
+{
+    difference d = {0, 0};
+    size_t count = 4 * a->width * a->height;
+    for (size_t i = 0; i < count; ++i) {
+        double e = fabs((double)a->rgba[i] - (double)b->rgba[i]);
+        if (!(e <= d.max_abs)) /* NaN sticks */
+            d.max_abs = e;
+        d.rmse += e * e;
+    }
+    d.rmse = sqrt(d.rmse / (double)count);
+    return d;
+}
+
+static iso_image render_gl(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source)
+{
+    iso_image image;
+    iso_gl_options opt = iso_gl_defaults();
+    opt.source = source;
+    assert_ok(iso_gl_render(gl, level, code, view, &opt, &image, NULL, &err));
+    return image;
+}
+
+static iso_image render_reference(const iso_level *level, iso_code code, const iso_view *view,
+                                  iso_direction_source source)
+{
+    iso_image image;
+    iso_reference_options opt = iso_reference_defaults();
+    opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+    opt.source = source;
+    assert_ok(iso_reference_render(level, code, view, &opt, &image, NULL, &err));
+    return image;
+}
+
+static void check_agreement(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source,
+                            const char *what)
+{
+    iso_image a = render_gl(level, code, view, source), b = render_reference(level, code, view, source);
+    difference d = compare(&a, &b);
+    if (!(d.max_abs <= MAX_ABS && d.rmse <= RMSE))
+        fail_msg("%s: max_abs %g, limit %g; rmse %g, limit %g", what, d.max_abs, MAX_ABS, d.rmse, RMSE);
+    if (getenv("ISOSHADE_TEST_VERBOSE"))
+        printf("%-40s max_abs %.2e rmse %.2e\n", what, d.max_abs, d.rmse);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+/* ---- tests ------------------------------------------------------------------ */
+
+static void filter_of_floats_is_probed_finer_than_8_bits_in_software(void **state)
+{
+    (void)state;
+    iso_gl_info info = iso_gl_describe(gl);
+    printf("%s: filter bits %d (8-bit), %d (16-bit), %d (float)\n", info.renderer, info.filter_bits_unorm8,
+           info.filter_bits_unorm16, info.filter_bits_float);
+    assert_true(info.filter_bits_unorm8 >= 6 && info.filter_bits_unorm8 <= 24);
+    if (strstr(info.renderer, "llvmpipe")) {
+        assert_true(info.filter_bits_float >= 20);
+        assert_true(info.filter_bits_unorm16 >= 20);
+    }
+}
+
+static void every_source_and_code_agrees_with_the_reference_at_every_level(void **state)
+{
+    (void)state;
+    for (int code = 0; code < ISO_CODE_COUNT; ++code) {
+        iso_pyramid p = make_pyramid(ISO_F32, (iso_code)code);
+        iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+        for (size_t k = 0; k < p.level_count; ++k)
+            for (int source = 0; source < ISO_SOURCE_COUNT; ++source) {
+                char what[96];
+                snprintf(what, sizeof what, "%s, level %zu, %s", iso_code_describe((iso_code)code)->name, k,
+                         iso_direction_source_name((iso_direction_source)source));
+                check_agreement(&p.levels[k], (iso_code)code, &view, (iso_direction_source)source, what);
+            }
+        iso_view_destroy(&view);
+        iso_pyramid_destroy(&p);
+    }
+}
+
+static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
+{
+    (void)state;
+    static const iso_type types[] = {ISO_U8, ISO_U16, ISO_I16, ISO_F32};
+    static const char *const views[] = {"perspective", "orthographic", "inside"};
+    for (size_t t = 0; t < 4; ++t) {
+        iso_pyramid p = make_pyramid(types[t], ISO_CODE_SNORM);
+        for (int kind = PERSPECTIVE; kind <= INSIDE; ++kind) {
+            iso_view view = make_view((view_kind)kind, &p.levels[0]);
+            char what[96];
+            snprintf(what, sizeof what, "%s, %s", iso_type_name(types[t]), views[kind]);
+            check_agreement(&p.levels[0], ISO_CODE_SNORM, &view,
+                            kind == INSIDE ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES, what);
+            iso_view_destroy(&view);
+        }
+        iso_pyramid_destroy(&p);
+    }
+}
+
+/* Each of these faults is what a wrong export or shader would do. */
+static void rejects(const iso_level *right, const iso_level *wrong, const iso_view *right_view,
+                    const iso_view *wrong_view, const char *what)
+{
+    iso_image a = render_gl(wrong, ISO_CODE_SNORM, wrong_view, ISO_FROM_CODES);
+    iso_image b = render_reference(right, ISO_CODE_SNORM, right_view, ISO_FROM_CODES);
+    difference d = compare(&a, &b);
+    if (!(d.max_abs > MAX_ABS && d.rmse > RMSE))
+        fail_msg("%s passes: max_abs %g, rmse %g", what, d.max_abs, d.rmse);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+static void known_faults_are_rejected(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
+    iso_level *level = &p.levels[0];
+    iso_view view = make_view(PERSPECTIVE, level), wrong_view = view;
+    iso_level wrong = *level;
+    wrong.geometry.origin_mm = iso_geometry_to_world(&wrong.geometry, iso_v3(0.5, 0, 0));
+    rejects(level, &wrong, &view, &view, "half a voxel of shift");
+
+    wrong = *level;
+    for (int row = 0; row < 3; ++row) {
+        double *m = wrong.geometry.index_to_world.m[row], swapped = m[0];
+        m[0] = m[1];
+        m[1] = swapped;
+    }
+    rejects(level, &wrong, &view, &view, "a swapped axis");
+
+    wrong_view.lights[0].direction = iso_v3(1, -0.5, 2);
+    rejects(level, level, &view, &wrong_view, "a light from the wrong side");
+
+    wrong_view = view;
+    make_tf(&wrong_view.tf, level);
+    for (size_t i = 0; i < 4 * wrong_view.tf.count; ++i)
+        if (i % 4 != 3)
+            wrong_view.tf.entries[i] = powf(wrong_view.tf.entries[i], 1 / 2.2f);
+    rejects(level, level, &view, &wrong_view, "an sRGB TF");
+    iso_view_destroy(&wrong_view);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static void images_do_not_differ_between_runs(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
+    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+    iso_image a = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
+    iso_image b = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
+    assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static void volume_beyond_the_texture_limit_is_refused_with_both_sizes(void **state)
+{
+    (void)state;
+    float scalar = 0;
+    iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){100000, 1, 1}, (const double[3]){1, 1, 1}),
+                       .stored_type = ISO_F32, .scalar = &scalar, .max = 1};
+    iso_view view = make_view(PERSPECTIVE, &level);
+    iso_gl_options opt = iso_gl_defaults();
+    iso_image image;
+    iso_error err = {""};
+    assert_int_equal(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    assert_non_null(strstr(err.text, "100000 x 1 x 1"));
+    assert_non_null(strstr(err.text, "at most"));
+    iso_view_destroy(&view);
+}
+
+static void missing_float_directions_are_refused(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
+    iso_level level = p.levels[0];
+    level.directions = NULL;
+    iso_view view = make_view(PERSPECTIVE, &level);
+    iso_gl_options opt = {.source = ISO_FROM_FLOAT};
+    iso_image image;
+    assert_status(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static void missing_shader_folder_is_named(void **state)
+{
+    (void)state;
+    iso_gl *other;
+    iso_error err = {""};
+    assert_int_equal(iso_gl_create(&other, "/nonexistent-shaders", &err), ISO_E_IO);
+    assert_non_null(strstr(err.text, "/nonexistent-shaders"));
+    assert_null(other);
+}
+
+static void shader_folder_of_the_sources_gives_the_same_image(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_REGION48);
+    iso_view view = make_view(ORTHOGRAPHIC, &p.levels[0]);
+    iso_image a = render_gl(&p.levels[0], ISO_CODE_REGION48, &view, ISO_FROM_CODES), b;
+    iso_gl_options opt = iso_gl_defaults();
+    iso_gl *other;
+    assert_ok(iso_gl_create(&other, "src/render/shaders", &err));
+    assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, NULL, &err));
+    assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
+    iso_gl_destroy(other);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static int open_gl(void **state)
+{
+    (void)state;
+    iso_error err = {""};
+    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
+        return 0;
+    print_error("%s\n", err.text);
+    return -1;
+}
+
+static int close_gl(void **state)
+{
+    (void)state;
+    iso_gl_destroy(gl);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(filter_of_floats_is_probed_finer_than_8_bits_in_software),
+        cmocka_unit_test(every_source_and_code_agrees_with_the_reference_at_every_level),
+        cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
+        cmocka_unit_test(known_faults_are_rejected),
+        cmocka_unit_test(images_do_not_differ_between_runs),
+        cmocka_unit_test(volume_beyond_the_texture_limit_is_refused_with_both_sizes),
+        cmocka_unit_test(missing_float_directions_are_refused),
+        cmocka_unit_test(missing_shader_folder_is_named),
+        cmocka_unit_test(shader_folder_of_the_sources_gives_the_same_image),
+    };
+    return cmocka_run_group_tests(tests, open_gl, close_gl);
+}
