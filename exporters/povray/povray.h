@@ -1,11 +1,25 @@
 /* povray.h - POV-Ray scenes of a level, and POV-Ray as a renderer.
  *
- * DF3 files (16 bits scalar and directions, or 32), an include with the TF, the
- * media and the declared names, a scene with camera and lights, an .ini beside
- * it. media { method 2 samples 1,1 jitter 0 intervals N }: N equal intervals of
- * the chord, midpoint samples, weight tau exp(-tau / 2). Converged mode cuts the
- * ray by planes and extrapolates. Alpha comes from a second pass without
- * emission over white. */
+ * A scene is a folder: NAME.pov (camera, background), NAME.inc (the volume:
+ * declared names, the TF as color_maps, the media), NAME.ini ("povray NAME.ini"
+ * in that folder renders it) and DF3 files, big endian, with a rim of one voxel
+ * of edge values, which makes `interpolate 1` equal to clamping.
+ *
+ * The media use method 2: N equal intervals of the ray inside the box (or of
+ * its pieces between cutting planes), samples at the midpoints,
+ *     C = sum E_i ds exp(-sigma_i ds / 2) exp(-sum_{j<i} sigma_j ds),
+ * N is at most 255. planes = 0 is lock-step with ISO_QUADRATURE_POVRAY. The
+ * error is of second order in ds, so that extrapolation removes most of it.
+ *
+ * Scalars of 8 and 16 bits and snorm direction codes are stored exactly (8 or
+ * 16 bits); what is float is stored in df3_bits over its range. POV-Ray
+ * computes colours in float and writes 16 bits: half a step is 7.6e-6 of the
+ * brightest possible colour. Alpha comes from a second pass without emission
+ * over white.
+ *
+ * Isosurface: instead of the media, the first hit of a ray with value = iso,
+ * opaque, in the TF's colour there times the shade of the pre-computed
+ * direction (no T: C = c(iso) shade(d), A = 1). */
 #ifndef ISO_EXPORT_POVRAY_H
 #define ISO_EXPORT_POVRAY_H
 
@@ -14,21 +28,31 @@
 #include "pyramid/pyramid.h"
 #include "render/scene.h"
 
+#define ISO_POVRAY_MAX_INTERVALS 255 /* a fixed vector inside POV-Ray */
+#define ISO_POVRAY_MAX_PLANES 100    /* two trace levels a plane, of 256 */
+
 typedef struct iso_povray_options {
-    size_t intervals;   /* 1 to 255 a ray (and slab) */
-    size_t planes;      /* cutting planes: 0 is lock-step with the reference */
-    bool extrapolate;   /* Richardson from N/2 and N intervals */
-    bool df3_32bit;     /* scalar and directions in 32 bits instead of 16 */
+    size_t intervals;      /* 2 to 255 a piece of a ray */
+    size_t planes;         /* cutting planes across the view: 0 to 100 */
+    bool extrapolate;      /* Richardson from intervals / 2 and intervals */
+    unsigned df3_bits;     /* 16 or 32, for what is not exact in 8 or 16 */
+    bool float_directions; /* iso_level.directions instead of the codes */
+    bool isosurface;       /* first hit instead of volume rendering */
+    double iso;            /* the value of the isosurface */
     int threads;
 } iso_povray_options;
+/* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */
 iso_povray_options iso_povray_defaults(void);
 
+/* "3.7.0.10". ISO_E_MISSING, ISO_E_PROGRAM. */
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
 
-/* A folder: NAME.pov, NAME.inc, NAME.ini and the DF3 files; complete or absent. */
+/* The folder; complete or absent. An older export of the same name is replaced.
+ * ISO_E_RANGE: options outside their limits, a level that is not there. */
 iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
                              const iso_povray_options *opt, const iso_progress *progress, iso_error *err);
 
+/* Exports to a private folder and runs POV-Ray there: as iso_reference_render. */
 iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 

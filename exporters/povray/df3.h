@@ -1,0 +1,34 @@
+/* df3.h - POV-Ray's density files: three big-endian 16-bit sizes, then unsigned
+ * big-endian samples of 8, 16 or 32 bits, x fastest. POV-Ray reads a sample as
+ * v = sample / (2^bits - 1).
+ *
+ * Ours have a rim of one voxel of edge values: POV-Ray's trilinear lookup puts
+ * sample i at i / N and wraps in the last cell. With the rim, and
+ *     scale <nx + 2, ny + 2, nz + 2>  translate -1/2
+ * the lookup at index coordinates is trilinear between voxel centres (i + 1/2)
+ * and clamped to the edge. */
+#ifndef ISO_DF3_H
+#define ISO_DF3_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* sample = round((value - lo) / (hi - lo) (2^bits - 1)), and back value = lo + v (hi - lo). */
+typedef struct iso_df3_coding {
+    unsigned bits; /* 8, 16, 32 */
+    double lo, hi; /* what v = 0 and v = 1 stand for */
+} iso_df3_coding;
+
+/* Writes component `channel` of `values` (stride floats a voxel, x fastest) with
+ * its rim. Values beyond [lo, hi] are clamped. ISO_E_RANGE: a size above 65533. */
+iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,
+                         const iso_df3_coding *coding, iso_error *err);
+
+/* A table as a density of count x 1 x 1 samples, without a rim: entry i is at x = i / count. */
+iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t stride, size_t channel,
+                               const iso_df3_coding *coding, iso_error *err);
+
+#endif

@@ -1,0 +1,343 @@
+#include "povray/scene_text.h"
+
+#include <math.h>
+
+#include "encode/decode_double.h"
+
+static double specular_sum(const iso_view *view)
+{
+    double sum = 0;
+    for (size_t i = 0; i < view->light_count; ++i)
+        sum += view->lights[i].intensity * view->shading.specular;
+    return sum;
+}
+
+/* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
+void iso_povray_measure_peaks(iso_povray_scene *s)
+{
+    const iso_tf_table *tf = &s->view->tf;
+    double extinction = 0, color = 1;
+    for (size_t i = 0; i < tf->count; ++i) {
+        const float *e = tf->entries + 4 * i;
+        extinction = fmax(extinction, (double)e[3]);
+        color = fmax(color, fmax((double)e[0], fmax((double)e[1], (double)e[2])));
+    }
+    s->peak_extinction = extinction > 0 ? extinction : 1;
+    s->peak_color = color;
+    /* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
+    s->peak = color * (1 + specular_sum(s->view));
+}
+
+/* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. */
+static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix)
+{
+    const size_t *n = s->geometry->size;
+    fprintf(f, "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate 1\n"
+               "    scale <%zu, %zu, %zu> translate -0.5 } }\n", identifier, s->name, suffix, n[0] + 2, n[1] + 2, n[2] + 2);
+}
+
+static void write_header(FILE *f, const iso_povray_scene *s)
+{
+    const iso_geometry *g = s->geometry;
+    double h[3];
+    iso_geometry_spacing_mm(g, h);
+    fprintf(f,
+            "// %s.inc - a shaded volume, made by isoshade: level %zu of %s,\n"
+            "// %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm.\n"
+            "//\n"
+            "//     #include \"%s.inc\"\n"
+            "//     object { Iso_Volume transform { Iso_To_World } }\n"
+            "//\n"
+            "// Iso_Volume stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
+            "// Iso_To_World turns and stretches it as the data say, and makes it about 100 units across. Scale it as you\n"
+            "// like, but not far below that: POV-Ray works to 0.001 units. A scaled volume is seen through as much more\n"
+            "// material: divide Iso_Extinction by the factor to keep its look.\n"
+            "//\n"
+            "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
+            "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
+            "//\n"
+            "// Declare before the #include, or on the command line (Declare=Iso_Intervals=100):\n"
+            "//     Iso_Intervals   samples along a ray, at most 255; fewer is faster\n"
+            "//     Iso_Emission    brightness, 1 is as the transfer function says; 0 leaves only the absorption\n"
+            "#version 3.7;\n\n"
+            "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
+            "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n\n",
+            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name,
+            s->options->intervals);
+}
+
+static void write_placement(FILE *f, const iso_povray_scene *s)
+{
+    const iso_geometry *g = s->geometry;
+    iso_mat3 m = iso_mat3_scale(g->index_to_world, s->units_per_mm);
+    iso_vec3 o = iso_scale(iso_sub(g->origin_mm, s->center_mm), s->units_per_mm);
+    fprintf(f, "#declare Iso_Units_Per_mm = %.17g;\n", s->units_per_mm);
+    fprintf(f, "#declare Iso_Box = <%.17g, %.17g, %.17g>; // in voxels\n", g->box_index[0], g->box_index[1], g->box_index[2]);
+    fprintf(f, "#declare Iso_To_World = transform { matrix <\n");
+    for (int c = 0; c < 3; ++c)
+        fprintf(f, "    %.17g, %.17g, %.17g,\n", m.m[0][c], m.m[1][c], m.m[2][c]);
+    fprintf(f, "    %.17g, %.17g, %.17g> }\n\n", o.x, o.y, o.z);
+}
+
+static void write_fields(FILE *f, const iso_povray_scene *s)
+{
+    const iso_tf_table *tf = &s->view->tf;
+    const double steps = s->direction.bits == 8 ? 255 : s->direction.bits == 16 ? 65535 : 4294967295.0;
+    fprintf(f, "// ---- the data -------------------------------------------------------------\n"
+               "// Each file has a rim of one voxel, against the wrap-around of `interpolate`.\n");
+    write_lookup(f, s, "Iso_Stored", "scalar");
+    fprintf(f, "// in the units of the data\n"
+               "#declare Iso_Value = function (x, y, z) { %.17g + %.17g * Iso_Stored(x, y, z) }\n"
+               "// 0 at the first entry of the transfer function, 1 at the last\n"
+               "#declare Iso_TF_Position = function (x, y, z) { min(1, max(0, %.17g + %.17g * Iso_Stored(x, y, z))) }\n\n",
+            s->scalar.lo, s->scalar.hi - s->scalar.lo, (s->scalar.lo - tf->lo) / (tf->hi - tf->lo),
+            (s->scalar.hi - s->scalar.lo) / (tf->hi - tf->lo));
+    fprintf(f, "// Shading directions in world axes; their length says how sure they are.\n");
+    static const char *const axis[3] = {"x", "y", "z"};
+    for (int a = 0; a < 3; ++a) {
+        char identifier[16], suffix[16];
+        snprintf(identifier, sizeof identifier, "Iso_Stored_D%s", axis[a]);
+        snprintf(suffix, sizeof suffix, "d%s", axis[a]);
+        write_lookup(f, s, identifier, suffix);
+    }
+    /* lo and hi are chosen so that a whole sample stands for 0. */
+    const double span = s->direction.hi - s->direction.lo, zero = round(-s->direction.lo / span * steps);
+    for (int a = 0; a < 3; ++a)
+        fprintf(f, "#declare Iso_D%s = function (x, y, z) { (Iso_Stored_D%s(x, y, z) * %.17g - %.17g) * %.17g }\n", axis[a],
+                axis[a], steps, zero, span / steps);
+    fprintf(f, "\n");
+}
+
+static void write_color_map(FILE *f, const char *identifier, const iso_tf_table *tf, bool color, double scale)
+{
+    fprintf(f, "#declare %s = density { function { Iso_TF_Position(x, y, z) } color_map {\n", identifier);
+    for (size_t i = 0; i < tf->count; ++i) {
+        const float *e = tf->entries + 4 * i;
+        const double position = (double)i / (double)(tf->count - 1);
+        if (color)
+            fprintf(f, "    [%.9g rgb <%.9g, %.9g, %.9g>]\n", position, (double)e[0] * scale, (double)e[1] * scale,
+                    (double)e[2] * scale);
+        else
+            fprintf(f, "    [%.9g rgb %.9g]\n", position, (double)e[3] * scale);
+    }
+    fprintf(f, "} }\n");
+}
+
+/* Beyond 256 entries: one-dimensional DF3 tables, linear between entries as a
+ * color_map is. `average` of three densities is a third of their sum. */
+static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
+{
+    const size_t count = s->view->tf.count;
+    const double scale = (double)(count - 1) / (double)count;
+    static const char *const channel[4] = {"red", "green", "blue", "extinction"};
+    static const char *const unit[4] = {"<3, 0, 0>", "<0, 3, 0>", "<0, 0, 3>", "1"};
+    for (int c = color ? 0 : 3; c < (color ? 3 : 4); ++c) {
+        fprintf(f, "#declare Iso_Table_%s = function { pattern { density_file df3 \"%s_tf_%s.df3\" interpolate 1 } }\n",
+                channel[c], s->name, channel[c]);
+        fprintf(f, "#declare %s%s = density { function { Iso_Table_%s(Iso_TF_Position(x, y, z) * %.17g, 0, 0) }\n"
+                   "    color_map { [0 rgb 0] [1 rgb %s] } }\n", color ? "Iso_TF_" : "Iso_TF_Extinction",
+                color ? channel[c] : "", channel[c], scale, unit[c]);
+    }
+    if (color)
+        fprintf(f, "#declare Iso_TF_Color = density { average density_map {\n"
+                   "    [1 Iso_TF_red] [1 Iso_TF_green] [1 Iso_TF_blue] } }\n");
+}
+
+static void write_transfer_function(FILE *f, const iso_povray_scene *s)
+{
+    const iso_tf_table *tf = &s->view->tf;
+    const double sigma = s->peak_extinction;
+    fprintf(f, "// ---- the transfer function ------------------------------------------------\n"
+               "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1).\n"
+               "#ifndef (Iso_Extinction) #declare Iso_Extinction = %.17g; #end // a unit, where Iso_TF_Extinction is 1\n",
+            tf->count, tf->lo, tf->hi, sigma / s->units_per_mm);
+    if (tf->count <= ISO_POVRAY_COLOR_MAP_ENTRIES) {
+        write_color_map(f, "Iso_TF_Extinction", tf, false, 1 / sigma);
+        write_color_map(f, "Iso_TF_Color", tf, true, 1 / s->peak_color);
+    } else {
+        fprintf(f, "// A color_map holds at most 256, so these are tables in DF3 files.\n");
+        write_table_lookup(f, s, false);
+        write_table_lookup(f, s, true);
+    }
+    fprintf(f, "\n");
+}
+
+/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most 1. */
+static void write_diffuse(FILE *f, const iso_view *v)
+{
+    fprintf(f, "#declare Iso_Diffuse_Of = function (dx, dy, dz) {\n    %.17g", v->shading.ambient);
+    for (size_t i = 0; i < v->light_count; ++i) {
+        const iso_light *l = &v->lights[i];
+        fprintf(f, "\n    + %.17g * abs(dx * %.17g + dy * %.17g + dz * %.17g) / sqrt(dx*dx + dy*dy + dz*dz + %.17g)",
+                v->shading.diffuse * l->intensity, l->direction.x, l->direction.y, l->direction.z,
+                ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
+    }
+    fprintf(f, " }\n#declare Iso_Diffuse = density {\n"
+               "    function { min(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z))) }\n"
+               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n");
+}
+
+/* The unit vector to the viewer at a point in voxel coordinates, as a function's three arguments. */
+static void write_to_viewer(FILE *f, const iso_povray_scene *s)
+{
+    const iso_camera *camera = &s->view->camera;
+    if (camera->orthographic) {
+        fprintf(f, "#declare Iso_Viewer_X = function (x, y, z) { %.17g }\n"
+                   "#declare Iso_Viewer_Y = function (x, y, z) { %.17g }\n"
+                   "#declare Iso_Viewer_Z = function (x, y, z) { %.17g }\n",
+                -camera->forward.x, -camera->forward.y, -camera->forward.z);
+        return;
+    }
+    static const char *const axis[3] = {"X", "Y", "Z"};
+    const iso_vec3 o = iso_sub(camera->position, s->geometry->origin_mm);
+    const double offset[3] = {o.x, o.y, o.z};
+    for (int a = 0; a < 3; ++a) {
+        const double *m = s->geometry->index_to_world.m[a];
+        fprintf(f, "#declare Iso_Viewer_%s = function (x, y, z) { %.17g - x * %.17g - y * %.17g - z * %.17g } // mm\n", axis[a],
+                offset[a], m[0], m[1], m[2]);
+    }
+}
+
+/* sum of intensity |n.h|^p over the sum of the intensities, h = normalise(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
+static void write_specular(FILE *f, const iso_povray_scene *s)
+{
+    const iso_view *v = s->view;
+    double intensities = 0;
+    for (size_t i = 0; i < v->light_count; ++i)
+        intensities += v->lights[i].intensity;
+    fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera.\n");
+    write_to_viewer(f, s);
+    fprintf(f, "// d: direction, v: unit vector to the viewer, n: the length that makes d a normal\n"
+               "#declare Iso_Specular_Unit = function (dx, dy, dz, vx, vy, vz, n) {\n    0");
+    for (size_t i = 0; i < v->light_count; ++i) {
+        const iso_vec3 l = v->lights[i].direction;
+        fprintf(f, "\n    + %.17g * pow(min(1, abs(dx * (vx + %.17g) + dy * (vy + %.17g) + dz * (vz + %.17g))"
+                   "\n        / (n * sqrt(max(1e-24, 2 + 2 * (vx * %.17g + vy * %.17g + vz * %.17g))))), %.17g)",
+                v->lights[i].intensity / intensities, l.x, l.y, l.z, l.x, l.y, l.z, v->shading.power);
+    }
+    fprintf(f, " }\n#declare Iso_Specular_Of = function (dx, dy, dz, vx, vy, vz, v) {\n"
+               "    Iso_Specular_Unit(dx, dy, dz, vx / v, vy / v, vz / v, sqrt(dx*dx + dy*dy + dz*dz + %.17g)) }\n"
+               "#declare Iso_Specular_At = function (dx, dy, dz, vx, vy, vz) {\n"
+               "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n"
+               "#declare Iso_Specular = density {\n"
+               "    function { min(1, Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
+               "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))) }\n"
+               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
+            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
+}
+
+static void write_media(FILE *f, const iso_povray_scene *s)
+{
+    const double color = s->peak_color, specular = specular_sum(s->view);
+    fprintf(f, "// ---- the medium -----------------------------------------------------------\n"
+               "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
+               "// the default method 3 is not.\n"
+               "#declare Iso_Interior = interior {\n"
+               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+               "        absorption Iso_Extinction\n"
+               "        density { Iso_TF_Extinction } }\n"
+               "#if (Iso_Emission > 0)\n"
+               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+               "        emission Iso_Emission * Iso_Extinction * %.17g\n"
+               "        density { Iso_TF_Extinction } density { Iso_TF_Color } density { Iso_Diffuse } }\n", color);
+    if (specular > 0)
+        fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+                   "        emission Iso_Emission * Iso_Extinction * %.17g\n"
+                   "        density { Iso_TF_Extinction } density { Iso_TF_Color } density { Iso_Specular } }\n",
+                color * specular);
+    fprintf(f, "#end\n}\n\n"
+               "#declare Iso_Volume = box { 0, Iso_Box\n"
+               "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
+               "    interior { Iso_Interior } }\n");
+}
+
+void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
+{
+    write_header(f, s);
+    write_placement(f, s);
+    write_fields(f, s);
+    write_transfer_function(f, s);
+    fprintf(f, "// ---- shading: two-sided, Blinn-Phong ---------------------------------------\n");
+    write_diffuse(f, s->view);
+    if (specular_sum(s->view) > 0)
+        write_specular(f, s);
+    write_media(f, s);
+}
+
+static void write_vector(FILE *f, const char *name, iso_vec3 v)
+{
+    fprintf(f, "    %s <%.17g, %.17g, %.17g>\n", name, v.x, v.y, v.z);
+}
+
+static void write_camera(FILE *f, const iso_povray_scene *s)
+{
+    const iso_camera *c = &s->view->camera;
+    const double scale = 2 * c->half_height * (c->orthographic ? s->units_per_mm : 1);
+    const double aspect = (double)s->view->width / (double)s->view->height;
+    fprintf(f, "// right-handed, as the data: `right` and `up` say so\ncamera {\n    %s\n",
+            c->orthographic ? "orthographic" : "perspective");
+    write_vector(f, "location", iso_scale(iso_sub(c->position, s->center_mm), s->units_per_mm));
+    write_vector(f, "direction", c->forward);
+    write_vector(f, "right", iso_scale(c->right, scale * aspect));
+    write_vector(f, "up", iso_scale(c->up, scale));
+    fprintf(f, "}\n\n");
+}
+
+/* The medium is sampled by piece, so K planes across the view give K + 1 times the samples. */
+static void write_planes(FILE *f, const iso_povray_scene *s)
+{
+    const iso_camera *c = &s->view->camera;
+    const iso_geometry *g = s->geometry;
+    const iso_mat3 m = iso_mat3_scale(g->index_to_world, 0.5 * s->units_per_mm);
+    double radius = 0; /* half the extent of the box along the view */
+    for (int a = 0; a < 3; ++a)
+        radius += fabs(iso_dot(iso_column(m, a), c->forward)) * g->box_index[a];
+    fprintf(f, "// Transparent planes cut the rays into pieces, each with its own Iso_Intervals.\n"
+               "#ifndef (Iso_Planes) #declare Iso_Planes = %zu; #end\n"
+               "#declare Iso_Plane = 1;\n"
+               "#while (Iso_Plane <= Iso_Planes)\n"
+               "    plane { <%.17g, %.17g, %.17g>, %.17g * (2 * Iso_Plane / (Iso_Planes + 1) - 1)\n"
+               "        hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n"
+               "    #declare Iso_Plane = Iso_Plane + 1;\n"
+               "#end\n", s->options->planes, c->forward.x, c->forward.y, c->forward.z, radius);
+}
+
+void iso_povray_write_scene(FILE *f, const iso_povray_scene *s)
+{
+    const double *b = s->view->background;
+    fprintf(f,
+            "// %s.pov - rendered by \"povray %s.ini\" in this folder.\n"
+            "//\n"
+            "// Declare=Iso_Pass=1 renders the emission alone over black, times %.17g so that it is never clipped;\n"
+            "// Declare=Iso_Pass=2 renders the transmittance over white: 1 - alpha.\n"
+            "#version 3.7;\n"
+            "#ifndef (Iso_Pass) #declare Iso_Pass = 0; #end\n"
+            "#if (Iso_Pass = 1) #declare Iso_Emission = %.17g; #end\n"
+            "#if (Iso_Pass = 2) #declare Iso_Emission = 0; #end\n\n"
+            "// adc_bailout 0: nothing is left out behind dense parts.\n"
+            "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0 }\n\n",
+            s->name, s->name, 1 / s->peak, 1 / s->peak);
+    fprintf(f, "#switch (Iso_Pass)\n"
+               "    #case (0) background { rgb <%.9g, %.9g, %.9g> } #break\n"
+               "    #case (1) background { rgb 0 } #break\n"
+               "    #case (2) background { rgb 1 } #break\n"
+               "#end\n\n", b[0], b[1], b[2]);
+    write_camera(f, s);
+    fprintf(f, "#include \"%s.inc\"\n"
+               "object { Iso_Volume transform { Iso_To_World } }\n\n", s->name);
+    write_planes(f, s);
+}
+
+void iso_povray_write_ini(FILE *f, const iso_povray_scene *s)
+{
+    fprintf(f, "; povray %s.ini\n"
+               "Input_File_Name=%s.pov\n"
+               "Output_File_Name=%s.png\n"
+               "Output_File_Type=N8\n"
+               "Width=%zu\n"
+               "Height=%zu\n"
+               "; Antialias=On multiplies the time; a larger picture made smaller costs less.\n"
+               "Antialias=Off\n"
+               "Display=Off\n"
+               "Pause_When_Done=Off\n", s->name, s->name, s->name, s->view->width, s->view->height);
+}

@@ -1,0 +1,48 @@
+/* scene_text.h - the texts of a POV-Ray scene: NAME.inc, NAME.pov, NAME.ini.
+ *
+ * The volume is built in voxel (index) coordinates and placed by one matrix, so
+ * anisotropic, rotated and sheared grids need nothing else. POV-Ray's
+ * tolerances are absolute (1e-3): world millimetres are scaled so that the box
+ * is about 100 units across, and centred. */
+#ifndef ISO_POVRAY_SCENE_TEXT_H
+#define ISO_POVRAY_SCENE_TEXT_H
+
+#include <stdio.h>
+
+#include "povray/df3.h"
+#include "povray/povray.h"
+
+/* What the texts are written from. */
+typedef struct iso_povray_scene {
+    const char *name;    /* of the files */
+    const char *source;  /* for the comments */
+    size_t level;
+    const iso_geometry *geometry; /* of the level */
+    const iso_view *view;
+    const iso_povray_options *options;
+    iso_df3_coding scalar, direction;
+    double max_gradient; /* of the scalar, per voxel; for the isosurface */
+    iso_vec3 center_mm;  /* world to POV-Ray: (world - center) * units_per_mm */
+    double units_per_mm;
+    double peak_extinction, peak_color; /* of the TF: what its tables are divided by; at least 1 for colour */
+    double peak;         /* no pixel can be brighter */
+} iso_povray_scene;
+
+/* Fills the peaks from the view. */
+void iso_povray_measure_peaks(iso_povray_scene *s);
+
+/* TFs of more entries than a color_map holds travel as DF3 tables. */
+#define ISO_POVRAY_COLOR_MAP_ENTRIES 256
+
+/* Declared on the command line to choose what is rendered. */
+typedef enum iso_povray_pass {
+    ISO_POVRAY_PICTURE,       /* with the background */
+    ISO_POVRAY_EMISSION,      /* times 1 / peak, over black */
+    ISO_POVRAY_TRANSMITTANCE, /* no emission, over white */
+} iso_povray_pass;
+
+void iso_povray_write_include(FILE *file, const iso_povray_scene *s);
+void iso_povray_write_scene(FILE *file, const iso_povray_scene *s);
+void iso_povray_write_ini(FILE *file, const iso_povray_scene *s);
+
+#endif
