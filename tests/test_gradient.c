@@ -1,0 +1,231 @@
+/* Gradients against closed forms. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gradient/gradient.h"
+
+/* Unequal sizes and spacings, rotated, sheared and reflected: a swapped or transposed axis shows. */
+static iso_geometry oblique(size_t nx, size_t ny, size_t nz)
+{
+    iso_geometry g = {.size = {nx, ny, nz}, .origin_mm = {3, -5, 7}, .box_index = {(double)nx, (double)ny, (double)nz}};
+    g.index_to_world = (iso_mat3){{{0.6, -0.9, 0.2}, {0.8, 1.1, 0.3}, {0.1, 0.2, -2.5}}};
+    return g;
+}
+
+static iso_vec3 center(const iso_geometry *g, size_t i)
+{
+    const size_t nx = g->size[0], ny = g->size[1];
+    return iso_geometry_to_world(g, iso_v3((double)(i % nx) + 0.5, (double)(i / nx % ny) + 0.5,
+                                           (double)(i / nx / ny) + 0.5));
+}
+
+static const iso_vec3 slope = {1.5, -0.75, 0.4};
+
+static double ramp(iso_vec3 p)
+{
+    return iso_dot(slope, p) + 2;
+}
+
+static iso_volume sample(const iso_geometry *g, iso_type type, double (*field)(iso_vec3))
+{
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, g, type, "test", &err));
+    for (size_t i = 0; i < iso_geometry_voxel_count(g); ++i) {
+        if (type == ISO_F32)
+            ((float *)v.data)[i] = (float)field(center(g, i));
+        else
+            ((double *)v.data)[i] = field(center(g, i));
+    }
+    return v;
+}
+
+static float *gradients(const iso_volume *v, int threads)
+{
+    float *out = malloc(3 * iso_geometry_voxel_count(&v->geometry) * sizeof *out);
+    iso_gradient_options opt = iso_gradient_defaults();
+    opt.threads = threads;
+    assert_non_null(out);
+    assert_ok(iso_gradient_compute(v, &opt, out, &err));
+    return out;
+}
+
+static double largest_error(const iso_geometry *g, const float *out, iso_vec3 expected)
+{
+    double largest = 0;
+    for (size_t i = 0; i < iso_geometry_voxel_count(g); ++i)
+        largest = fmax(largest, iso_norm(iso_sub(iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]), expected)));
+    return largest;
+}
+
+/* Samples are below 64, so a float holds them to 64 x 2^-24; the difference of two, over half a
+ * millimetre or more, and the sum of three axes stay within 10 times that. */
+static const double rounding = 10 * 64 * 0x1p-24;
+
+static void linear_field_is_exact_with_borders_in_any_geometry(void **state)
+{
+    (void)state;
+    const size_t sizes[][3] = {{7, 5, 6}, {2, 3, 2}, {9, 2, 4}, {33, 4, 3}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
+        iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
+        iso_volume v = sample(&g, ISO_F32, ramp);
+        float *out = gradients(&v, 2);
+        assert_at_most(largest_error(&g, out, slope), rounding);
+        /* The faults that this bound has to reject: index axes taken for world axes, the matrix
+         * itself instead of its inverse transpose, and 1/2 at the border. */
+        iso_vec3 index = iso_mul(iso_mat3_transpose(g.index_to_world), slope);
+        assert_more_than(largest_error(&g, out, index), rounding);
+        assert_more_than(largest_error(&g, out, iso_mul(g.index_to_world, index)), rounding);
+        assert_more_than(largest_error(&g, out, iso_scale(slope, 0.5)), rounding);
+        free(out);
+        iso_volume_destroy(&v);
+    }
+}
+
+static void an_axis_of_one_voxel_has_no_gradient_along_it(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 3; ++axis) {
+        size_t size[3] = {5, 6, 7};
+        size[axis] = 1;
+        double spacing[3] = {0.5, 1, 2.5};
+        iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+        iso_volume v = sample(&g, ISO_F32, ramp);
+        float *out = gradients(&v, 1);
+        iso_vec3 expected = slope;
+        *(axis == 0 ? &expected.x : axis == 1 ? &expected.y : &expected.z) = 0;
+        assert_at_most(largest_error(&g, out, expected), rounding);
+        free(out);
+        iso_volume_destroy(&v);
+    }
+}
+
+static void a_single_voxel_and_a_constant_have_no_gradient(void **state)
+{
+    (void)state;
+    const size_t sizes[][3] = {{1, 1, 1}, {3, 4, 5}};
+    for (size_t s = 0; s < 2; ++s) {
+        iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
+        iso_volume v;
+        assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
+        memset(v.data, 77, iso_geometry_voxel_count(&g));
+        float *out = gradients(&v, 1);
+        assert_true(largest_error(&g, out, iso_v3(0, 0, 0)) == 0);
+        free(out);
+        iso_volume_destroy(&v);
+    }
+}
+
+static double distance(iso_vec3 p)
+{
+    return iso_norm(p);
+}
+
+/* The error of a central difference of |p| is h^2/6 times its third derivative, which is at most
+ * 3 / r^2: with h = 1 and r >= 8 the direction is off by less than sqrt(3) / 2 / 64 rad. */
+static void sphere_gradients_point_outwards_with_an_error_of_second_order(void **state)
+{
+    (void)state;
+    double worst[2] = {0, 0};
+    for (int fine = 0; fine < 2; ++fine) {
+        size_t n = fine ? 48 : 24, size[3] = {n, n, n};
+        double spacing[3] = {24.0 / (double)n, 24.0 / (double)n, 24.0 / (double)n};
+        iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+        iso_volume v = sample(&g, ISO_F64, distance);
+        float *out = gradients(&v, 2);
+        for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i) {
+            iso_vec3 p = center(&g, i), d = iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]);
+            if (iso_norm(p) < 8 || fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) > 11)
+                continue;
+            worst[fine] = fmax(worst[fine], iso_norm(iso_sub(d, iso_normalize(p))));
+        }
+        free(out);
+        iso_volume_destroy(&v);
+    }
+    assert_at_most(worst[0], sqrt(3) / 2 / 64);
+    assert_more_than(worst[0] / worst[1], 3.6); /* 4 for the second order, 2 for the first */
+    assert_at_most(worst[0] / worst[1], 4.4);
+}
+
+static void types_agree_where_they_hold_the_same_values(void **state)
+{
+    (void)state;
+    const iso_type types[] = {ISO_U8, ISO_I8, ISO_U16, ISO_I16, ISO_U32, ISO_I32, ISO_F32, ISO_F64};
+    iso_geometry g = oblique(6, 5, 4);
+    const size_t count = iso_geometry_voxel_count(&g);
+    float *first = NULL;
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        iso_volume v;
+        assert_ok(iso_volume_create(&v, &g, types[t], "test", &err));
+        for (size_t i = 0; i < count; ++i) {
+            int value = (int)(i * 37 % 101);
+            switch (types[t]) {
+#define STORE(name, text, ctype) \
+    case name: ((ctype *)v.data)[i] = (ctype)value; break;
+                ISO_TYPE_LIST(STORE)
+#undef STORE
+            }
+        }
+        float *out = gradients(&v, 1);
+        if (first)
+            assert_memory_equal(out, first, 3 * count * sizeof *out);
+        if (first)
+            free(out);
+        else
+            first = out;
+        iso_volume_destroy(&v);
+    }
+    free(first);
+}
+
+static double wave(iso_vec3 p)
+{
+    return sin(p.x) * cos(1.3 * p.y) + sin(0.7 * p.z + p.x);
+}
+
+static void slabs_and_threads_give_the_same_bytes(void **state)
+{
+    (void)state;
+    iso_geometry g = oblique(13, 7, 9);
+    iso_volume v = sample(&g, ISO_F32, wave);
+    const size_t plane = 3 * 13 * 7, bytes = 9 * plane * sizeof(float);
+    float *one = gradients(&v, 1), *three = gradients(&v, 3), *slabs = malloc(bytes);
+    assert_memory_equal(one, three, bytes);
+    iso_gradient_options opt = iso_gradient_defaults();
+    const size_t cuts[] = {0, 1, 4, 4, 9};
+    for (size_t i = 0; i + 1 < sizeof cuts / sizeof *cuts; ++i)
+        assert_ok(iso_gradient_slab(&v, &opt, cuts[i], cuts[i + 1], slabs + cuts[i] * plane, &err));
+    assert_memory_equal(one, slabs, bytes);
+    assert_status(iso_gradient_slab(&v, &opt, 3, 10, slabs, &err), ISO_E_RANGE);
+    free(one);
+    free(three);
+    free(slabs);
+    iso_volume_destroy(&v);
+}
+
+static void names_lead_back_to_their_methods(void **state)
+{
+    (void)state;
+    iso_gradient_method method;
+    for (int i = 0; i < ISO_GRADIENT_COUNT; ++i) {
+        assert_ok(iso_gradient_from_name(iso_gradient_name((iso_gradient_method)i), &method, &err));
+        assert_int_equal(method, i);
+    }
+    assert_status(iso_gradient_from_name("best", &method, &err), ISO_E_USAGE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(linear_field_is_exact_with_borders_in_any_geometry),
+        cmocka_unit_test(an_axis_of_one_voxel_has_no_gradient_along_it),
+        cmocka_unit_test(a_single_voxel_and_a_constant_have_no_gradient),
+        cmocka_unit_test(sphere_gradients_point_outwards_with_an_error_of_second_order),
+        cmocka_unit_test(types_agree_where_they_hold_the_same_values),
+        cmocka_unit_test(slabs_and_threads_give_the_same_bytes),
+        cmocka_unit_test(names_lead_back_to_their_methods),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,727 @@
+/* The pyramid against direct sums in double precision, its structural promises, and its files. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "pyramid/pyramid.h"
+
+/* ---- volumes ---- */
+
+static iso_geometry plain(size_t nx, size_t ny, size_t nz)
+{
+    const size_t size[3] = {nx, ny, nz};
+    const double spacing[3] = {1, 0.75, 2.5};
+    return iso_geometry_axis_aligned(size, spacing);
+}
+
+static double noise_at(size_t i)
+{
+    uint64_t h = (i + 1) * 0x9E3779B97F4A7C15u;
+    h = (h ^ (h >> 29)) * 0xBF58476D1CE4E5B9u;
+    return (double)((h ^ (h >> 32)) & 0xFFFF) / 65536;
+}
+
+static iso_volume noise(size_t nx, size_t ny, size_t nz)
+{
+    iso_geometry g = plain(nx, ny, nz);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
+    for (size_t i = 0; i < nx * ny * nz; ++i)
+        ((float *)v.data)[i] = (float)noise_at(i);
+    return v;
+}
+
+static iso_pyramid_options keeping(iso_direction_filter filter)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.direction_filter = filter;
+    opt.keep_float = opt.keep_magnitude = true;
+    opt.threads = 2;
+    return opt;
+}
+
+static iso_pyramid build(const iso_volume *v, const iso_pyramid_options *opt)
+{
+    iso_pyramid p;
+    assert_ok(iso_pyramid_build(v, "test", opt, &p, NULL, &err));
+    return p;
+}
+
+static size_t clamp_index(long i, size_t n)
+{
+    return i < 0 ? 0 : i >= (long)n ? n - 1 : (size_t)i;
+}
+
+/* ---- the same in double precision, by direct sums ---- */
+
+typedef struct field { /* 3 or 1 doubles a voxel */
+    size_t size[3];
+    double *data;
+} field;
+
+static field field_of_gradients(const iso_volume *v)
+{
+    const size_t *n = v->geometry.size, count = n[0] * n[1] * n[2];
+    field f = {{n[0], n[1], n[2]}, malloc(3 * count * sizeof(double))};
+    float *g = malloc(3 * count * sizeof *g);
+    iso_gradient_options opt = iso_gradient_defaults();
+    assert_ok(iso_gradient_compute(v, &opt, g, &err));
+    for (size_t i = 0; i < 3 * count; ++i)
+        f.data[i] = g[i];
+    free(g);
+    return f;
+}
+
+typedef void (*visit)(const double g[3], double weight, double sum[4]);
+
+static void visit_moments(const double g[3], double weight, double sum[4])
+{
+    double m = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    for (int c = 0; c < 3; ++c)
+        sum[c] += weight * m * m * (m > 0 ? g[c] / m : 0);
+    sum[3] += weight * m * m;
+}
+
+static void visit_eq1(const double g[3], double weight, double sum[4]) /* gradients-2017 Eq. 1 */
+{
+    double m = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    for (int c = 0; c < 3; ++c)
+        sum[c] += g[c] * m * weight;
+    sum[3] += m * weight;
+}
+
+static void visit_vector(const double g[3], double weight, double sum[4])
+{
+    for (int c = 0; c < 3; ++c)
+        sum[c] += g[c] * weight;
+    sum[3] += weight;
+}
+
+/* Sums over the fine voxels lo .. hi - 1 around 2^level i, clamped to the edge. */
+static void direct_sum(const field *fine, const size_t at[3], size_t step, long lo, long hi, double sigma, visit take,
+                       double sum[4])
+{
+    memset(sum, 0, 4 * sizeof *sum);
+    for (long z = lo; z < hi; ++z)
+        for (long y = lo; y < hi; ++y)
+            for (long x = lo; x < hi; ++x) {
+                double ox = (double)x + 0.5 - (double)step / 2, oy = (double)y + 0.5 - (double)step / 2,
+                       oz = (double)z + 0.5 - (double)step / 2;
+                double weight = sigma > 0 ? exp(-0.5 * (ox * ox + oy * oy + oz * oz) / (sigma * sigma)) : 1;
+                size_t sx = clamp_index((long)(step * at[0]) + x, fine->size[0]),
+                       sy = clamp_index((long)(step * at[1]) + y, fine->size[1]),
+                       sz = clamp_index((long)(step * at[2]) + z, fine->size[2]);
+                take(fine->data + 3 * ((sz * fine->size[1] + sy) * fine->size[0] + sx), weight, sum);
+            }
+}
+
+static double largest_difference(const iso_level *l, const double *expected)
+{
+    double largest = 0;
+    for (size_t i = 0; i < 3 * iso_geometry_voxel_count(&l->geometry); ++i)
+        if (!(fabs(l->directions[i] - expected[i]) <= largest))
+            largest = fabs(l->directions[i] - expected[i]);
+    return largest;
+}
+
+static void place(const iso_geometry *g, size_t i, size_t at[3])
+{
+    at[0] = i % g->size[0];
+    at[1] = i / g->size[0] % g->size[1];
+    at[2] = i / g->size[0] / g->size[1];
+}
+
+/* Directions from float sums of at most 512 terms of one sign or less: 1e-5 is 100 roundings of 2^-24 of a
+ * unit vector that cancellation has shortened to a tenth. */
+static const double float_sums = 1e-5;
+
+static void moments_equal_the_direct_sum_over_all_fine_children(void **state)
+{
+    (void)state;
+    iso_volume v = noise(11, 6, 9);
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    iso_pyramid p = build(&v, &opt);
+    field fine = field_of_gradients(&v);
+    assert_int_equal(p.level_count, 4);
+    for (size_t k = 1; k < p.level_count; ++k) {
+        const iso_level *l = &p.levels[k];
+        const size_t count = iso_geometry_voxel_count(&l->geometry);
+        double *expected = malloc(3 * count * sizeof *expected), *linear = malloc(3 * count * sizeof *linear);
+        for (size_t i = 0; i < count; ++i) {
+            size_t at[3];
+            double s[4];
+            place(&l->geometry, i, at);
+            direct_sum(&fine, at, (size_t)1 << k, 0, 1L << k, 0, visit_moments, s);
+            double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+            for (int c = 0; c < 3; ++c) {
+                expected[3 * i + (size_t)c] = s[c] / length * (length / s[3]) * (length / s[3]);
+                linear[3 * i + (size_t)c] = s[c] / s[3];
+            }
+            double rms = sqrt(s[3] / pow(8, (double)k));
+            assert_within(l->magnitude[i], rms, 1e-5 * rms);
+        }
+        assert_at_most(largest_difference(l, expected), float_sums);
+        assert_more_than(largest_difference(l, linear), float_sums); /* L instead of L^2 */
+        free(expected);
+        free(linear);
+    }
+    free(fine.data);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void fill_eq1(const field *fine, const iso_geometry *g, long radius, double sigma, visit take, double *out,
+                     double *unit)
+{
+    for (size_t i = 0; i < iso_geometry_voxel_count(g); ++i) {
+        size_t at[3];
+        double s[4];
+        place(g, i, at);
+        direct_sum(fine, at, 2, 1 - radius, 1 + radius, sigma, take, s);
+        double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+        for (size_t c = 0; c < 3; ++c) {
+            out[3 * i + c] = s[c] / s[3];
+            unit[3 * i + c] = s[c] / length;
+        }
+    }
+}
+
+static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(void **state)
+{
+    (void)state;
+    const struct { size_t radius; double sigma; } cases[] = {{2, 1}, {1, 0.7}, {3, 1.6}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        iso_volume v = noise(9, 12, 7);
+        iso_pyramid_options opt = keeping(ISO_DIRECTION_EQ1);
+        opt.gauss_radius = cases[c].radius;
+        opt.gauss_sigma_voxels = cases[c].sigma;
+        opt.level_count = 3;
+        iso_pyramid p = build(&v, &opt);
+        field fine = field_of_gradients(&v);
+        for (size_t k = 1; k < p.level_count; ++k) {
+            const iso_geometry *g = &p.levels[k].geometry;
+            const size_t count = iso_geometry_voxel_count(g);
+            field next = {{g->size[0], g->size[1], g->size[2]}, malloc(3 * count * sizeof(double))};
+            double *unit = malloc(3 * count * sizeof *unit), *other = malloc(3 * count * sizeof *other),
+                   *scratch = malloc(3 * count * sizeof *scratch);
+            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, visit_vector, scratch, other);
+            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, visit_eq1, next.data, unit);
+            /* Unit vectors: cancellation is not in their length but in the angle; 1e-4 allows for means a tenth long. */
+            assert_at_most(largest_difference(&p.levels[k], unit), 1e-4);
+            assert_more_than(largest_difference(&p.levels[k], other), 1e-4); /* without the magnitude as weight */
+            for (size_t i = 0; i < count; ++i) {
+                const double *n = next.data + 3 * i, m = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+                assert_within(p.levels[k].magnitude[i], m, 1e-5 * (m + 1));
+            }
+            free(fine.data);
+            free(unit);
+            free(other);
+            free(scratch);
+            fine = next;
+        }
+        free(fine.data);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
+}
+
+static void naive_directions_are_unit_means(void **state)
+{
+    (void)state;
+    iso_volume v = noise(7, 8, 5);
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_NAIVE);
+    iso_pyramid p = build(&v, &opt);
+    field fine = field_of_gradients(&v);
+    for (size_t k = 1; k < p.level_count; ++k) {
+        const iso_level *l = &p.levels[k];
+        const size_t count = iso_geometry_voxel_count(&l->geometry);
+        double *unit = malloc(3 * count * sizeof *unit);
+        for (size_t i = 0; i < count; ++i) {
+            size_t at[3];
+            double s[4];
+            place(&l->geometry, i, at);
+            direct_sum(&fine, at, (size_t)1 << k, 0, 1L << k, 0, visit_vector, s);
+            double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+            for (size_t c = 0; c < 3; ++c)
+                unit[3 * i + c] = s[c] / length;
+        }
+        assert_at_most(largest_difference(l, unit), 1e-4);
+        free(unit);
+    }
+    free(fine.data);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+/* ---- scalars ---- */
+
+static void mean_scalars_continue_the_edge_at_odd_sizes(void **state)
+{
+    (void)state;
+    iso_volume v = noise(5, 1, 10);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt);
+    const size_t wanted[][3] = {{5, 1, 10}, {3, 1, 5}, {2, 1, 3}, {1, 1, 2}};
+    assert_int_equal(p.level_count, 4);
+    for (size_t k = 0; k < 4; ++k) {
+        const iso_level *l = &p.levels[k];
+        assert_memory_equal(l->geometry.size, wanted[k], sizeof wanted[k]);
+        for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+            size_t at[3];
+            double sum = 0;
+            place(&l->geometry, i, at);
+            for (size_t z = at[2] << k; z < (at[2] + 1) << k; ++z)
+                for (size_t x = at[0] << k; x < (at[0] + 1) << k; ++x)
+                    sum += ((float *)v.data)[clamp_index((long)z, 10) * 5 + clamp_index((long)x, 5)];
+            assert_within(l->scalar[i], sum / pow(4, (double)k), 4e-7); /* float sums of values below 1 */
+            assert_true(l->min <= l->scalar[i] && l->scalar[i] <= l->max);
+        }
+    }
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void gaussian_scalars_equal_their_direct_sum(void **state)
+{
+    (void)state;
+    iso_volume v = noise(7, 6, 5);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.scalar_filter = ISO_SCALAR_GAUSS;
+    opt.gauss_sigma_voxels = 1.3;
+    opt.level_count = 2;
+    iso_pyramid p = build(&v, &opt);
+    const iso_level *l = &p.levels[1];
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+        size_t at[3];
+        double sum = 0, weights = 0;
+        place(&l->geometry, i, at);
+        for (long z = -1; z < 3; ++z)
+            for (long y = -1; y < 3; ++y)
+                for (long x = -1; x < 3; ++x) {
+                    double r2 = pow((double)x - 0.5, 2) + pow((double)y - 0.5, 2) + pow((double)z - 0.5, 2);
+                    double w = exp(-0.5 * r2 / (1.3 * 1.3));
+                    weights += w;
+                    sum += w * ((float *)v.data)[(clamp_index((long)(2 * at[2]) + z, 5) * 6 +
+                                                  clamp_index((long)(2 * at[1]) + y, 6)) * 7 +
+                                                 clamp_index((long)(2 * at[0]) + x, 7)];
+                }
+        assert_within(l->scalar[i], sum / weights, 1e-6); /* float sums of 64 values below 1 */
+    }
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+/* ---- structural promises ---- */
+
+static void parallel_gradients_keep_length_1_and_opposite_ones_cancel(void **state)
+{
+    (void)state;
+    iso_geometry g = plain(8, 6, 4);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
+    uint8_t *data = v.data;
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    for (size_t i = 0; i < 192; ++i)
+        data[i] = (uint8_t)(20 * (i % 8));
+    iso_pyramid p = build(&v, &opt);
+    for (size_t k = 0; k < p.level_count; ++k)
+        for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
+            const int8_t *code = (const int8_t *)p.levels[k].codes + 3 * i;
+            assert_within(p.levels[k].directions[3 * i], 1, 1e-6); /* float rounding */
+            assert_true(code[0] == 127 && code[1] == 0 && code[2] == 0);
+        }
+    iso_pyramid_destroy(&p);
+    for (size_t i = 0; i < 192; ++i) /* gradients +1 and -1 in turn: 0 9 9 0 0 9 9 0 */
+        data[i] = (uint8_t)((i % 8 + 1) / 2 % 2 * 9);
+    data[0] = data[7] = 0;
+    p = build(&v, &opt);
+    const iso_level *l = &p.levels[2];
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i)
+        assert_true(l->directions[3 * i + 1] == 0 && fabsf(l->directions[3 * i]) < 0.1f);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void exactly_opposite_children_give_no_direction(void **state)
+{
+    (void)state;
+    iso_geometry g = plain(4, 1, 1); /* 0 1 1 0: gradients 1, 1/2, -1/2, -1; level 2 is the sum of all */
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
+    memcpy(v.data, (uint8_t[]){0, 1, 1, 0}, 4);
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    iso_pyramid p = build(&v, &opt);
+    assert_int_equal(p.level_count, 2); /* a third level would be a single voxel */
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+    g = plain(8, 4, 1);
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
+    for (size_t i = 0; i < 32; ++i)
+        ((uint8_t *)v.data)[i] = (uint8_t[]){0, 1, 1, 0, 0, 1, 1, 0}[i % 8];
+    p = build(&v, &opt);
+    assert_int_equal(p.level_count, 3);
+    assert_true(p.levels[2].directions[0] + p.levels[2].directions[3] == 0); /* mirror images */
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void directions_stay_in_the_cone_of_their_children(void **state)
+{
+    (void)state;
+    iso_geometry g = plain(16, 16, 16);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
+    for (size_t i = 0; i < 4096; ++i) /* gradients within a cone about x: slopes y and z below 1/2 */
+        ((float *)v.data)[i] = (float)((double)(i % 16) + 0.2 * sin((double)(i / 16 % 16)) + 0.5 * cos((double)(i / 256)));
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    iso_pyramid p = build(&v, &opt);
+    double cosine = 1;
+    for (size_t i = 0; i < 4096; ++i)
+        cosine = fmin(cosine, p.levels[0].directions[3 * i]);
+    for (size_t k = 1; k < p.level_count; ++k)
+        for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
+            const float *d = p.levels[k].directions + 3 * i;
+            double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+            assert_more_than(d[0] / length, cosine - 1e-6);
+            assert_more_than(sqrt(length), cosine - 1e-6); /* the stored length is L^2 */
+        }
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+/* Mirrored volumes give mirrored bytes: pairs are summed alike in either order. */
+static void flipping_an_axis_flips_the_codes(void **state)
+{
+    (void)state;
+    const size_t n[3] = {8, 16, 12};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
+            iso_volume v = noise(n[0], n[1], n[2]), w = noise(n[0], n[1], n[2]);
+            for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
+                size_t at[3];
+                place(&v.geometry, i, at);
+                at[axis] = n[axis] - 1 - at[axis];
+                ((float *)w.data)[(at[2] * n[1] + at[1]) * n[0] + at[0]] = ((float *)v.data)[i];
+            }
+            iso_pyramid_options opt = keeping(filter);
+            opt.level_count = 3;
+            iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+            /* Four taps of a Gaussian are summed in one order: a last bit may fall across a code's border. */
+            const int tolerance = filter == ISO_DIRECTION_EQ1;
+            for (size_t k = 0; k < 3; ++k) {
+                const iso_geometry *g = &p.levels[k].geometry;
+                for (size_t i = 0; i < iso_geometry_voxel_count(g); ++i) {
+                    size_t at[3];
+                    place(g, i, at);
+                    at[axis] = g->size[axis] - 1 - at[axis];
+                    const int8_t *a = (const int8_t *)p.levels[k].codes + 3 * i;
+                    const int8_t *b =
+                        (const int8_t *)q.levels[k].codes + 3 * ((at[2] * g->size[1] + at[1]) * g->size[0] + at[0]);
+                    for (int c = 0; c < 3; ++c)
+                        assert_true(abs(a[c] - (c == axis ? -b[c] : b[c])) <= tolerance);
+                }
+            }
+            iso_pyramid_destroy(&p);
+            iso_pyramid_destroy(&q);
+            iso_volume_destroy(&v);
+            iso_volume_destroy(&w);
+        }
+}
+
+static void scaling_and_offsetting_the_values_changes_no_direction(void **state)
+{
+    (void)state;
+    const struct { double a, b; } maps[] = {{0x1p-90, 0}, {0x1p+100, 0}, {3, 0}, {-1, 0}, {0.25, 0.5}};
+    for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter)
+        for (size_t m = 0; m < sizeof maps / sizeof *maps; ++m) {
+            iso_volume v = noise(9, 8, 10), w = noise(9, 8, 10);
+            for (size_t i = 0; i < 720; ++i)
+                ((float *)w.data)[i] = (float)(maps[m].a * ((float *)v.data)[i] + maps[m].b);
+            iso_pyramid_options opt = keeping(filter);
+            iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+            for (size_t k = 0; k < p.level_count; ++k)
+                for (size_t i = 0; i < 3 * iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
+                    int a = ((int8_t *)p.levels[k].codes)[i], b = ((int8_t *)q.levels[k].codes)[i];
+                    /* 3 V is rounded once more than V: a last bit may fall across a code's border. */
+                    assert_true(abs(a - (maps[m].a < 0 ? -b : b)) <= (maps[m].a == 3));
+                }
+            iso_pyramid_destroy(&p);
+            iso_pyramid_destroy(&q);
+            iso_volume_destroy(&v);
+            iso_volume_destroy(&w);
+        }
+}
+
+static void shifting_by_whole_coarse_voxels_shifts_the_codes(void **state)
+{
+    (void)state;
+    const size_t n = 32, shift = 8;
+    iso_volume v = noise(n, n, n), w = noise(n, n, n);
+    for (size_t i = 0; i + shift < n * n * n; ++i)
+        ((float *)w.data)[i] = ((float *)v.data)[i + shift];
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+    for (size_t k = 0; k < 4; ++k) {
+        const size_t m = n >> k, s = shift >> k;
+        for (size_t z = 0; z < m; ++z)
+            for (size_t y = 0; y < m; ++y)
+                for (size_t x = k == 3 ? 1 : 1 << (3 - k); x + s + 1 < m; ++x)
+                    assert_memory_equal(q.levels[k].codes + 3 * ((z * m + y) * m + x),
+                                        p.levels[k].codes + 3 * ((z * m + y) * m + x + s), 3);
+    }
+    iso_pyramid_destroy(&p);
+    iso_pyramid_destroy(&q);
+    iso_volume_destroy(&v);
+    iso_volume_destroy(&w);
+}
+
+static void volumes_without_gradients_have_no_directions(void **state)
+{
+    (void)state;
+    const size_t sizes[][3] = {{1, 1, 1}, {5, 1, 1}, {1, 4, 7}, {6, 6, 6}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
+        for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
+            iso_geometry g = plain(sizes[s][0], sizes[s][1], sizes[s][2]);
+            iso_volume v;
+            assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
+            for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
+                ((float *)v.data)[i] = 7.5f;
+            iso_pyramid_options opt = keeping(filter);
+            iso_pyramid p = build(&v, &opt);
+            for (size_t k = 0; k < p.level_count; ++k)
+                for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
+                    const float *d = p.levels[k].directions + 3 * i;
+                    assert_true(d[0] == 0 && d[1] == 0 && d[2] == 0 && p.levels[k].magnitude[i] == 0);
+                    assert_true(p.levels[k].scalar[i] == 7.5f);
+                }
+            iso_pyramid_destroy(&p);
+            iso_volume_destroy(&v);
+        }
+}
+
+static bool same_levels(const iso_pyramid *p, const iso_pyramid *q)
+{
+    bool same = p->level_count == q->level_count;
+    for (size_t k = 0; same && k < p->level_count; ++k) {
+        const iso_level *a = &p->levels[k], *b = &q->levels[k];
+        const size_t n = iso_geometry_voxel_count(&a->geometry);
+        same = memcmp(&a->geometry, &b->geometry, sizeof a->geometry) == 0 && a->stored_type == b->stored_type &&
+               a->min == b->min && a->max == b->max && memcmp(a->scalar, b->scalar, n * sizeof(float)) == 0 &&
+               memcmp(a->codes, b->codes, 3 * n) == 0 && !a->directions == !b->directions &&
+               !a->magnitude == !b->magnitude &&
+               (!a->directions || memcmp(a->directions, b->directions, 3 * n * sizeof(float)) == 0) &&
+               (!a->magnitude || memcmp(a->magnitude, b->magnitude, n * sizeof(float)) == 0);
+    }
+    return same;
+}
+
+static void thread_counts_give_the_same_bytes(void **state)
+{
+    (void)state;
+    iso_volume v = noise(17, 13, 11);
+    for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
+        iso_pyramid_options opt = keeping(filter);
+        opt.scalar_filter = filter % ISO_SCALAR_COUNT;
+        opt.threads = 1;
+        iso_pyramid one = build(&v, &opt);
+        opt.threads = 3;
+        iso_pyramid three = build(&v, &opt);
+        assert_true(same_levels(&one, &three));
+        three.levels[1].codes[5] ^= 1; /* the comparison must see one bit */
+        assert_false(same_levels(&one, &three));
+        iso_pyramid_destroy(&one);
+        iso_pyramid_destroy(&three);
+    }
+    iso_volume_destroy(&v);
+}
+
+static void bad_options_and_voxels_are_refused(void **state)
+{
+    (void)state;
+    iso_volume v = noise(4, 4, 4);
+    iso_pyramid p;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 0;
+    assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
+    opt = iso_pyramid_defaults();
+    opt.gauss_sigma_voxels = NAN;
+    assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
+    opt = iso_pyramid_defaults();
+    opt.gauss_radius = 0;
+    assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
+    opt = iso_pyramid_defaults();
+    ((float *)v.data)[9] = NAN;
+    assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
+    ((float *)v.data)[9] = INFINITY;
+    assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
+    iso_pyramid_destroy(&p); /* empty after a failure */
+    iso_volume_destroy(&v);
+}
+
+/* ---- files ---- */
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = iso_make_temp_dir();
+    return folder ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    iso_remove_tree(folder);
+    free(folder);
+    return 0;
+}
+
+static void a_saved_pyramid_is_loaded_as_it_was(void **state)
+{
+    (void)state;
+    const iso_type types[] = {ISO_U8, ISO_I16, ISO_U16, ISO_F32, ISO_F64};
+    char *dir = iso_path_join(folder, "trip.iso");
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        iso_geometry g = plain(7, 5, 6);
+        g.index_to_world.m[0][1] = 1.0 / 3;
+        iso_volume v;
+        assert_ok(iso_volume_create(&v, &g, types[t], "test", &err));
+        for (size_t i = 0; i < 210 * iso_type_bytes(types[t]); ++i)
+            ((uint8_t *)v.data)[i] = types[t] == ISO_F32 || types[t] == ISO_F64 ? 0x3f : (uint8_t)(i * 91);
+        iso_pyramid_options opt = keeping((iso_direction_filter)(t % ISO_DIRECTION_COUNT));
+        opt.keep_float = t % 2;
+        opt.code = t % 2 ? ISO_CODE_REGION48 : ISO_CODE_SNORM;
+        iso_pyramid p = build(&v, &opt), q;
+        assert_ok(iso_pyramid_save(&p, dir, &err)); /* and replaces the one before */
+        assert_true(iso_pyramid_is_one(dir));
+        assert_ok(iso_pyramid_load(dir, &q, &err));
+        assert_true(same_levels(&p, &q));
+        assert_string_equal(p.source, q.source);
+        q.options.threads = p.options.threads; /* not a property of the result */
+        assert_int_equal(q.options.direction_filter, p.options.direction_filter);
+        assert_int_equal(q.options.code, p.options.code);
+        assert_true(q.options.keep_float == p.options.keep_float && q.options.keep_magnitude);
+        iso_pyramid_destroy(&p);
+        iso_pyramid_destroy(&q);
+        iso_volume_destroy(&v);
+    }
+    free(dir);
+}
+
+/* Applies a change to one file of a fresh pyramid, and wants the load to fail. */
+static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status wanted)
+{
+    iso_volume v = noise(6, 5, 4);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *dir = iso_path_join(folder, "bad.iso"), *path, *data;
+    size_t size;
+    assert_ok(iso_pyramid_save(&p, dir, &err));
+    assert_ok(iso_pyramid_load(dir, &q, &err));
+    iso_pyramid_destroy(&q);
+    path = iso_path_join(dir, name);
+    assert_ok(iso_file_read(path, &data, &size, &err));
+    if (flip_at >= 0)
+        data[flip_at] ^= 4;
+    assert_ok(iso_file_write(path, data, keep_bytes ? keep_bytes : size, &err));
+    if (keep_bytes == 0 && flip_at < 0)
+        unlink(path);
+    assert_status(iso_pyramid_load(dir, &q, &err), wanted);
+    free(data);
+    free(path);
+    free(dir);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void truncated_tampered_and_missing_files_are_refused(void **state)
+{
+    (void)state;
+    refuse("level_0.nrrd", 400, -1, ISO_E_FORMAT);
+    refuse("level_1_dir.nrrd", 300, -1, ISO_E_FORMAT);
+    refuse("level_0.nrrd", 0, 500, ISO_E_FORMAT);
+    refuse("level_0_dir.nrrd", 0, 20, ISO_E_FORMAT);
+    refuse("level_1.nrrd", 0, -1, ISO_E_IO);
+    refuse("pyramid.json", 100, -1, ISO_E_FORMAT);
+    refuse("pyramid.json", 0, 30, ISO_E_FORMAT); /* the schema's name */
+}
+
+static void a_description_with_impossible_values_is_refused(void **state)
+{
+    (void)state;
+    const struct { const char *from, *to; iso_status status; } changes[] = {
+        {"\"moments\"", "\"moment!\"", ISO_E_FORMAT}, {"\"float\"", "\"flint\"", ISO_E_USAGE},
+        {"\"float\"", "\"int32\"", ISO_E_FORMAT},     {"\"level_1.nrrd\"", "\"../el_1.nrrd\"", ISO_E_FORMAT},
+        {"\"snorm\"", "\"storm\"", ISO_E_FORMAT},     {"\"box_index\"", "\"box_indey\"", ISO_E_FORMAT},
+    };
+    iso_volume v = noise(6, 5, 4);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *dir = iso_path_join(folder, "odd.iso"), *path = iso_path_join(dir, "pyramid.json"), *text;
+    size_t size;
+    for (size_t c = 0; c < sizeof changes / sizeof *changes; ++c) {
+        assert_ok(iso_pyramid_save(&p, dir, &err));
+        assert_ok(iso_file_read(path, &text, &size, &err));
+        char *at = strstr(text, changes[c].from), changed[16384];
+        assert_non_null(at);
+        int n = snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, changes[c].to,
+                         at + strlen(changes[c].from));
+        assert_ok(iso_file_write(path, changed, (size_t)n, &err));
+        iso_error why = {""};
+        iso_status status = iso_pyramid_load(dir, &q, &why);
+        assert_true(status == changes[c].status || status == ISO_E_FORMAT);
+        assert_true(why.text[0] != 0);
+        free(text);
+    }
+    free(path);
+    free(dir);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void a_folder_that_is_not_a_pyramid_is_left_alone(void **state)
+{
+    (void)state;
+    iso_volume v = noise(3, 3, 3);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *inside = iso_path_join(folder, "precious.txt");
+    assert_ok(iso_file_write(inside, "x", 1, &err));
+    assert_status(iso_pyramid_save(&p, folder, &err), ISO_E_IO);
+    assert_true(iso_path_exists(inside));
+    assert_false(iso_pyramid_is_one(folder));
+    assert_status(iso_pyramid_load(folder, &q, &err), ISO_E_IO);
+    free(inside);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moments_equal_the_direct_sum_over_all_fine_children),
+        cmocka_unit_test(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients),
+        cmocka_unit_test(naive_directions_are_unit_means),
+        cmocka_unit_test(mean_scalars_continue_the_edge_at_odd_sizes),
+        cmocka_unit_test(gaussian_scalars_equal_their_direct_sum),
+        cmocka_unit_test(parallel_gradients_keep_length_1_and_opposite_ones_cancel),
+        cmocka_unit_test(exactly_opposite_children_give_no_direction),
+        cmocka_unit_test(directions_stay_in_the_cone_of_their_children),
+        cmocka_unit_test(flipping_an_axis_flips_the_codes),
+        cmocka_unit_test(scaling_and_offsetting_the_values_changes_no_direction),
+        cmocka_unit_test(shifting_by_whole_coarse_voxels_shifts_the_codes),
+        cmocka_unit_test(volumes_without_gradients_have_no_directions),
+        cmocka_unit_test(thread_counts_give_the_same_bytes),
+        cmocka_unit_test(bad_options_and_voxels_are_refused),
+        cmocka_unit_test(a_saved_pyramid_is_loaded_as_it_was),
+        cmocka_unit_test(truncated_tampered_and_missing_files_are_refused),
+        cmocka_unit_test(a_description_with_impossible_values_is_refused),
+        cmocka_unit_test(a_folder_that_is_not_a_pyramid_is_left_alone),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
