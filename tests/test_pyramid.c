@@ -101,22 +101,43 @@ static void visit_vector(const double g[3], double weight, double sum[4])
     sum[3] += weight;
 }
 
-/* Sums over the fine voxels lo .. hi - 1 around 2^level i, clamped to the edge. */
-static void direct_sum(const field *fine, const size_t at[3], size_t step, long lo, long hi, double sigma, visit take,
-                       double sum[4])
+/* Sums over the 2 radius fine voxels around each axis' centre, clamped to the edge. */
+static void direct_sum(const field *fine, const size_t at[3], long radius, double sigma, visit take, double sum[4])
 {
     memset(sum, 0, 4 * sizeof *sum);
-    for (long z = lo; z < hi; ++z)
-        for (long y = lo; y < hi; ++y)
-            for (long x = lo; x < hi; ++x) {
-                double ox = (double)x + 0.5 - (double)step / 2, oy = (double)y + 0.5 - (double)step / 2,
-                       oz = (double)z + 0.5 - (double)step / 2;
-                double weight = sigma > 0 ? exp(-0.5 * (ox * ox + oy * oy + oz * oz) / (sigma * sigma)) : 1;
-                size_t sx = clamp_index((long)(step * at[0]) + x, fine->size[0]),
-                       sy = clamp_index((long)(step * at[1]) + y, fine->size[1]),
-                       sz = clamp_index((long)(step * at[2]) + z, fine->size[2]);
+    for (long z = 1 - radius; z <= radius; ++z)
+        for (long y = 1 - radius; y <= radius; ++y)
+            for (long x = 1 - radius; x <= radius; ++x) {
+                double ox = (double)x - 0.5, oy = (double)y - 0.5, oz = (double)z - 0.5;
+                double weight = exp(-0.5 * (ox * ox + oy * oy + oz * oz) / (sigma * sigma));
+                size_t sx = clamp_index((long)(2 * at[0]) + x, fine->size[0]),
+                       sy = clamp_index((long)(2 * at[1]) + y, fine->size[1]),
+                       sz = clamp_index((long)(2 * at[2]) + z, fine->size[2]);
                 take(fine->data + 3 * ((sz * fine->size[1] + sy) * fine->size[0] + sx), weight, sum);
             }
+}
+
+/* The fine voxel below voxel i of the given level: each level continues its edge. `path` picks the child, a bit a level. */
+static size_t descend(size_t i, size_t level, size_t path, size_t fine_size)
+{
+    for (size_t k = level; k-- > 0;) {
+        const size_t size = (fine_size + ((size_t)1 << k) - 1) >> k;
+        i = clamp_index((long)(2 * i + (path >> k & 1)), size);
+    }
+    return i;
+}
+
+/* Sums over all 8^level fine children. */
+static void sum_children(const field *fine, const size_t at[3], size_t level, visit take, double sum[4])
+{
+    memset(sum, 0, 4 * sizeof *sum);
+    for (size_t path = 0; path < (size_t)1 << 3 * level; ++path) {
+        const size_t mask = ((size_t)1 << level) - 1;
+        size_t x = descend(at[0], level, path & mask, fine->size[0]);
+        size_t y = descend(at[1], level, path >> level & mask, fine->size[1]);
+        size_t z = descend(at[2], level, path >> 2 * level & mask, fine->size[2]);
+        take(fine->data + 3 * ((z * fine->size[1] + y) * fine->size[0] + x), 1, sum);
+    }
 }
 
 static double largest_difference(const iso_level *l, const double *expected)
@@ -155,7 +176,7 @@ static void moments_equal_the_direct_sum_over_all_fine_children(void **state)
             size_t at[3];
             double s[4];
             place(&l->geometry, i, at);
-            direct_sum(&fine, at, (size_t)1 << k, 0, 1L << k, 0, visit_moments, s);
+            sum_children(&fine, at, k, visit_moments, s);
             double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
             for (int c = 0; c < 3; ++c) {
                 expected[3 * i + (size_t)c] = s[c] / length * (length / s[3]) * (length / s[3]);
@@ -181,7 +202,7 @@ static void fill_eq1(const field *fine, const iso_geometry *g, long radius, doub
         size_t at[3];
         double s[4];
         place(g, i, at);
-        direct_sum(fine, at, 2, 1 - radius, 1 + radius, sigma, take, s);
+        direct_sum(fine, at, radius, sigma, take, s);
         double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
         for (size_t c = 0; c < 3; ++c) {
             out[3 * i + c] = s[c] / s[3];
@@ -244,7 +265,7 @@ static void naive_directions_are_unit_means(void **state)
             size_t at[3];
             double s[4];
             place(&l->geometry, i, at);
-            direct_sum(&fine, at, (size_t)1 << k, 0, 1L << k, 0, visit_vector, s);
+            sum_children(&fine, at, k, visit_vector, s);
             double length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
             for (size_t c = 0; c < 3; ++c)
                 unit[3 * i + c] = s[c] / length;
@@ -274,9 +295,9 @@ static void mean_scalars_continue_the_edge_at_odd_sizes(void **state)
             size_t at[3];
             double sum = 0;
             place(&l->geometry, i, at);
-            for (size_t z = at[2] << k; z < (at[2] + 1) << k; ++z)
-                for (size_t x = at[0] << k; x < (at[0] + 1) << k; ++x)
-                    sum += ((float *)v.data)[clamp_index((long)z, 10) * 5 + clamp_index((long)x, 5)];
+            for (size_t path = 0; path < (size_t)1 << 2 * k; ++path)
+                sum += ((float *)v.data)[descend(at[2], k, path >> k, 10) * 5 +
+                                         descend(at[0], k, path & (((size_t)1 << k) - 1), 5)];
             assert_within(l->scalar[i], sum / pow(4, (double)k), 4e-7); /* float sums of values below 1 */
             assert_true(l->min <= l->scalar[i] && l->scalar[i] <= l->max);
         }
@@ -317,16 +338,15 @@ static void gaussian_scalars_equal_their_direct_sum(void **state)
 
 /* ---- structural promises ---- */
 
-static void parallel_gradients_keep_length_1_and_opposite_ones_cancel(void **state)
+static void parallel_gradients_keep_their_length(void **state)
 {
     (void)state;
     iso_geometry g = plain(8, 6, 4);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
-    uint8_t *data = v.data;
-    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
     for (size_t i = 0; i < 192; ++i)
-        data[i] = (uint8_t)(20 * (i % 8));
+        ((uint8_t *)v.data)[i] = (uint8_t)(20 * (i % 8));
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
     iso_pyramid p = build(&v, &opt);
     for (size_t k = 0; k < p.level_count; ++k)
         for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
@@ -335,38 +355,43 @@ static void parallel_gradients_keep_length_1_and_opposite_ones_cancel(void **sta
             assert_true(code[0] == 127 && code[1] == 0 && code[2] == 0);
         }
     iso_pyramid_destroy(&p);
-    for (size_t i = 0; i < 192; ++i) /* gradients +1 and -1 in turn: 0 9 9 0 0 9 9 0 */
-        data[i] = (uint8_t)((i % 8 + 1) / 2 % 2 * 9);
-    data[0] = data[7] = 0;
-    p = build(&v, &opt);
-    const iso_level *l = &p.levels[2];
-    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i)
-        assert_true(l->directions[3 * i + 1] == 0 && fabsf(l->directions[3 * i]) < 0.1f);
+    iso_volume_destroy(&v);
+}
+
+/* 0 1 1 0 repeated has the gradients + + - - of one length: level 1 keeps them, level 2 has nothing left. */
+static void opposite_gradients_cancel(void **state)
+{
+    (void)state;
+    iso_geometry g = plain(16, 4, 4);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
+    for (size_t i = 0; i < 256; ++i)
+        ((uint8_t *)v.data)[i] = (uint8_t)((i % 4 + 1) / 2 % 2);
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
+    iso_pyramid p = build(&v, &opt);
+    for (size_t x = 1; x < 7; ++x) /* away from the border, whose differences are one-sided */
+        assert_true(fabsf(p.levels[1].directions[3 * x]) == 1);
+    for (size_t x = 1; x < 3; ++x) {
+        assert_true(p.levels[2].directions[3 * x] == 0 && p.levels[2].magnitude[x] == 0.5f);
+        assert_true(p.levels[2].codes[3 * x] == 0);
+    }
     iso_pyramid_destroy(&p);
     iso_volume_destroy(&v);
 }
 
-static void exactly_opposite_children_give_no_direction(void **state)
+static void levels_of_a_single_voxel_are_left_out(void **state)
 {
     (void)state;
-    iso_geometry g = plain(4, 1, 1); /* 0 1 1 0: gradients 1, 1/2, -1/2, -1; level 2 is the sum of all */
-    iso_volume v;
-    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
-    memcpy(v.data, (uint8_t[]){0, 1, 1, 0}, 4);
-    iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
-    iso_pyramid p = build(&v, &opt);
-    assert_int_equal(p.level_count, 2); /* a third level would be a single voxel */
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
-    g = plain(8, 4, 1);
-    assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
-    for (size_t i = 0; i < 32; ++i)
-        ((uint8_t *)v.data)[i] = (uint8_t[]){0, 1, 1, 0, 0, 1, 1, 0}[i % 8];
-    p = build(&v, &opt);
-    assert_int_equal(p.level_count, 3);
-    assert_true(p.levels[2].directions[0] + p.levels[2].directions[3] == 0); /* mirror images */
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
+    const struct { size_t size[3], levels; } cases[] = {{{4, 1, 1}, 2}, {{1, 1, 1}, 1}, {{8, 5, 2}, 3}, {{9, 1, 1}, 4}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        iso_volume v = noise(cases[c].size[0], cases[c].size[1], cases[c].size[2]);
+        iso_pyramid_options opt = iso_pyramid_defaults();
+        opt.level_count = 12;
+        iso_pyramid p = build(&v, &opt);
+        assert_int_equal(p.level_count, cases[c].levels);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
 }
 
 static void directions_stay_in_the_cone_of_their_children(void **state)
@@ -709,8 +734,9 @@ int main(void)
         cmocka_unit_test(naive_directions_are_unit_means),
         cmocka_unit_test(mean_scalars_continue_the_edge_at_odd_sizes),
         cmocka_unit_test(gaussian_scalars_equal_their_direct_sum),
-        cmocka_unit_test(parallel_gradients_keep_length_1_and_opposite_ones_cancel),
-        cmocka_unit_test(exactly_opposite_children_give_no_direction),
+        cmocka_unit_test(parallel_gradients_keep_their_length),
+        cmocka_unit_test(opposite_gradients_cancel),
+        cmocka_unit_test(levels_of_a_single_voxel_are_left_out),
         cmocka_unit_test(directions_stay_in_the_cone_of_their_children),
         cmocka_unit_test(flipping_an_axis_flips_the_codes),
         cmocka_unit_test(scaling_and_offsetting_the_values_changes_no_direction),

@@ -3,5 +3,6 @@
 #define ISO_COMMAND_LIST(X) \
     X(info) \
     X(make) \
+    X(build) \
     X(compare) \
     X(bench)

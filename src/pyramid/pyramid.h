@@ -8,7 +8,8 @@
  *
  * Level 0's scalar keeps the type of the input where 8 or 16 bits or float;
  * coarser levels are float. Voxel i of level k covers the fine voxels
- * [i 2^k, (i+1) 2^k) of the volume continued by its edge.
+ * [i 2^k, (i+1) 2^k); where a size is odd, each level is continued by its own
+ * edge, so that a level follows from the files of the next finer one.
  * Direction d of a level: unit at level 0 (zero where the gradient is zero);
  * at coarse levels by the filter:
  *   moments  N = sum m^2 d, S = sum m^2 over the own children, carried in float
@@ -16,6 +17,8 @@
  *   eq1      gradients-2017 Eq. 1 as written, iterated from G0: Gaussian times
  *            magnitude, radius and sigma by option; stored unit.
  *   naive    the mean of the children's gradient vectors; stored unit.
+ * magnitude: |gradient| at level 0; above, the root mean square (moments) or the
+ * length of the filtered gradient (eq1, naive).
  * scalar: mean of the 2x2x2 children, or a Gaussian. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H

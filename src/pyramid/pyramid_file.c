@@ -13,6 +13,7 @@
 
 #define SCHEMA "isoshade.pyramid/1"
 #define MARKER "pyramid.json"
+#define ALIGNMENT 64
 
 /* One file of a level. */
 typedef struct level_file {
@@ -33,7 +34,8 @@ static void list_files(const iso_level *l, iso_code code, level_file files[FILE_
 }
 
 /* The text before the samples: NRRD0004, raw, little-endian. Space origin is the
- * centre of the first voxel; to be freed. */
+ * centre of the first voxel. A comment fills it up to a multiple of ALIGNMENT
+ * bytes, so that a mapped file has its samples aligned. To be freed. */
 static char *make_header(const iso_geometry *g, const level_file *f)
 {
     const iso_mat3 *m = &g->index_to_world;
@@ -44,11 +46,17 @@ static char *make_header(const iso_geometry *g, const level_file *f)
                      "NRRD0004\ntype: %s\ndimension: %d\nspace dimension: 3\nsizes: %s%zu %zu %zu\n"
                      "space directions: %s(%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
                      "centers: %scell cell cell\nkinds: %sdomain domain domain\nendian: little\nencoding: raw\n"
-                     "space origin: (%.17g,%.17g,%.17g)\n\n",
+                     "space origin: (%.17g,%.17g,%.17g)\n",
                      iso_type_name(f->type), vector ? 4 : 3, vector ? "3 " : "", g->size[0], g->size[1], g->size[2],
                      vector ? "none " : "", m->m[0][0], m->m[1][0], m->m[2][0], m->m[0][1], m->m[1][1], m->m[2][1],
                      m->m[0][2], m->m[1][2], m->m[2][2], vector ? "??? " : "", vector ? "vector " : "", o.x, o.y, o.z);
-    return n < 0 ? NULL : text;
+    if (n < 0)
+        return NULL;
+    char *padded = NULL;
+    int fill = (ALIGNMENT - (n + 4) % ALIGNMENT) % ALIGNMENT; /* "# ", the fill, two line ends */
+    n = asprintf(&padded, "%s# %*s\n\n", text, fill, "");
+    free(text);
+    return n < 0 ? NULL : padded;
 }
 
 static void floats_to_type(const float *in, iso_type type, size_t count, void *out)
