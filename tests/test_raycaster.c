@@ -7,6 +7,7 @@
 
 #include "render/raycaster.h"
 #include "render/reference.h"
+#include "volume/synthetic.h"
 
 /* Causes: texture coordinates and filter weights are floats (3e-8 of a volume of 56 voxels is 2e-6 voxels), and so is
  * the sum over some 100 samples. Mean errors cancel, hence the RMSE is a twentieth. */
@@ -215,6 +216,78 @@ static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
     }
 }
 
+static void every_reference_scene_agrees_at_every_level(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene;
+        iso_field_kind kind;
+        iso_type type;
+    } cases[] = {{"refscenes/head.scene.json", ISO_FIELD_SPHERE, ISO_I16},
+                 {"refscenes/marschner-lobb.scene.json", ISO_FIELD_MARSCHNER_LOBB, ISO_U16},
+                 {"refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_F32},
+                 {"refscenes/shells.scene.json", ISO_FIELD_NOISE, ISO_U8}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_field f = {.kind = cases[i].kind, .geometry = rotated_geometry(), .seed = 1};
+        iso_volume v;
+        iso_scene scene;
+        iso_view view;
+        iso_pyramid p;
+        iso_pyramid_options opt = iso_pyramid_defaults();
+        opt.level_count = 3;
+        assert_ok(iso_field_sample(&f, cases[i].type, &v, &err));
+        assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+        assert_ok(iso_scene_load(cases[i].scene, &scene, &err));
+        assert_ok(iso_scene_resolve(&scene, &f.geometry, p.levels[0].min, p.levels[0].max, &view, &err));
+        view.width = view.height = 64;
+        for (size_t k = 0; k < p.level_count; ++k) {
+            char what[96];
+            snprintf(what, sizeof what, "%s, %s, level %zu", cases[i].scene, iso_field_name(cases[i].kind), k);
+            check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_CODES, what);
+            check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_ON_THE_FLY, what);
+        }
+        iso_view_destroy(&view);
+        iso_scene_destroy(&scene);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
+}
+
+/* Axes of one voxel, no contrast, rays along the axes, cameras in the box's centre, beyond it and beside it. */
+static void degenerate_volumes_and_cameras_agree(void **state)
+{
+    (void)state;
+    static const size_t sizes[][3] = {{1, 9, 5}, {7, 1, 1}, {6, 5, 4}};
+    for (size_t i = 0; i < 3; ++i) {
+        iso_geometry g = iso_geometry_axis_aligned(sizes[i], (const double[3]){1, 2, 0.5});
+        for (int kind = ISO_FIELD_RAMP; kind <= ISO_FIELD_CONSTANT; kind += ISO_FIELD_CONSTANT) {
+            iso_field f = {.kind = (iso_field_kind)kind, .geometry = g};
+            iso_volume v;
+            iso_pyramid p;
+            iso_pyramid_options opt = iso_pyramid_defaults();
+            assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
+            opt.level_count = 1;
+            assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+            iso_level range = p.levels[0];
+            range.min = -0.5, range.max = 1;
+            for (int place = -2; place <= 2; ++place) {
+                iso_view view = make_view(place ? ORTHOGRAPHIC : PERSPECTIVE, &range);
+                view.camera.forward = iso_v3(0, 1, 0), view.camera.right = iso_v3(1, 0, 0);
+                view.camera.up = iso_v3(0, 0, 1);
+                view.camera.position = iso_v3(0, 4.0 * place, 0);
+                char what[96];
+                snprintf(what, sizeof what, "%zu x %zu x %zu, %s, camera at y = %d", sizes[i][0], sizes[i][1],
+                         sizes[i][2], iso_field_name(f.kind), 4 * place);
+                check_agreement(&p.levels[0], opt.code, &view, ISO_FROM_CODES, what);
+                check_agreement(&p.levels[0], opt.code, &view, ISO_FROM_ON_THE_FLY, what);
+                iso_view_destroy(&view);
+            }
+            iso_pyramid_destroy(&p);
+            iso_volume_destroy(&v);
+        }
+    }
+}
+
 /* Each of these faults is what a wrong export or shader would do. */
 static void rejects(const iso_level *right, const iso_level *wrong, const iso_view *right_view,
                     const iso_view *wrong_view, const char *what)
@@ -355,6 +428,8 @@ int main(void)
         cmocka_unit_test(filter_of_floats_is_probed_finer_than_8_bits_in_software),
         cmocka_unit_test(every_source_and_code_agrees_with_the_reference_at_every_level),
         cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
+        cmocka_unit_test(every_reference_scene_agrees_at_every_level),
+        cmocka_unit_test(degenerate_volumes_and_cameras_agree),
         cmocka_unit_test(known_faults_are_rejected),
         cmocka_unit_test(images_do_not_differ_between_runs),
         cmocka_unit_test(volume_beyond_the_texture_limit_is_refused_with_both_sizes),

@@ -162,46 +162,43 @@ static void set_vec3(GLuint program, const char *name, iso_vec3 v)
     glUniform3f(glGetUniformLocation(program, name), (float)v.x, (float)v.y, (float)v.z);
 }
 
-/* In the level's index space, relative to the box centre: double precision here, small floats there. */
-static void set_camera(GLuint program, const iso_geometry *g, const iso_view *view)
+static void set_dvec3(GLuint program, const char *name, iso_vec3 v)
 {
-    const iso_camera *c = &view->camera;
-    iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    iso_vec3 to_center = iso_sub(iso_geometry_box_center_mm(g), c->position);
-    double depth = iso_dot(to_center, c->forward);
-    iso_vec3 center = iso_sub(iso_scale(c->forward, depth), to_center);
-    glUniform2f(glGetUniformLocation(program, "image_size"), (float)view->width, (float)view->height);
-    glUniform2f(glGetUniformLocation(program, "half_image"),
-                (float)(c->half_height * (double)view->width / (double)view->height), (float)c->half_height);
-    set_int(program, "orthographic", c->orthographic);
-    set_vec3(program, "forward_world", c->forward);
-    set_vec3(program, "right_world", c->right);
-    set_vec3(program, "up_world", c->up);
-    set_vec3(program, "forward_index", iso_mul(to_index, c->forward));
-    set_vec3(program, "right_index", iso_mul(to_index, c->right));
-    set_vec3(program, "up_index", iso_mul(to_index, c->up));
-    set_vec3(program, "plane_center", iso_mul(to_index, center));
-    set_float(program, "plane_depth", depth);
+    glUniform3d(glGetUniformLocation(program, name), v.x, v.y, v.z);
 }
 
-static void set_field(GLuint program, const iso_level *level, const level_textures *t, const iso_tf_table *tf,
-                      double step_voxels)
+/* Column-major, as GL has it. */
+static void matrix_columns(iso_mat3 m, double columns[9])
+{
+    for (int i = 0; i < 9; ++i)
+        columns[i] = m.m[i % 3][i / 3];
+}
+
+static void set_camera(GLuint program, const iso_geometry *g, const iso_view *view, double step_mm)
+{
+    const iso_camera *c = &view->camera;
+    double width = (double)view->width, height = (double)view->height, columns[9];
+    matrix_columns(iso_mat3_inverse(g->index_to_world), columns);
+    glUniformMatrix3dv(glGetUniformLocation(program, "to_index"), 1, GL_FALSE, columns);
+    glUniform2d(glGetUniformLocation(program, "image_size"), width, height);
+    glUniform2d(glGetUniformLocation(program, "half_image"), c->half_height * width / height, c->half_height);
+    set_int(program, "orthographic", c->orthographic);
+    set_dvec3(program, "forward", c->forward);
+    set_dvec3(program, "right", c->right);
+    set_dvec3(program, "up", c->up);
+    set_dvec3(program, "position_index", iso_geometry_to_index(g, c->position));
+    set_dvec3(program, "box_index", iso_v3(g->box_index[0], g->box_index[1], g->box_index[2]));
+    glUniform1d(glGetUniformLocation(program, "step_mm"), step_mm);
+}
+
+static void set_field(GLuint program, const iso_level *level, const level_textures *t, const iso_tf_table *tf)
 {
     const iso_geometry *g = &level->geometry;
-    double scale[3], offset[3];
-    for (int a = 0; a < 3; ++a) {
-        scale[a] = 1 / (double)g->size[a];
-        offset[a] = 0.5 * g->box_index[a] / (double)g->size[a];
-    }
     set_int(program, "scalar", UNIT_SCALAR);
     set_int(program, "tf", UNIT_TF);
     set_int(program, "directions", UNIT_DIRECTIONS);
-    set_vec3(program, "box_half", iso_v3(0.5 * g->box_index[0], 0.5 * g->box_index[1], 0.5 * g->box_index[2]));
-    set_vec3(program, "texture_scale", iso_v3(scale[0], scale[1], scale[2]));
-    set_vec3(program, "voxel", iso_v3(scale[0], scale[1], scale[2]));
-    set_vec3(program, "texture_offset", iso_v3(offset[0], offset[1], offset[2]));
+    set_vec3(program, "voxel", iso_v3(1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]));
     double min_spacing_mm = iso_geometry_min_spacing_mm(g), entries = (double)(tf->count - 1) / (tf->hi - tf->lo);
-    set_float(program, "step_mm", step_voxels * min_spacing_mm);
     set_float(program, "tf_scale", t->value_per_texel * entries);
     set_float(program, "tf_offset", (level->min - tf->lo) * entries);
     set_int(program, "tf_count", (int)tf->count);
@@ -211,10 +208,12 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     double range = level->max - level->min;
     iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(g),
                                 range > 0 ? 0.5 * t->value_per_texel * min_spacing_mm / range : 0);
-    float columns[9];
+    double columns[9];
+    float float_columns[9];
+    matrix_columns(m, columns);
     for (int i = 0; i < 9; ++i)
-        columns[i] = (float)m.m[i % 3][i / 3];
-    glUniformMatrix3fv(glGetUniformLocation(program, "gradient_to_world"), 1, GL_FALSE, columns);
+        float_columns[i] = (float)columns[i];
+    glUniformMatrix3fv(glGetUniformLocation(program, "gradient_to_world"), 1, GL_FALSE, float_columns);
     set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
 }
 
@@ -262,8 +261,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
-    set_camera(program, &level->geometry, view);
-    set_field(program, level, &textures, &view->tf, step_voxels);
+    set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
+    set_field(program, level, &textures, &view->tf);
     set_light(program, view);
     status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK)

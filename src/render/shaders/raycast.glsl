@@ -1,23 +1,20 @@
 // raycast.glsl - the rendering equation by midpoint segments, one ray a pixel.
 //
-// Positions are index coordinates of the level relative to the centre of the box, so that numbers stay as small as the
-// volume and a far camera costs no digits: each ray starts from its point on the plane through the box's centre at
-// right angles to the view, and t counts millimetres from there.
+// A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
+// show in the image. Its samples are floats, in texture coordinates from the middle of the first segment.
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly), DECODER (of code_decode.h), LIGHT_COUNT.
 
-uniform vec2 image_size;
+uniform dvec2 image_size;
 uniform bool orthographic;
-uniform vec2 half_image;          // tan of the half angles, or mm when orthographic
-uniform vec3 forward_world, right_world, up_world;
-uniform vec3 forward_index, right_index, up_index; // index steps of one mm along these
-uniform vec3 plane_center;        // where the view axis meets the plane
-uniform float plane_depth;        // mm from the camera to the plane
-uniform vec3 box_half;
-uniform float step_mm;
+uniform dvec2 half_image;          // tan of the half angles, or mm when orthographic
+uniform dvec3 forward, right, up;  // of the camera, world
+uniform dmat3 to_index;            // index steps of one mm along x, y, z
+uniform dvec3 position_index;      // of the camera
+uniform dvec3 box_index;           // the box is [0, box_index]
+uniform double step_mm;
 
 uniform sampler3D scalar;
-uniform vec3 texture_scale, texture_offset;
 uniform sampler2D tf;
 uniform float tf_scale, tf_offset; // texel value to entry
 uniform int tf_count;
@@ -35,37 +32,34 @@ uniform vec3 background;
 out vec4 color;
 
 struct Ray {
-    vec3 origin, direction; // index, relative to the box centre; index per mm
-    vec3 world;             // unit
-    float camera;           // t of the camera, at most 0 unless it is beyond the plane
+    vec3 start, stride; // texture coordinates of the first segment's middle; a segment further
+    float first_cut;    // what the box cuts off the first segment, in segments
+    float length;       // segments to the end of the box, counted from where the first one begins
+    vec3 world;         // unit direction
 };
 
 Ray pixel_ray()
 {
     // Row 0 is the top of the image and the first row of the target.
-    vec2 p = (2.0 * gl_FragCoord.xy / image_size - 1.0) * vec2(half_image.x, -half_image.y);
-    Ray ray;
-    if (orthographic) {
-        ray.origin = plane_center + (p.x * right_index + p.y * up_index);
-        ray.direction = forward_index;
-        ray.world = forward_world;
-        ray.camera = -plane_depth;
-    } else {
-        float norm = sqrt(1.0 + dot(p, p));
-        ray.origin = plane_center + plane_depth * (p.x * right_index + p.y * up_index);
-        ray.direction = (forward_index + p.x * right_index + p.y * up_index) / norm;
-        ray.world = (forward_world + p.x * right_world + p.y * up_world) / norm;
-        ray.camera = -plane_depth * norm;
-    }
-    return ray;
-}
+    dvec2 p = (2.0lf * dvec2(gl_FragCoord.xy) - image_size) / image_size * dvec2(half_image.x, -half_image.y);
+    dvec3 offset = p.x * right + p.y * up;
+    dvec3 world = orthographic ? forward : (forward + offset) / sqrt(1.0lf + dot(p, p));
+    dvec3 origin = orthographic ? position_index + to_index * offset : position_index;
+    dvec3 direction = to_index * world;
 
-vec2 box_range(Ray ray)
-{
-    vec3 direction = mix(ray.direction, vec3(1e-30), lessThan(abs(ray.direction), vec3(1e-30)));
-    vec3 a = (-box_half - ray.origin) / direction, b = (box_half - ray.origin) / direction;
-    vec3 near = min(a, b), far = max(a, b);
-    return vec2(max(max(near.x, near.y), max(near.z, ray.camera)), min(min(far.x, far.y), far.z));
+    dvec3 safe = mix(direction, dvec3(1e-30lf), lessThan(abs(direction), dvec3(1e-30lf)));
+    dvec3 a = -origin / safe, b = (box_index - origin) / safe, near = min(a, b), far = max(a, b);
+    double t0 = max(max(near.x, near.y), max(near.z, 0.0lf)), t1 = min(min(far.x, far.y), far.z);
+    double first = floor(t0 / step_mm);
+
+    Ray ray;
+    dvec3 size = dvec3(textureSize(scalar, 0));
+    ray.start = vec3((origin + (first + 0.5lf) * step_mm * direction) / size);
+    ray.stride = vec3(step_mm * direction / size);
+    ray.first_cut = float(t0 / step_mm - first);
+    ray.length = t1 > t0 ? float(t1 / step_mm - first) : 0.0;
+    ray.world = vec3(world);
+    return ray;
 }
 
 float scalar_at(vec3 p) { return textureLod(scalar, p, 0.0).r; }
@@ -112,29 +106,20 @@ float opacity_of(float x)
 void main()
 {
     Ray ray = pixel_ray();
-    vec2 range = box_range(ray);
     vec3 halfway[LIGHT_COUNT + 1];
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 sum_of_both = light_direction[i] - ray.world;
         halfway[i] = sum_of_both / max(length(sum_of_both), 1e-30);
     }
 
-    // Segment k of the ray is [k, k + 1] steps from the camera; `first` is where the first one starts.
-    float first = floor((range.x - ray.camera) / step_mm) * step_mm + ray.camera;
-    vec3 start = ray.origin * texture_scale + texture_offset, velocity = ray.direction * texture_scale;
     vec3 sum = vec3(0.0);
-    float transmittance = 1.0;
-    for (float k = 0.0; transmittance >= 1e-7; k += 1.0) {
-        float begin = first + k * step_mm;
-        if (begin >= range.y)
-            break;
-        // What the box cuts off; exactly 0 inside, so that whole segments keep their exact length.
-        float cut_front = max(range.x - begin, 0.0), cut_back = max(begin + step_mm - range.y, 0.0);
-        float length_mm = max(step_mm - cut_front - cut_back, 0.0);
-        float t = first + (k + 0.5) * step_mm + 0.5 * (cut_front - cut_back);
-        vec3 p = start + t * velocity;
+    float transmittance = 1.0, segment_mm = float(step_mm);
+    for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
+        // What the box cuts off this segment; exactly 0 inside, so that whole segments keep their exact length.
+        float front = k == 0.0 ? ray.first_cut : 0.0, back = max(k + 1.0 - ray.length, 0.0);
+        vec3 p = ray.start + (k + 0.5 * (front - back)) * ray.stride;
         vec4 c = classify(scalar_at(p));
-        float weight = transmittance * opacity_of(c.a * length_mm);
+        float weight = transmittance * opacity_of(c.a * segment_mm * (1.0 - front - back));
         if (weight > 0.0)
             sum += weight * shade(normal_at(p), halfway) * c.rgb;
         transmittance -= weight;
