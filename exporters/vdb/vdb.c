@@ -1,0 +1,174 @@
+#include "vdb/vdb.h"
+
+#include <limits.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "vdb/vdb_door.h"
+
+iso_vdb_options iso_vdb_defaults(void)
+{
+    return (iso_vdb_options){.half_float = false, .gradient = true, .pad_voxels = 0, .creator = "isoshade"};
+}
+
+const char *iso_vdb_version(void) { return iso_vdb_door_version(); }
+
+/* What the door's readers need to know of a level. */
+typedef struct level_source {
+    const iso_level *level;
+    iso_code code;
+} level_source;
+
+static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
+{
+    return (z * g->size[1] + y) * g->size[0] + x;
+}
+
+static void read_scalar(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const level_source *s = user;
+    memcpy(out, s->level->scalar + voxel_at(&s->level->geometry, x, y, z), count * sizeof *out);
+}
+
+static void read_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const level_source *s = user;
+    iso_code_decode_all(s->code, s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z), out, count);
+}
+
+/* World of a voxel's centre: origin + index_to_world (ijk + 1/2). */
+static void centre_transform(const iso_geometry *g, double m[3][4])
+{
+    iso_vec3 first = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
+    const double translation[3] = {first.x, first.y, first.z};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+            m[r][c] = g->index_to_world.m[r][c];
+        m[r][3] = translation[r];
+    }
+}
+
+static iso_status fail_by_door(int code, const char *path, const iso_vdb_message *message, iso_error *err)
+{
+    static const iso_status statuses[] = {[ISO_VDB_DOOR_OK] = ISO_OK,
+                                          [ISO_VDB_DOOR_IO] = ISO_E_IO,
+                                          [ISO_VDB_DOOR_NO_GRID] = ISO_E_FORMAT,
+                                          [ISO_VDB_DOOR_MEMORY] = ISO_E_MEMORY,
+                                          [ISO_VDB_DOOR_FAILED] = ISO_E_PROGRAM};
+    return iso_fail(err, statuses[code], "%s: OpenVDB: %s", path, message->text);
+}
+
+/* The level's two grids, or the one that is asked for. */
+static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, bool plain_names, const char *path,
+                            const iso_vdb_options *opt, iso_error *err)
+{
+    const iso_level *level = &p->levels[k];
+    const level_source user = {level, p->options.code};
+    char name[40];
+    iso_vdb_source source = {.channels = 1,
+                             .pad = opt->pad_voxels,
+                             .read = read_scalar,
+                             .user = &user,
+                             .half_float = opt->half_float,
+                             .creator = opt->creator ? opt->creator : "isoshade",
+                             .made_from = p->source ? p->source : "",
+                             .level = (int)k,
+                             .value_min = level->min,
+                             .value_max = level->max,
+                             .name = name};
+    memcpy(source.size, level->geometry.size, sizeof source.size);
+    memcpy(source.box_index, level->geometry.box_index, sizeof source.box_index);
+    iso_geometry_spacing_mm(&level->geometry, source.spacing_mm);
+    centre_transform(&level->geometry, source.index_to_world);
+    for (int c = 0; c < (opt->gradient ? 2 : 1); ++c) {
+        const char *base = c == 0 ? "density" : "gradient";
+        snprintf(name, sizeof name, plain_names ? "%s" : "%s_level_%zu", base, k);
+        if (c == 1) {
+            source.channels = 3;
+            source.read = read_directions;
+            source.meaning = "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none";
+            source.value_min = 0;
+            source.value_max = 1;
+        } else {
+            source.meaning = "the scalar";
+        }
+        iso_vdb_message message = {""};
+        int code = iso_vdb_file_add(file, &source, &message);
+        if (code != ISO_VDB_DOOR_OK)
+            return fail_by_door(code, path, &message, err);
+    }
+    return ISO_OK;
+}
+
+static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count, const char *path,
+                               const iso_vdb_options *opt, iso_error *err)
+{
+    if (count == 0 || first >= p->level_count || count > p->level_count - first)
+        return iso_fail(err, ISO_E_RANGE, "%s: levels %zu to %zu, the pyramid has levels 0 to %zu", path, first,
+                        first + count - 1, p->level_count - 1);
+    const size_t limit = 64;
+    if (opt->pad_voxels > limit)
+        return iso_fail(err, ISO_E_RANGE, "%s: a rim of %zu voxels, at most %zu", path, opt->pad_voxels, limit);
+    for (int a = 0; a < 3; ++a)
+        if (p->levels[first].geometry.size[a] > INT_MAX - 2 * limit)
+            return iso_fail(err, ISO_E_RANGE, "%s: %zu voxels along an axis, OpenVDB takes at most %zu", path,
+                            p->levels[first].geometry.size[a], INT_MAX - 2 * limit);
+    return ISO_OK;
+}
+
+iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
+                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_output out = {0};
+    iso_status status = check_levels(p, first, count, path, opt, err);
+    if (status == ISO_OK)
+        status = iso_output_begin(&out, path, err);
+    if (status != ISO_OK)
+        return status;
+    iso_vdb_file *file = iso_vdb_file_create();
+    if (!file)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
+    for (size_t k = first; k < first + count && status == ISO_OK; ++k) {
+        iso_progress_report(progress, "OpenVDB grids", (double)(k - first) / (double)(count + 1));
+        status = add_level(file, p, k, count == 1, path, opt, err);
+    }
+    if (status == ISO_OK) {
+        iso_vdb_message message = {""};
+        int code = iso_vdb_file_write(file, out.temp_path, &message);
+        if (code != ISO_VDB_DOOR_OK)
+            status = fail_by_door(code, path, &message, err);
+    }
+    iso_vdb_file_destroy(file);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    iso_progress_report(progress, "OpenVDB grids", 1);
+    return status;
+}
+
+iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, const size_t size[3], float *out,
+                             iso_geometry *geometry, iso_error *err)
+{
+    if (channels != 1 && channels != 3)
+        return iso_fail(err, ISO_E_RANGE, "%s: %d channels, a grid has 1 or 3", path, channels);
+    if (!iso_path_exists(path))
+        return iso_fail(err, ISO_E_IO, "%s: no such file", path);
+    iso_vdb_grid_info info;
+    iso_vdb_message message = {""};
+    int code = iso_vdb_door_read(path, grid, channels, size, out, &info, &message);
+    if (code == ISO_VDB_DOOR_IO) /* the file is there, so it is its content */
+        return iso_fail(err, ISO_E_FORMAT, "%s: cannot be read as OpenVDB: %s", path, message.text);
+    if (code != ISO_VDB_DOOR_OK)
+        return fail_by_door(code, path, &message, err);
+    if (!geometry)
+        return ISO_OK;
+    *geometry = (iso_geometry){.size = {size[0], size[1], size[2]}};
+    memcpy(geometry->box_index, info.box_index, sizeof info.box_index);
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+            geometry->index_to_world.m[r][c] = info.index_to_world[r][c];
+    iso_vec3 half = iso_mul(geometry->index_to_world, iso_v3(0.5, 0.5, 0.5));
+    geometry->origin_mm =
+        iso_sub(iso_v3(info.index_to_world[0][3], info.index_to_world[1][3], info.index_to_world[2][3]), half);
+    return iso_geometry_check(geometry, path, err);
+}

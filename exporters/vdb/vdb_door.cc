@@ -1,0 +1,223 @@
+#include "vdb/vdb_door.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <new>
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+using openvdb::Coord;
+
+namespace {
+
+/* The one place where exceptions end. */
+template <typename Work> int guarded(iso_vdb_message *message, Work work)
+{
+    int status = ISO_VDB_DOOR_FAILED;
+    const char *what = "unknown failure";
+    try {
+        return work();
+    } catch (const openvdb::IoError &e) {
+        status = ISO_VDB_DOOR_IO;
+        std::snprintf(message->text, sizeof message->text, "%s", e.what());
+        return status;
+    } catch (const std::ios_base::failure &e) {
+        status = ISO_VDB_DOOR_IO;
+        what = "writing failed (is the disk full?)";
+    } catch (const std::bad_alloc &) {
+        status = ISO_VDB_DOOR_MEMORY;
+        what = "out of memory";
+    } catch (const std::exception &e) {
+        std::snprintf(message->text, sizeof message->text, "%s", e.what());
+        return status;
+    } catch (...) {
+    }
+    std::snprintf(message->text, sizeof message->text, "%s", what);
+    return status;
+}
+
+/* OpenVDB's File does not look at the stream's state after writing. */
+struct archive : openvdb::io::Archive {
+    void save(std::ostream &out, const openvdb::GridCPtrVec &grids, const openvdb::MetaMap &meta) const
+    {
+        write(out, grids, /*seekable=*/true, meta);
+    }
+};
+
+long clamp(long v, long size) { return v < 0 ? 0 : v < size ? v : size - 1; }
+
+/* Row (y, z) of eight voxels from x on, with edge values where it leaves the volume. */
+void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
+{
+    const long nx = static_cast<long>(s.size[0]);
+    const long first = clamp(x, nx), last = clamp(x + 7, nx);
+    float inside[24];
+    s.read(s.user, static_cast<size_t>(first), static_cast<size_t>(clamp(y, static_cast<long>(s.size[1]))),
+           static_cast<size_t>(clamp(z, static_cast<long>(s.size[2]))), static_cast<size_t>(last - first + 1), inside);
+    for (long i = 0; i < 8; ++i)
+        for (int c = 0; c < s.channels; ++c)
+            row[i * s.channels + c] = inside[(clamp(x + i, nx) - first) * s.channels + c];
+}
+
+void take(const float *v, float &out) { out = v[0]; }
+void take(const float *v, openvdb::Vec3f &out) { out = openvdb::Vec3f(v[0], v[1], v[2]); }
+
+/* Every voxel of the padded volume becomes active in a leaf of its own 8 x 8 x 8
+ * block: no tiles, which Cycles misreads, and no value is taken for background. */
+template <typename Grid> void fill(Grid &grid, const iso_vdb_source &s)
+{
+    const long pad = static_cast<long>(s.pad);
+    long lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = -pad;
+        hi[a] = static_cast<long>(s.size[a]) + pad;
+    }
+    auto &tree = grid.tree();
+    for (long bz = lo[2] & ~7L; bz < hi[2]; bz += 8)
+        for (long by = lo[1] & ~7L; by < hi[1]; by += 8)
+            for (long bx = lo[0] & ~7L; bx < hi[0]; bx += 8) {
+                auto *leaf = tree.touchLeaf(Coord(static_cast<int>(bx), static_cast<int>(by), static_cast<int>(bz)));
+                for (long z = std::max(bz, lo[2]); z < std::min(bz + 8, hi[2]); ++z)
+                    for (long y = std::max(by, lo[1]); y < std::min(by + 8, hi[1]); ++y) {
+                        float row[24];
+                        read_row(s, bx, y, z, row);
+                        for (long x = std::max(bx, lo[0]); x < std::min(bx + 8, hi[0]); ++x) {
+                            typename Grid::ValueType value;
+                            take(row + (x - bx) * s.channels, value);
+                            leaf->setValueOn(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)), value);
+                        }
+                    }
+            }
+}
+
+void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
+{
+    openvdb::Mat4d m = openvdb::Mat4d::identity(); /* OpenVDB multiplies row vectors from the left */
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c)
+            m(c, r) = s.index_to_world[r][c];
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(m));
+    grid.setName(s.name);
+    grid.setCreator(s.creator);
+    grid.setSaveFloatAsHalf(s.half_float);
+    if (s.channels == 3) {
+        grid.setVectorType(openvdb::VEC_COVARIANT);
+        grid.setIsInWorldSpace(true);
+    }
+    grid.insertMeta("isoshade_level", openvdb::Int32Metadata(s.level));
+    grid.insertMeta("isoshade_value_min", openvdb::DoubleMetadata(s.value_min));
+    grid.insertMeta("isoshade_value_max", openvdb::DoubleMetadata(s.value_max));
+    grid.insertMeta("isoshade_box_index", openvdb::Vec3DMetadata(openvdb::Vec3d(s.box_index)));
+    grid.insertMeta("isoshade_spacing_mm", openvdb::Vec3DMetadata(openvdb::Vec3d(s.spacing_mm)));
+    grid.insertMeta("isoshade_size", openvdb::Vec3IMetadata(openvdb::Vec3i(
+                                         static_cast<int>(s.size[0]), static_cast<int>(s.size[1]), static_cast<int>(s.size[2]))));
+    grid.insertMeta("isoshade_made_from", openvdb::StringMetadata(s.made_from));
+    grid.insertMeta("isoshade_meaning", openvdb::StringMetadata(s.meaning));
+}
+
+template <typename Grid> openvdb::GridBase::Ptr build(const iso_vdb_source &s)
+{
+    typename Grid::Ptr grid = Grid::create();
+    describe(*grid, s);
+    fill(*grid, s);
+    return grid;
+}
+
+template <typename Grid> void read_dense(const Grid &grid, const size_t size[3], float *out)
+{
+    auto accessor = grid.getConstAccessor();
+    const int channels = sizeof(typename Grid::ValueType) / sizeof(float);
+    for (size_t z = 0; z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y)
+            for (size_t x = 0; x < size[0]; ++x, out += channels) {
+                const auto value =
+                    accessor.getValue(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)));
+                std::copy_n(reinterpret_cast<const float *>(&value), channels, out);
+            }
+}
+
+void read_info(const openvdb::GridBase &grid, const size_t size[3], iso_vdb_grid_info *info)
+{
+    const openvdb::Mat4d m = grid.transform().baseMap()->getAffineMap()->getMat4();
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c)
+            info->index_to_world[r][c] = m(c, r);
+    const auto box = grid.getMetadata<openvdb::Vec3DMetadata>("isoshade_box_index");
+    for (int a = 0; a < 3; ++a)
+        info->box_index[a] = box ? box->value()[a] : static_cast<double>(size[a]);
+}
+
+} // namespace
+
+struct iso_vdb_file {
+    openvdb::GridCPtrVec grids;
+};
+
+iso_vdb_file *iso_vdb_file_create(void)
+{
+    iso_vdb_file *file = nullptr;
+    iso_vdb_message ignored;
+    guarded(&ignored, [&] {
+        openvdb::initialize();
+        file = new iso_vdb_file;
+        return 0;
+    });
+    return file;
+}
+
+int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
+{
+    return guarded(message, [&] {
+        file->grids.push_back(source->channels == 3 ? build<openvdb::Vec3SGrid>(*source)
+                                                    : build<openvdb::FloatGrid>(*source));
+        return static_cast<int>(ISO_VDB_DOOR_OK);
+    });
+}
+
+int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_message *message)
+{
+    return guarded(message, [&] {
+        std::ofstream out;
+        out.exceptions(std::ios::failbit | std::ios::badbit);
+        out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
+        archive().save(out, file->grids, openvdb::MetaMap());
+        out.close();
+        return static_cast<int>(ISO_VDB_DOOR_OK);
+    });
+}
+
+void iso_vdb_file_destroy(iso_vdb_file *file) { delete file; }
+
+int iso_vdb_door_read(const char *path, const char *name, int channels, const size_t size[3], float *out,
+                      iso_vdb_grid_info *info, iso_vdb_message *message)
+{
+    return guarded(message, [&] {
+        openvdb::initialize();
+        openvdb::io::File file(path);
+        file.open(/*delayLoad=*/false);
+        if (!file.hasGrid(name)) {
+            std::snprintf(message->text, sizeof message->text, "has no grid \"%s\"", name);
+            return static_cast<int>(ISO_VDB_DOOR_NO_GRID);
+        }
+        openvdb::GridBase::Ptr base = file.readGrid(name);
+        const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
+        const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(base);
+        if (channels == 1 ? !scalars : !vectors) {
+            std::snprintf(message->text, sizeof message->text, "grid \"%s\" has values of type %s, wanted %s", name,
+                          base->valueType().c_str(), channels == 1 ? "float" : "vec3s");
+            return static_cast<int>(ISO_VDB_DOOR_NO_GRID);
+        }
+        if (scalars)
+            read_dense(*scalars, size, out);
+        else
+            read_dense(*vectors, size, out);
+        read_info(*base, size, info);
+        return static_cast<int>(ISO_VDB_DOOR_OK);
+    });
+}
+
+const char *iso_vdb_door_version(void) { return openvdb::getLibraryVersionString(); }

@@ -1,0 +1,60 @@
+/* vdb_door.h - what passes between C (vdb.c) and C++ (vdb_door.cc): plain types, no exception.
+ *
+ * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at
+ * the voxels' centres) to world. Private to exporters/vdb. */
+#ifndef ISO_VDB_DOOR_H
+#define ISO_VDB_DOOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ISO_VDB_DOOR_OK, ISO_VDB_DOOR_IO, ISO_VDB_DOOR_NO_GRID, ISO_VDB_DOOR_MEMORY, ISO_VDB_DOOR_FAILED };
+
+typedef struct iso_vdb_message {
+    char text[512];
+} iso_vdb_message;
+
+/* One grid to be written. */
+typedef struct iso_vdb_source {
+    const char *name;
+    int channels;   /* 1: float; 3: vec3s, covariant, in world space */
+    size_t size[3];
+    size_t pad;     /* rim of repeated edge values */
+    double index_to_world[3][4];
+    /* Copies `count` voxels of the row (y, z) from x on, `channels` floats each. */
+    void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+    const void *user;
+    bool half_float;
+    const char *creator, *made_from, *meaning;
+    int level;
+    double value_min, value_max, box_index[3], spacing_mm[3];
+} iso_vdb_source;
+
+typedef struct iso_vdb_file iso_vdb_file;
+
+/* NULL when memory ends. */
+iso_vdb_file *iso_vdb_file_create(void);
+/* Builds the grid's tree in memory. */
+int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
+int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_message *message);
+void iso_vdb_file_destroy(iso_vdb_file *file); /* accepts NULL */
+
+/* What a grid's header says. box_index is size where the file has none. */
+typedef struct iso_vdb_grid_info {
+    double index_to_world[3][4];
+    double box_index[3];
+} iso_vdb_grid_info;
+int iso_vdb_door_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
+                      iso_vdb_grid_info *info, iso_vdb_message *message);
+
+const char *iso_vdb_door_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

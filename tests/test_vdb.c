@@ -1,0 +1,257 @@
+/* OpenVDB files hold what the pyramid holds, where the pyramid has it. */
+#define _GNU_SOURCE
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "pyramid/pyramid.h"
+#include "vdb/vdb.h"
+#include "volume/synthetic.h"
+
+/* Unequal sizes and spacings; rotated, and sheared on request. */
+static iso_geometry skew_geometry(double shear)
+{
+    const size_t size[3] = {40, 56, 33};
+    iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 0.8, 2.5});
+    const double c = cos(0.5), s = sin(0.5);
+    const iso_mat3 turn = {{{c, -s * 0.6, s * 0.8}, {s, c * 0.6, -c * 0.8}, {0, 0.8, 0.6}}};
+    const double spacing[3] = {1, 0.8, 2.5};
+    for (int r = 0; r < 3; ++r)
+        for (int k = 0; k < 3; ++k)
+            g.index_to_world.m[r][k] = turn.m[r][k] * spacing[k] + (k == 1 ? shear * turn.m[r][0] : 0);
+    g.origin_mm = iso_v3(-31.25, 7.5, 100.125);
+    return g;
+}
+
+static void make_pyramid(const iso_geometry *g, iso_type type, size_t levels, iso_pyramid *p)
+{
+    iso_volume v = {0};
+    iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = *g, .seed = 3};
+    assert_ok(iso_field_sample(&field, type, &v, &err));
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = levels;
+    assert_ok(iso_pyramid_build(&v, "noise", &opt, p, NULL, &err));
+    iso_volume_destroy(&v);
+}
+
+typedef struct fixture {
+    char *dir, *path;
+    iso_pyramid pyramid;
+} fixture;
+
+static int setup(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    f->dir = iso_make_temp_dir();
+    f->path = iso_path_join(f->dir, "v.vdb");
+    iso_geometry g = skew_geometry(0.3);
+    make_pyramid(&g, ISO_I16, 3, &f->pyramid);
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    fixture *f = *state;
+    iso_pyramid_destroy(&f->pyramid);
+    iso_remove_tree(f->dir);
+    free(f->dir);
+    free(f->path);
+    free(f);
+    return 0;
+}
+
+/* Voxels of the grids that differ from level k's; NaN differs. */
+static size_t count_differences(const iso_pyramid *p, size_t k, const char *path, const char *density,
+                                const char *gradient, double tolerance)
+{
+    const iso_level *level = &p->levels[k];
+    size_t voxels = iso_geometry_voxel_count(&level->geometry), bad = 0;
+    float *read = malloc(3 * voxels * sizeof *read), *decoded = malloc(3 * voxels * sizeof *decoded);
+    assert_ok(iso_vdb_load_grid(path, density, 1, level->geometry.size, read, NULL, &err));
+    double scale = fmax(fabs(level->min), fabs(level->max));
+    for (size_t i = 0; i < voxels; ++i)
+        bad += !(fabs((double)read[i] - (double)level->scalar[i]) <= tolerance * scale);
+    assert_ok(iso_vdb_load_grid(path, gradient, 3, level->geometry.size, read, NULL, &err));
+    iso_code_decode_all(p->options.code, level->codes, decoded, voxels);
+    for (size_t i = 0; i < 3 * voxels; ++i)
+        bad += !(fabs((double)read[i] - (double)decoded[i]) <= tolerance);
+    free(read);
+    free(decoded);
+    return bad;
+}
+
+static void every_voxel_is_equal_when_read_back(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    assert_ok(iso_vdb_save(&f->pyramid, 0, 1, f->path, &opt, NULL, &err));
+    assert_int_equal(count_differences(&f->pyramid, 0, f->path, "density", "gradient", 0), 0);
+}
+
+static void several_levels_are_named_by_level(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    assert_int_equal(f->pyramid.level_count, 3);
+    assert_ok(iso_vdb_save(&f->pyramid, 0, 3, f->path, &opt, NULL, &err));
+    for (size_t k = 0; k < 3; ++k) {
+        char density[32], gradient[32];
+        snprintf(density, sizeof density, "density_level_%zu", k);
+        snprintf(gradient, sizeof gradient, "gradient_level_%zu", k);
+        assert_int_equal(count_differences(&f->pyramid, k, f->path, density, gradient, 0), 0);
+    }
+    float one[3];
+    assert_status(iso_vdb_load_grid(f->path, "density", 1, (size_t[]){1, 1, 1}, one, NULL, &err), ISO_E_FORMAT);
+}
+
+/* Levels that overhang the box (odd sizes), axes rotated and sheared. */
+static void geometry_survives(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    for (size_t k = 0; k < 3; ++k) {
+        const iso_geometry *g = &f->pyramid.levels[k].geometry;
+        iso_geometry back;
+        float *read = malloc(iso_geometry_voxel_count(g) * sizeof *read);
+        assert_ok(iso_vdb_save(&f->pyramid, k, 1, f->path, &opt, NULL, &err));
+        assert_ok(iso_vdb_load_grid(f->path, "density", 1, g->size, read, &back, &err));
+        free(read);
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c)
+                assert_within(back.index_to_world.m[r][c], g->index_to_world.m[r][c], 0);
+            assert_within(back.box_index[r], g->box_index[r], 0);
+        }
+        /* The half voxel is added and taken away again: two roundings of about 100 mm. */
+        assert_within(back.origin_mm.x, g->origin_mm.x, 1e-13);
+        assert_within(back.origin_mm.y, g->origin_mm.y, 1e-13);
+        assert_within(back.origin_mm.z, g->origin_mm.z, 1e-13);
+    }
+}
+
+static void half_floats_are_near_and_smaller(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    char *full;
+    size_t full_bytes, half_bytes;
+    assert_ok(iso_vdb_save(&f->pyramid, 1, 1, f->path, &opt, NULL, &err));
+    assert_ok(iso_file_read(f->path, &full, &full_bytes, &err));
+    free(full);
+    opt.half_float = true;
+    assert_ok(iso_vdb_save(&f->pyramid, 1, 1, f->path, &opt, NULL, &err));
+    assert_ok(iso_file_read(f->path, &full, &half_bytes, &err));
+    free(full);
+    assert_true(half_bytes < full_bytes);
+    /* A half has 11 significant bits: half a step is 2^-11 of the value at most. */
+    assert_int_equal(count_differences(&f->pyramid, 1, f->path, "density", "gradient", ldexp(1, -11)), 0);
+    assert_true(count_differences(&f->pyramid, 1, f->path, "density", "gradient", 0) > 0);
+}
+
+/* The rim lies at negative indices and past the end, so the voxels themselves stay where they are. */
+static void a_rim_moves_no_voxel(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    opt.pad_voxels = 2;
+    assert_ok(iso_vdb_save(&f->pyramid, 1, 1, f->path, &opt, NULL, &err));
+    assert_int_equal(count_differences(&f->pyramid, 1, f->path, "density", "gradient", 0), 0);
+    const size_t *size = f->pyramid.levels[1].geometry.size;
+    const size_t wide[3] = {size[0] + 3, size[1], size[2]};
+    float *read = malloc(wide[0] * wide[1] * wide[2] * sizeof *read);
+    assert_ok(iso_vdb_load_grid(f->path, "density", 1, wide, read, NULL, &err));
+    assert_within((double)read[size[0] + 1], (double)read[size[0] - 1], 0); /* the edge repeated */
+    assert_within((double)read[size[0] + 2], 0, 0);                        /* the background behind */
+    free(read);
+}
+
+/* The comparison above must see a swapped axis and a shift by one voxel. */
+static void a_swapped_axis_and_a_shift_are_seen(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    opt.gradient = true;
+    assert_ok(iso_vdb_save(&f->pyramid, 2, 1, f->path, &opt, NULL, &err));
+    iso_level *level = &f->pyramid.levels[2];
+    size_t voxels = iso_geometry_voxel_count(&level->geometry);
+    float *kept = malloc(voxels * sizeof *kept);
+    memcpy(kept, level->scalar, voxels * sizeof *kept);
+    memmove(level->scalar + 1, level->scalar, (voxels - 1) * sizeof *kept);
+    assert_true(count_differences(&f->pyramid, 2, f->path, "density", "gradient", 0) > voxels / 2);
+    const size_t *n = level->geometry.size;
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y)
+            for (size_t x = 0; x < n[0]; ++x)
+                level->scalar[(x * n[1] + y) * n[2] + z] = kept[(z * n[1] + y) * n[0] + x];
+    assert_true(count_differences(&f->pyramid, 2, f->path, "density", "gradient", 0) > voxels / 2);
+    memcpy(level->scalar, kept, voxels * sizeof *kept);
+    free(kept);
+}
+
+static void single_voxels_and_plates_are_kept(void **state)
+{
+    fixture *f = *state;
+    const size_t sizes[3][3] = {{1, 1, 1}, {1, 9, 17}, {8, 1, 8}};
+    for (int i = 0; i < 3; ++i) {
+        iso_pyramid p = {0};
+        iso_geometry g = iso_geometry_axis_aligned(sizes[i], (double[]){1, 2, 3});
+        make_pyramid(&g, ISO_F32, 1, &p);
+        iso_vdb_options opt = iso_vdb_defaults();
+        assert_ok(iso_vdb_save(&p, 0, 1, f->path, &opt, NULL, &err));
+        assert_int_equal(count_differences(&p, 0, f->path, "density", "gradient", 0), 0);
+        iso_pyramid_destroy(&p);
+    }
+}
+
+static void bad_calls_are_refused(void **state)
+{
+    fixture *f = *state;
+    iso_vdb_options opt = iso_vdb_defaults();
+    assert_status(iso_vdb_save(&f->pyramid, 0, 0, f->path, &opt, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_vdb_save(&f->pyramid, 2, 2, f->path, &opt, NULL, &err), ISO_E_RANGE);
+    char *nowhere = iso_path_join(f->dir, "missing/v.vdb");
+    assert_status(iso_vdb_save(&f->pyramid, 2, 1, nowhere, &opt, NULL, &err), ISO_E_IO);
+    float out[3];
+    assert_status(iso_vdb_load_grid(nowhere, "density", 1, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_IO);
+    free(nowhere);
+    assert_ok(iso_vdb_save(&f->pyramid, 2, 1, f->path, &opt, NULL, &err));
+    assert_status(iso_vdb_load_grid(f->path, "density", 3, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_FORMAT);
+    assert_status(iso_vdb_load_grid(f->path, "density", 2, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_RANGE);
+    assert_ok(iso_file_write(f->path, "no OpenVDB file", 15, &err));
+    assert_status(iso_vdb_load_grid(f->path, "density", 1, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_FORMAT);
+}
+
+static void a_full_disk_leaves_no_file(void **state)
+{
+    fixture *f = *state;
+    char *link = iso_path_join(f->dir, "full.vdb");
+    char *temp = NULL;
+    assert_true(asprintf(&temp, "%s/.%ld-full.vdb", f->dir, (long)getpid()) > 0);
+    assert_int_equal(symlink("/dev/full", temp), 0); /* what the writer opens never has room */
+    iso_vdb_options opt = iso_vdb_defaults();
+    assert_status(iso_vdb_save(&f->pyramid, 2, 1, link, &opt, NULL, &err), ISO_E_IO);
+    assert_false(iso_path_exists(link));
+    assert_int_not_equal(access(temp, F_OK), 0);
+    free(temp);
+    free(link);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_voxel_is_equal_when_read_back),
+        cmocka_unit_test(several_levels_are_named_by_level),
+        cmocka_unit_test(geometry_survives),
+        cmocka_unit_test(half_floats_are_near_and_smaller),
+        cmocka_unit_test(a_rim_moves_no_voxel),
+        cmocka_unit_test(a_swapped_axis_and_a_shift_are_seen),
+        cmocka_unit_test(single_voxels_and_plates_are_kept),
+        cmocka_unit_test(bad_calls_are_refused),
+        cmocka_unit_test(a_full_disk_leaves_no_file),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
