@@ -92,8 +92,9 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     iso_status status = planes ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
     for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {
         size_t end = z + slab < n[2] ? z + slab : n[2];
-        iso_field_sample_planes(field, type, z, end, cli->threads, planes);
-        status = iso_sink_write(sink, end - z, planes, err);
+        status = iso_field_sample_planes(field, type, z, end, cli->threads, planes, err);
+        if (status == ISO_OK)
+            status = iso_sink_write(sink, end - z, planes, err);
         iso_progress_report(&progress, "make", (double)end / (double)n[2]);
     }
     free(planes);

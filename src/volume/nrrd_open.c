@@ -13,7 +13,7 @@
 #include "volume/stream_kernel.h"
 
 /* The innermost of teem's messages says what is wrong. */
-static iso_status teem_failed(const char *path, iso_error *err)
+static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err)
 {
     char *text = biffGetDone(NRRD);
     char cause[512] = "unknown error";
@@ -21,8 +21,12 @@ static iso_status teem_failed(const char *path, iso_error *err)
         if (*line)
             snprintf(cause, sizeof cause, "%s", line);
     free(text);
-    const char *tag = strncmp(cause, "[nrrd] ", 7) == 0 ? cause + 7 : cause;
-    return iso_fail(err, ISO_E_FORMAT, "%s: not a good NRRD file: %s", path, tag);
+    /* "[nrrd] function: cause" */
+    if (strstr(cause, "too large"))
+        return iso_fail(err, ISO_E_RANGE, "%s: sizes %zu x %zu x %zu ... overflow, at most %zu bytes can be addressed", path,
+                        nrrd->axis[0].size, nrrd->axis[1].size, nrrd->axis[2].size, SIZE_MAX);
+    const char *colon = strncmp(cause, "[nrrd] ", 7) == 0 ? strstr(cause, ": ") : NULL;
+    return iso_fail(err, ISO_E_FORMAT, "%s: not a good NRRD file: %s", path, colon ? colon + 2 : cause);
 }
 
 static bool our_type(int teem_type, iso_type *type)
@@ -197,7 +201,7 @@ static iso_status load_by_teem(iso_volume_source *source, iso_error *err)
     Nrrd *nrrd = nrrdNew();
     iso_status status = ISO_OK;
     if (nrrdLoad(nrrd, source->path, NULL) != 0)
-        status = teem_failed(source->path, err);
+        status = teem_failed(source->path, nrrd, err);
     if (status == ISO_OK) {
         source->preloaded = nrrd->data;
         nrrd->data = NULL;
@@ -214,7 +218,7 @@ iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err)
     io->keepNrrdDataFileOpen = 1;
     iso_status status = ISO_OK;
     if (nrrdLoad(nrrd, source->path, io) != 0)
-        status = teem_failed(source->path, err);
+        status = teem_failed(source->path, nrrd, err);
     else
         status = read_header(nrrd, source, err);
     if (status == ISO_OK) {

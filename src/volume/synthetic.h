@@ -45,7 +45,9 @@ double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient
  * value * (hi - lo)) over the whole range of the type; float and double: the value. */
 iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err);
 
-/* The planes [z0, z1) alone, for volumes larger than memory; the geometry has been checked. */
-void iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out);
+/* The planes [z0, z1) alone, for volumes larger than memory; the geometry has
+ * been checked. ISO_E_MEMORY. */
+iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out,
+                                   iso_error *err);
 
 #endif

@@ -93,15 +93,18 @@ void iso_volume_floats(const iso_volume *v, float *restrict out)
         to_floats(v, z * plane, plane, out + z * plane);
 }
 
-/* What one plane adds; planes are summed in order, so threads change nothing. */
-typedef struct plane_stats {
+/* A volume is measured in this many runs of planes, whatever the threads, so
+ * that sums do not depend on them. */
+#define RUNS 64
+
+typedef struct run_stats {
     double min, max, sum;
     size_t nonfinite_count, first_nonfinite;
-} plane_stats;
+} run_stats;
 
-static plane_stats measure_samples(const iso_volume *v, size_t first, size_t count)
+static run_stats measure_samples(const iso_volume *v, size_t first, size_t count)
 {
-    plane_stats s = {.min = INFINITY, .max = -INFINITY};
+    run_stats s = {.min = INFINITY, .max = -INFINITY};
     switch (v->type) {
 #define ISO_TYPE_CASE(name, text, ctype)                      \
     case name: {                                              \
@@ -128,26 +131,27 @@ static plane_stats measure_samples(const iso_volume *v, size_t first, size_t cou
 iso_volume_stats iso_volume_measure(const iso_volume *v)
 {
     const size_t *n = v->geometry.size;
-    size_t plane = n[0] * n[1];
+    size_t plane = n[0] * n[1], count = plane * n[2];
+    run_stats runs[RUNS];
+#pragma omp parallel for schedule(static) num_threads(iso_threads(0)) if (count > 65536)
+    for (size_t r = 0; r < RUNS; ++r) {
+        size_t z0 = n[2] * r / RUNS, z1 = n[2] * (r + 1) / RUNS;
+        runs[r] = measure_samples(v, z0 * plane, (z1 - z0) * plane);
+    }
     iso_volume_stats total = {.min = INFINITY, .max = -INFINITY};
     double sum = 0;
-#pragma omp parallel for ordered schedule(static, 1) num_threads(iso_threads(0))
-    for (size_t z = 0; z < n[2]; ++z) {
-        plane_stats s = measure_samples(v, z * plane, plane);
-#pragma omp ordered
-        {
-            if (total.nonfinite_count == 0 && s.nonfinite_count > 0) {
-                total.first_nonfinite[0] = s.first_nonfinite % n[0];
-                total.first_nonfinite[1] = s.first_nonfinite / n[0] % n[1];
-                total.first_nonfinite[2] = z;
-            }
-            total.nonfinite_count += s.nonfinite_count;
-            total.min = fmin(total.min, s.min);
-            total.max = fmax(total.max, s.max);
-            sum += s.sum;
+    for (size_t r = 0; r < RUNS; ++r) {
+        if (total.nonfinite_count == 0 && runs[r].nonfinite_count > 0) {
+            total.first_nonfinite[0] = runs[r].first_nonfinite % n[0];
+            total.first_nonfinite[1] = runs[r].first_nonfinite / n[0] % n[1];
+            total.first_nonfinite[2] = runs[r].first_nonfinite / plane;
         }
+        total.nonfinite_count += runs[r].nonfinite_count;
+        total.min = fmin(total.min, runs[r].min);
+        total.max = fmax(total.max, runs[r].max);
+        sum += runs[r].sum;
     }
-    size_t finite = iso_geometry_voxel_count(&v->geometry) - total.nonfinite_count;
+    size_t finite = count - total.nonfinite_count;
     total.mean = finite > 0 ? sum / (double)finite : NAN;
     return total;
 }

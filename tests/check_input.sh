@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Whole commands on good and bad input: exit code, one line on stderr, no half-written file.
+set -u
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+not_ok() { echo "not ok $1: $2"; failed=1; }
+# name, wanted exit code, words that stderr has to hold, command ...
+refuse() {
+    local name=$1 wanted=$2 words=$3 code
+    shift 3
+    "$ISOSHADE" "$@" >out 2>err
+    code=$?
+    if [ $code != "$wanted" ]; then not_ok "$name" "exit code $code, wanted $wanted: $(cat err)"
+    elif [ "$(wc -l <err)" != 1 ]; then not_ok "$name" "$(wc -l <err) lines on stderr, wanted 1: $(cat err)"
+    elif ! grep -qF -- "$words" err; then not_ok "$name" "stderr lacks \"$words\": $(cat err)"
+    elif [ -s out ]; then not_ok "$name" "wrote on stdout"
+    else echo "ok $name"; fi
+}
+accept() { # name, words that stdout has to hold, command ...
+    local name=$1 words=$2
+    shift 2
+    if ! "$ISOSHADE" "$@" >out 2>err; then not_ok "$name" "$(cat err)"
+    elif ! grep -qF -- "$words" out; then not_ok "$name" "stdout lacks \"$words\""
+    else echo "ok $name"; fi
+}
+header() { printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: %s\nendian: little\nencoding: raw\n\n' "$1" "$2"; }
+
+accept make_writes '"voxels": 73920' make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd -q --json
+accept info_shows_size 'size       40 x 56 x 33 = 73920 voxels of uint16' info v.nrrd
+accept info_json '"world_is_ras": false' info v.nrrd --json
+accept make_rotated '"output": "r.nrrd"' make sphere --size 20 --rotate 0,0,1,30 --type float --gzip -o r.nrrd -q --json
+accept info_rotated 'x axis     0.866025, 0.5, 0' info r.nrrd
+"$ISOSHADE" make noise --size 12 --type uint32 -o wide.nrrd -q
+accept info_says_what_rounding_loses 'rounding   to float changes' info wide.nrrd
+head -c 147840 /dev/zero >plain.raw
+accept raw_options '40 x 56 x 33 = 73920 voxels of int16' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 1x1x2 --raw-big-endian
+
+header uchar '2 2 2' >short.nrrd; printf 1234567 >>short.nrrd
+refuse truncated 4 'short.nrrd: truncated: holds 7 bytes of samples' info short.nrrd
+head -c 60 v.nrrd >cut.nrrd
+refuse cut_header 4 'cut.nrrd: ' info cut.nrrd
+printf 'PNG or what' >magic.nrrd
+refuse wrong_magic 4 'magic.nrrd: starts with "PNG or w"' info magic.nrrd
+header uchar '5000000000 5000000000 5000000000' >huge.nrrd
+refuse sizes_overflow 5 'huge.nrrd: sizes 5000000000' info huge.nrrd
+header uchar '2 2 2' >long.nrrd; printf 123456789 >>long.nrrd
+refuse sizes_do_not_match 4 'long.nrrd: too long: holds 9 bytes' info long.nrrd
+header float '1 1 2' >nan.nrrd; printf '\0\0\0\0\0\0\300\177' >>nan.nrrd
+refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' info nan.nrrd
+header float '1 1 2' >inf.nrrd; printf '\0\0\200\377\0\0\0\0' >>inf.nrrd
+refuse inf_voxel 5 'the first is (0, 0, 0)' info inf.nrrd
+refuse missing_file 3 'absent.nrrd: cannot be opened' info absent.nrrd
+refuse a_folder 3 'is not a regular file' info .
+refuse no_argument 2 'wanted: isoshade info VOLUME' info
+refuse unknown_option 2 '--sizes' make ramp --sizes 3 -o x.nrrd
+refuse raw_half_given 2 'both --raw-size and --raw-type' info plain.raw --raw-size 3
+refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' info plain.raw --raw-size 40x56x34 --raw-type int16
+refuse raw_unknown_type 2 'uint8, int8, uint16' info plain.raw --raw-size 3 --raw-type half
+refuse raw_bad_spacing 2 '--raw-spacing is 0' info plain.raw --raw-size 3 --raw-type uint8 --raw-spacing 0
+refuse make_unknown_kind 2 'unknown kind "blob"' make blob --size 3 -o x.nrrd
+refuse make_zero_size 2 '--size is "0x3x3"' make ramp --size 0x3x3 -o x.nrrd
+refuse make_bad_rotation 2 '--rotate is "1,2"' make ramp --size 3 --rotate 1,2 -o x.nrrd
+refuse make_flat_matrix 5 'span no volume' make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
+refuse make_no_folder 3 'the folder nowhere does not exist' make ramp --size 3 -o nowhere/x.nrrd
+refuse make_on_a_folder 3 'is a directory' make ramp --size 3 -o .
+# A disk that fills up: /dev/full cannot be renamed over, so a size limit stands in for it.
+(ulimit -f 8; trap '' XFSZ; "$ISOSHADE" make noise --size 64 -o full.nrrd -q 2>err; echo $? >code)
+if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.nrrd ]; then echo "ok output_that_does_not_fit"
+else not_ok output_that_does_not_fit "exit code $(cat code): $(cat err)"; fi
+left=$(find . -name '.*nrrd' -o -name 'x.nrrd')
+[ -z "$left" ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$left"
+# 2048 x 2048 x 48 of uint16 are 384 MiB; made slab by slab they pass through less address space than that.
+if (ulimit -v 390000; OMP_NUM_THREADS=2 "$ISOSHADE" make constant --size 2048x2048x48 -o big.nrrd -q); then echo "ok make_streams"
+else not_ok make_streams "did not fit in 390 MB of address space"; fi
+exit $failed
