@@ -163,7 +163,9 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
     const iso_tf_table *tf = &s->view->tf;
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
     iso_status status = ISO_OK;
-    for (size_t c = 0; c < 4 && status == ISO_OK && tf->count > ISO_POVRAY_COLOR_MAP_ENTRIES; ++c) {
+    for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
+        if (!iso_povray_needs_tables(s, c < 3))
+            continue;
         const iso_df3_coding coding = {32, 0, most[c]};
         char *path = file_path(dir, s->name, suffix[c]);
         status = path ? iso_df3_write_table(path, tf->entries, tf->count, 4, c, &coding, err) : no_memory(err);

@@ -1,8 +1,12 @@
 #include "povray/scene_text.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "encode/decode_double.h"
+
+/* POV-Ray's colours are floats: entries this close to a line, as a part of the peak, make no difference. */
+static const double color_map_tolerance = 6e-8;
 
 static double specular_sum(const iso_view *view)
 {
@@ -50,8 +54,7 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "//\n"
             "// Iso_Volume stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
             "// Iso_To_World turns and stretches it as the data say, and makes it about 100 units across. Scale it as you\n"
-            "// like, but not far below that: POV-Ray works to 0.001 units. A scaled volume is seen through as much more\n"
-            "// material: divide Iso_Extinction by the factor to keep its look.\n"
+            "// like, but not far below that: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
             "//\n"
             "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
             "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
@@ -59,9 +62,11 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "// Declare before the #include, or on the command line (Declare=Iso_Intervals=100):\n"
             "//     Iso_Intervals   samples along a ray, at most 255; fewer is faster\n"
             "//     Iso_Emission    brightness, 1 is as the transfer function says; 0 leaves only the absorption\n"
+            "//     Iso_Scale       what the placed volume is scaled by\n"
             "#version 3.7;\n\n"
             "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
-            "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n\n",
+            "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
+            "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
             s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name,
             s->options->intervals);
 }
@@ -108,22 +113,83 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     fprintf(f, "\n");
 }
 
-static void write_color_map(FILE *f, const char *identifier, const iso_tf_table *tf, bool color, double scale)
+/* Marks the entries that a color_map needs: those between two kept ones lie on the line between them, within
+ * `tolerance`. A cone of allowed slopes per channel narrows until an entry falls out of it. Returns how many. */
+static size_t mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
+{
+    size_t kept = 1, from = 0;
+    double lo[4], hi[4];
+    keep[0] = true;
+    for (size_t i = 1; i < tf->count; ++i) {
+        bool inside = i > from + 1;
+        for (int c = channels[0]; c < channels[1]; ++c) {
+            const double slope = ((double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c]) / (double)(i - from);
+            inside = inside && slope >= lo[c] && slope <= hi[c];
+        }
+        if (i > from + 1 && !inside) {
+            from = i - 1;
+            keep[from] = true;
+            ++kept;
+        }
+        for (int c = channels[0]; c < channels[1]; ++c) {
+            const double rise = (double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c], run = (double)(i - from);
+            lo[c] = fmax(i == from + 1 ? -INFINITY : lo[c], (rise - tolerance) / run);
+            hi[c] = fmin(i == from + 1 ? INFINITY : hi[c], (rise + tolerance) / run);
+        }
+        keep[i] = i + 1 == tf->count;
+    }
+    return kept + 1;
+}
+
+/* What a density map is made of: the TF's channels [first, end), divided by peak. */
+typedef struct map_source {
+    int channels[2];
+    double peak;
+} map_source;
+
+static map_source extinction_source(const iso_povray_scene *s) { return (map_source){{3, 4}, s->peak_extinction}; }
+static map_source color_source(const iso_povray_scene *s) { return (map_source){{0, 3}, s->peak_color}; }
+
+/* Positions in a color_map are floats: tables with finer steps than this travel as DF3. */
+enum { max_color_map_table = 1024 };
+
+/* NULL when the table does not fit a color_map; else which entries it needs, to be freed. */
+static bool *color_map_entries(const iso_povray_scene *s, map_source source)
+{
+    const iso_tf_table *tf = &s->view->tf;
+    bool *keep = tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
+    if (keep && mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) > ISO_POVRAY_COLOR_MAP_ENTRIES) {
+        free(keep);
+        keep = NULL;
+    }
+    return keep;
+}
+
+bool iso_povray_needs_tables(const iso_povray_scene *s, bool color)
+{
+    bool *keep = color_map_entries(s, color ? color_source(s) : extinction_source(s));
+    free(keep);
+    return !keep;
+}
+
+static void write_color_map(FILE *f, const char *identifier, const iso_tf_table *tf, map_source source, const bool *keep)
 {
     fprintf(f, "#declare %s = density { function { Iso_TF_Position(x, y, z) } color_map {\n", identifier);
     for (size_t i = 0; i < tf->count; ++i) {
         const float *e = tf->entries + 4 * i;
-        const double position = (double)i / (double)(tf->count - 1);
-        if (color)
-            fprintf(f, "    [%.9g rgb <%.9g, %.9g, %.9g>]\n", position, (double)e[0] * scale, (double)e[1] * scale,
-                    (double)e[2] * scale);
+        if (!keep[i])
+            continue;
+        fprintf(f, "    [%.9g rgb ", (double)i / (double)(tf->count - 1));
+        if (source.channels[0] == 0)
+            fprintf(f, "<%.9g, %.9g, %.9g>]\n", (double)e[0] / source.peak, (double)e[1] / source.peak,
+                    (double)e[2] / source.peak);
         else
-            fprintf(f, "    [%.9g rgb %.9g]\n", position, (double)e[3] * scale);
+            fprintf(f, "%.9g]\n", (double)e[3] / source.peak);
     }
     fprintf(f, "} }\n");
 }
 
-/* Beyond 256 entries: one-dimensional DF3 tables, linear between entries as a
+/* One-dimensional DF3 tables, linear between entries as a
  * color_map is. `average` of three densities is a third of their sum. */
 static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
 {
@@ -143,22 +209,27 @@ static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
                    "    [1 Iso_TF_red] [1 Iso_TF_green] [1 Iso_TF_blue] } }\n");
 }
 
+static void write_map(FILE *f, const iso_povray_scene *s, bool color)
+{
+    const map_source source = color ? color_source(s) : extinction_source(s);
+    bool *keep = color_map_entries(s, source);
+    if (keep)
+        write_color_map(f, color ? "Iso_TF_Color" : "Iso_TF_Extinction", &s->view->tf, source, keep);
+    else
+        write_table_lookup(f, s, color);
+    free(keep);
+}
+
 static void write_transfer_function(FILE *f, const iso_povray_scene *s)
 {
     const iso_tf_table *tf = &s->view->tf;
-    const double sigma = s->peak_extinction;
     fprintf(f, "// ---- the transfer function ------------------------------------------------\n"
-               "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1).\n"
-               "#ifndef (Iso_Extinction) #declare Iso_Extinction = %.17g; #end // a unit, where Iso_TF_Extinction is 1\n",
-            tf->count, tf->lo, tf->hi, sigma / s->units_per_mm);
-    if (tf->count <= ISO_POVRAY_COLOR_MAP_ENTRIES) {
-        write_color_map(f, "Iso_TF_Extinction", tf, false, 1 / sigma);
-        write_color_map(f, "Iso_TF_Color", tf, true, 1 / s->peak_color);
-    } else {
-        fprintf(f, "// A color_map holds at most 256, so these are tables in DF3 files.\n");
-        write_table_lookup(f, s, false);
-        write_table_lookup(f, s, true);
-    }
+               "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
+               "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
+               "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
+            tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);
+    write_map(f, s, false);
+    write_map(f, s, true);
     fprintf(f, "\n");
 }
 

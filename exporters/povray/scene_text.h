@@ -31,8 +31,10 @@ typedef struct iso_povray_scene {
 /* Fills the peaks from the view. */
 void iso_povray_measure_peaks(iso_povray_scene *s);
 
-/* TFs of more entries than a color_map holds travel as DF3 tables. */
 #define ISO_POVRAY_COLOR_MAP_ENTRIES 256
+
+/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue. */
+bool iso_povray_needs_tables(const iso_povray_scene *s, bool color);
 
 /* Declared on the command line to choose what is rendered. */
 typedef enum iso_povray_pass {
