@@ -403,6 +403,7 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", "1", "", ISO_E_RANGE},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: raw\n\n", "1", "need 1000000000000", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: gzip\n\n", "1", "cannot hold", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: ascii\n\n", "1 2 3", "cannot hold", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\n", "12345678", "not gzip", ISO_E_FORMAT},
         {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n", "12345678", "quaternion", ISO_E_FORMAT},
         {"NRRD0004\ntype: int64\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nendian: little\n\n", "12345678", "8, 16 or 32 bits", ISO_E_FORMAT},

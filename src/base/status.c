@@ -15,6 +15,14 @@ const char *iso_status_text(iso_status status)
     return "unknown status";
 }
 
+/* Texts of files and programs may hold anything; a message stays one line. */
+static void one_line(char *text)
+{
+    for (; *text; ++text)
+        if ((unsigned char)*text < ' ' || *text == 127)
+            *text = ' ';
+}
+
 iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)
 {
     if (err) {
@@ -22,6 +30,7 @@ iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)
         va_start(args, format);
         vsnprintf(err->text, sizeof err->text, format, args);
         va_end(args);
+        one_line(err->text);
     }
     return status;
 }
@@ -34,6 +43,7 @@ iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ..
         va_start(args, format);
         vsnprintf(context, sizeof context, format, args);
         va_end(args);
+        one_line(context);
         size_t used = strlen(context);
         memmove(err->text + used + 2, err->text, sizeof err->text - used - 3);
         memcpy(err->text, context, used);

@@ -8,12 +8,13 @@
 #include "cli/cli.h"
 #include "cli/input.h"
 
-#define BINS 64
+#define BINS 64        /* shown */
+#define FINE_BINS 16384 /* counted: percentiles are good to one of them */
 
 typedef struct volume_facts {
     iso_volume_stats stats;
     size_t bins[BINS];      /* over [min, max] */
-    double percentile[5];   /* 1, 25, 50, 75, 99, to a bin's width */
+    double percentile[5];   /* 1, 25, 50, 75, 99 */
     double loss_max;        /* by rounding to float: largest difference */
     size_t loss_count;      /* voxels changed by it */
 } volume_facts;
@@ -47,24 +48,29 @@ static iso_status measure_histogram(const iso_volume *v, volume_facts *facts, is
 {
     const size_t *n = v->geometry.size;
     float *row = malloc(n[0] * sizeof *row);
-    if (!row)
+    size_t *fine = calloc(FINE_BINS, sizeof *fine);
+    if (!row || !fine) {
+        free(row);
+        free(fine);
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    }
     double lo = facts->stats.min, width = facts->stats.max - lo;
     for (size_t r = 0; r < n[1] * n[2]; ++r) {
         iso_volume_row(v, r % n[1], r / n[1], row);
         for (size_t x = 0; x < n[0]; ++x) {
-            double at = width > 0 ? ((double)row[x] - lo) / width * BINS : 0;
-            ++facts->bins[at < 0 ? 0 : at < BINS ? (size_t)at : BINS - 1];
+            double at = width > 0 ? ((double)row[x] - lo) / width * FINE_BINS : 0;
+            ++fine[at < 0 ? 0 : at < FINE_BINS ? (size_t)at : FINE_BINS - 1];
         }
     }
-    free(row);
     double count = (double)iso_geometry_voxel_count(&v->geometry), below = 0;
-    for (int b = 0, p = 0; b < BINS && p < 5; ++b) {
-        double here = (double)facts->bins[b];
-        for (; p < 5 && below + here >= percents[p] / 100 * count; ++p)
-            facts->percentile[p] = lo + width / BINS * (b + (here > 0 ? (percents[p] / 100 * count - below) / here : 0));
-        below += here;
+    for (int b = 0, p = 0; b < FINE_BINS; ++b) {
+        facts->bins[b * BINS / FINE_BINS] += fine[b];
+        below += (double)fine[b];
+        for (; p < 5 && below >= percents[p] / 100 * count; ++p)
+            facts->percentile[p] = lo + width / FINE_BINS * b;
     }
+    free(row);
+    free(fine);
     return ISO_OK;
 }
 

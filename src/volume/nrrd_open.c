@@ -196,8 +196,14 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
 }
 
 /* Text encodings, bzip2 and lists of files: all at once by teem. */
-static iso_status load_by_teem(iso_volume_source *source, iso_error *err)
+static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io, iso_error *err)
 {
+    struct stat st;
+    bool text = io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex;
+    /* the shortest text is a digit and a space for a double: refuse before the memory is taken */
+    if (text && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 && (double)iso_source_bytes(source) > 4.0 * (double)st.st_size + 8)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %lld bytes of text cannot hold the %zu bytes of samples that the sizes need",
+                        source->path, (long long)st.st_size, iso_source_bytes(source));
     Nrrd *nrrd = nrrdNew();
     iso_status status = ISO_OK;
     if (nrrdLoad(nrrd, source->path, NULL) != 0)
@@ -223,7 +229,7 @@ iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err)
         status = read_header(nrrd, source, err);
     if (status == ISO_OK) {
         bool streamed = io->encoding == nrrdEncodingRaw || io->encoding == nrrdEncodingGzip;
-        status = streamed && io->dataFile ? take_file(source, io, err) : load_by_teem(source, err);
+        status = streamed && io->dataFile ? take_file(source, io, err) : load_by_teem(source, io, err);
     }
     if (io->dataFile)
         fclose(io->dataFile);
