@@ -1,0 +1,97 @@
+/* report.h - what a validation found, as a directory that explains itself.
+ *
+ *     DIR/index.html        self-contained: pictures inlined, no network
+ *         report.json       the same as data (schema isoshade.validate/1)
+ *         images/NAME.exr   what was compared;  NAME.png to look at
+ *         charts/NAME.svg   by gnuplot, with the .csv and .gp that make them;
+ *                           style.gp is the one file to restyle them all
+ *
+ * A report is built row by row and appears when it is finished, whole or not
+ * at all. Rows may come in any order: the page sorts the worst first. Strings
+ * are copied. Severity of a row is its largest metric over its limit: above 1
+ * it differs. */
+#ifndef ISO_REPORT_H
+#define ISO_REPORT_H
+
+#include "base/json.h"
+#include "compare/metrics.h"
+
+typedef struct iso_report iso_report;
+
+typedef struct iso_report_about {
+    const char *title;   /* what was validated, for the heading */
+    const char *command; /* the line that makes this report again */
+    const char *volume, *scene;
+} iso_report_about;
+
+/* An existing DIR is replaced only if it holds a report.json. ISO_E_IO, ISO_E_MEMORY. */
+iso_status iso_report_create(iso_report **report, const char *dir, const iso_report_about *about, iso_error *err);
+/* Drops what was not finished; accepts NULL. */
+void iso_report_destroy(iso_report *report);
+
+/* Where other files of the report may be written until it is finished (logs, scenes). */
+const char *iso_report_dir(const iso_report *report);
+
+/* A fact under "options", "versions", "machine" or "seconds". Takes the reference to value. */
+void iso_report_put(iso_report *report, const char *section, const char *key, json_t *value);
+/* Processor, cores, memory, system, under "machine". */
+void iso_report_describe_machine(iso_report *report);
+
+/* Saves NAME.exr and NAME.png; rows refer to the name: letters, digits, "-_.". notes as in
+ * iso_image_save_exr(). ISO_E_RANGE: a bad name, or one that was used. */
+iso_status iso_report_add_image(iso_report *report, const char *name, const iso_image *image, const char *caption,
+                                const iso_image_note *notes, iso_error *err);
+
+/* Two images that should agree. */
+typedef struct iso_report_agreement {
+    size_t level;
+    const char *scene, *a, *b;     /* renderers, with what sets them apart: "gl, codes" */
+    const char *image_a, *image_b; /* names given to iso_report_add_image(), or NULL */
+    const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
+    iso_metrics metrics;
+    double error_bar;              /* RMSE that the discretisation alone explains; NaN: not measured */
+    iso_limits limits;
+    const char *why;               /* why these limits */
+    const char *command;           /* the line that repeats this case, or NULL */
+    const char *refused;           /* the calibration that failed, with its value; NULL: compared */
+    bool informative;              /* reported, without a gate */
+} iso_report_agreement;
+/* verdict: "agree", "differ", "refused" or "reported". */
+iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
+
+/* How far a level is from level 0 with one way to shade it. NaN: not measured. */
+typedef struct iso_report_consistency {
+    size_t level, views;
+    const char *method;
+    double ssim_dissimilarity_mean, flip_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
+    const char *image, *reference_image; /* one of the views at this level and at level 0, or NULL */
+} iso_report_consistency;
+iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);
+
+/* A renderer's fitness before it is compared. Passes when |value| <= limit. */
+typedef struct iso_report_calibration {
+    const char *renderer, *check;
+    double value, limit;
+    const char *unit, *detail; /* may be NULL */
+} iso_report_calibration;
+iso_status iso_report_add_calibration(iso_report *report, const iso_report_calibration *row, iso_error *err);
+
+typedef struct iso_report_summary {
+    size_t agreed, differed, refused, reported; /* agreement rows */
+    size_t calibrations_passed, calibrations_failed;
+    bool good; /* nothing differed, was refused or failed, and something was compared */
+    char sentence[512];
+} iso_report_summary;
+iso_report_summary iso_report_summarise(const iso_report *report);
+
+/* Charts, report.json and index.html; then the directory is put in place. Without gnuplot the
+ * report has no charts and says so. */
+iso_status iso_report_finish(iso_report *report, iso_error *err);
+
+/* The rows as JUnit's XML, for continuous integration; before or after finish. */
+iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
+
+/* The data model, borrowed. */
+const json_t *iso_report_json(const iso_report *report);
+
+#endif

@@ -1,0 +1,403 @@
+'use strict';
+(() => {
+const data = JSON.parse(document.getElementById('data').textContent);
+const inlined = JSON.parse(document.getElementById('inlined').textContent);
+const $ = id => document.getElementById(id);
+
+// ---- small builders ---------------------------------------------------------
+function el(tag, attributes, ...children) {
+    const e = document.createElement(tag);
+    for (const [key, value] of Object.entries(attributes || {})) {
+        if (key.startsWith('on')) e.addEventListener(key.slice(2), value);
+        else if (value !== null && value !== undefined && value !== false) e.setAttribute(key, value === true ? '' : value);
+    }
+    e.append(...children.flat().filter(c => c !== null && c !== undefined));
+    return e;
+}
+let tables = 0, figures = 0;
+const caption = text => el('caption', {}, el('b', {}, `Table ${++tables}. `), text);
+const figcaption = (...text) => el('figcaption', {}, el('b', {}, `Figure ${++figures}. `), ...text);
+
+// 3.2 x 10^-6, or plain where that is short. null: a dash.
+function number(x, digits = 3) {
+    if (x === null || x === undefined) return '–';
+    if (x === 0) return '0';
+    const magnitude = Math.abs(x);
+    if (magnitude >= 0.001 && magnitude < 10000) return String(Number(x.toPrecision(digits)));
+    const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
+    return el('span', {}, `${Number(mantissa)}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
+}
+const plain = x => x === null || x === undefined ? '–' : x === 0 ? '0' : x >= 0.001 && x < 10000 ? String(Number(x.toPrecision(3))) : x.toExponential(1);
+
+function command(line) {
+    if (!line) return null;
+    const button = el('button', {type: 'button', onclick: async () => {
+        try { await navigator.clipboard.writeText(line); }
+        catch (e) { // pages opened from a file may not have the clipboard
+            const range = document.createRange();
+            range.selectNodeContents(code);
+            getSelection().removeAllRanges();
+            getSelection().addRange(range);
+            document.execCommand('copy');
+        }
+        button.textContent = 'copied';
+        setTimeout(() => { button.textContent = 'copy'; }, 1500);
+    }}, 'copy');
+    const code = el('code', {}, line);
+    return el('div', {class: 'command'}, code, button);
+}
+const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
+const title = row => `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
+const ratio = row => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : plain(row.severity);
+
+// ---- head -------------------------------------------------------------------
+$('verdict').classList.add(data.verdict === 'agree' ? 'good' : 'bad');
+$('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
+{
+    const parts = [];
+    if (data.volume) parts.push(`Volume ${data.volume}`);
+    if (data.scene) parts.push(`scene ${data.scene}`);
+    parts.push(`made ${data.made.replace('T', ' ').replace('Z', ' UTC')}`);
+    if (data.seconds.total) parts.push(`in ${Number(data.seconds.total.toPrecision(3))} s`);
+    $('about').textContent = parts.join(', ') + '.';
+    if (data.command) $('again').append(command(data.command));
+}
+
+// ---- differences: 16 bits on a log scale in red and green ---------------------
+const decodes = new Map();
+function loadImage(uri) {
+    return new Promise((resolve, reject) => {
+        const image = new Image();
+        image.onload = () => resolve(image);
+        image.onerror = reject;
+        image.src = uri;
+    });
+}
+async function pixels(uri) {
+    if (!decodes.has(uri)) decodes.set(uri, (async () => {
+        const image = await loadImage(uri);
+        const canvas = el('canvas', {width: image.width, height: image.height});
+        const context = canvas.getContext('2d', {willReadFrequently: true});
+        context.drawImage(image, 0, 0);
+        return {canvas, width: image.width, height: image.height, bytes: context.getImageData(0, 0, image.width, image.height).data};
+    })());
+    return decodes.get(uri);
+}
+// log10 of the difference; -Infinity for none, Infinity for pixels that are not finite.
+async function differences(key) {
+    const p = await pixels(inlined.differences[key]);
+    const logs = new Float32Array(p.width * p.height);
+    for (let i = 0; i < logs.length; ++i) {
+        const code = p.bytes[4 * i] * 256 + p.bytes[4 * i + 1];
+        logs[i] = code === 0 ? -Infinity : code === 65535 ? Infinity : (code - 1) * 11 / 65533 - 9;
+    }
+    return {logs, width: p.width, height: p.height};
+}
+const stops = [[0, 8, 8, 24], [0.25, 72, 20, 110], [0.5, 176, 44, 104], [0.75, 244, 126, 60], [1, 252, 246, 190]];
+function colour(t) {
+    t = Math.min(Math.max(t, 0), 1);
+    let k = 1;
+    while (k < stops.length - 1 && t > stops[k][0]) ++k;
+    const [t0, ...a] = stops[k - 1], [t1, ...b] = stops[k], f = (t - t0) / (t1 - t0);
+    return a.map((v, i) => v + f * (b[i] - v));
+}
+const scaleLow = -8, scaleHigh = 0; // one scale for all cases, so that they can be compared
+// Above the threshold in colour; below it the image itself, grey and faint.
+function paintDifference(d, under, threshold) {
+    const canvas = el('canvas', {width: d.width, height: d.height}), context = canvas.getContext('2d');
+    const out = context.createImageData(d.width, d.height);
+    let above = 0;
+    for (let i = 0; i < d.logs.length; ++i) {
+        let rgb;
+        if (d.logs[i] === Infinity) rgb = [0, 255, 255];
+        else if (d.logs[i] > threshold) rgb = colour((d.logs[i] - scaleLow) / (scaleHigh - scaleLow));
+        else {
+            const grey = under ? 0.12 * (under.bytes[4 * i] + under.bytes[4 * i + 1] + under.bytes[4 * i + 2]) / 3 : 0;
+            rgb = [grey, grey, grey];
+        }
+        above += d.logs[i] > threshold;
+        out.data.set([rgb[0], rgb[1], rgb[2], 255], 4 * i);
+    }
+    context.putImageData(out, 0, 0);
+    return {canvas, above};
+}
+function legend() {
+    const width = 320, canvas = el('canvas', {width, height: 12, style: 'height:12px;width:320px', 'aria-hidden': 'true'});
+    const context = canvas.getContext('2d');
+    for (let x = 0; x < width; ++x) {
+        context.fillStyle = `rgb(${colour(x / (width - 1)).map(Math.round)})`;
+        context.fillRect(x, 0, 1, 12);
+    }
+    const ticks = el('div', {style: 'display:flex;justify-content:space-between;width:320px;font:11px/1.4 var(--sans);color:#555'});
+    for (let e = scaleLow; e <= scaleHigh; e += 2) ticks.append(el('span', {}, e === 0 ? '1' : el('span', {}, '10', el('sup', {}, String(e).replace('-', '−')))));
+    return el('div', {}, canvas, ticks);
+}
+
+// ---- tables -----------------------------------------------------------------
+const cell = (content, numeric, extra) => el('td', {class: [numeric ? 'n' : '', extra || ''].join(' ').trim() || null}, content);
+function table(text, heads, rows) {
+    return el('div', {class: 'scroll'}, el('table', {}, caption(text),
+        el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
+        el('tbody', {}, rows)));
+}
+const withLimit = (row, key, value) => {
+    const limit = row.limits[key];
+    const over = row.verdict !== 'reported' && limit !== undefined && value !== null && !(value <= limit);
+    return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, number(value));
+};
+
+const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};
+function valueOf(row, key) {
+    return key === 'ssim_dissimilarity' ? (row.ssim === null ? null : 1 - row.ssim) : row[key];
+}
+function explain(row) {
+    if (row.verdict === 'refused') return ['Refused: ', row.why];
+    if (row.nonfinite_count > 0) return [`${row.nonfinite_count} pixels are not finite. `, row.why || ''];
+    const out = [];
+    for (const [key, limit] of Object.entries(row.limits)) {
+        const value = valueOf(row, key);
+        if (value <= limit) continue;
+        out.push(`${names[key]} is `, number(value), `, ${plain(value / limit)} times its limit of `, number(limit), '. ');
+    }
+    if (out.length === 0 && Object.keys(row.limits).length === 0) out.push('No limit was given, so only equal images agree. ');
+    return [...out, row.why ? `Why this limit: ${row.why}` : ''];
+}
+const limitsText = row => Object.entries(row.limits).map(([key, limit]) => [`${names[key]} ≤ `, number(limit), '; ']).flat();
+
+function agreementTable() {
+    if (data.agreement.length === 0) return el('p', {}, 'Nothing was compared.');
+    const rows = data.agreement.map((row, at) => {
+        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell(row.scene), cell(row.a), cell(row.b),
+            withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+            withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
+            cell(number(row.error_bar), true), cell(row.verdict === 'reported' ? '–' : ratio(row), true), cell(row.verdict, false, row.verdict));
+        tr.addEventListener('click', () => inspect(at, true));
+        tr.addEventListener('keydown', e => { if (e.key === 'Enter') inspect(at, true); });
+        return tr;
+    });
+    return table('Agreement, worst first. Figures outside their limit are red; a limit shows when the pointer rests on its figure.',
+        [['level', 1], ['scene'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
+}
+
+// ---- panels of failed cases ---------------------------------------------------
+function still(uri, name, note) {
+    return el('div', {class: 'panel'}, el('img', {src: uri, alt: name}), el('span', {}, el('strong', {}, name), note ? ` ${note}` : ''));
+}
+async function differencePanel(row) {
+    const holder = el('div', {class: 'panel'});
+    const d = await differences(row.number), {canvas} = paintDifference(d, null, -Infinity);
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'difference');
+    canvas.style.cursor = 'default';
+    holder.append(canvas, el('span', {}, el('strong', {}, 'difference'), ' log scale, 10⁻⁸ to 1'));
+    return holder;
+}
+function failures() {
+    const bad = data.agreement.filter(row => row.verdict === 'differ' || row.verdict === 'refused');
+    if (bad.length === 0) return;
+    const shown = 8;
+    $('failed').hidden = false;
+    for (const row of bad.slice(0, shown)) {
+        const panels = el('div', {class: 'panels'});
+        if (row.image_a) panels.append(still(inlined.images[row.image_a], row.a, 'a'));
+        if (row.image_b) panels.append(still(inlined.images[row.image_b], row.b, 'b'));
+        if (inlined.differences[row.number]) differencePanel(row).then(p => panels.append(p));
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
+            inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'look closer') : null));
+    }
+    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more stand in the table below.`));
+}
+
+// ---- inspector ----------------------------------------------------------------
+const cases = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
+const view = {at: -1, mode: 'side', flip: 'a', threshold: -5, zoom: 1, x: 0.5, y: 0.5, timer: 0};
+let parts = null;
+
+function buildInspector() {
+    const section = $('inspector');
+    section.hidden = false;
+    const select = el('select', {'aria-label': 'case', onchange: () => inspect(Number(select.value), false)},
+        cases.map(c => el('option', {value: c.at}, `${c.row.verdict}: ${title(c.row)}`)));
+    const modes = {side: 'side by side', flip: 'flip A/B', difference: 'difference'};
+    const buttons = Object.entries(modes).map(([mode, name]) => el('button', {type: 'button', 'data-mode': mode, onclick: () => { view.mode = mode; show(); }}, name));
+    const flipButton = el('button', {type: 'button', onclick: swap}, 'swap (space)');
+    const auto = el('button', {type: 'button', 'aria-pressed': 'false', onclick: () => {
+        if (view.timer) { clearInterval(view.timer); view.timer = 0; } else view.timer = setInterval(swap, 500);
+        auto.setAttribute('aria-pressed', String(view.timer !== 0));
+    }}, 'twice a second');
+    const slider = el('input', {type: 'range', min: -9, max: 0, step: 0.05, 'aria-label': 'threshold', oninput: () => { view.threshold = Number(slider.value); show(); }});
+    const value = el('output', {});
+    const zoomTo = factor => { view.zoom = Math.min(Math.max(view.zoom * factor, 1), 64); clampView(); show(); };
+    const reset = () => { view.zoom = 1; clampView(); show(); };
+    const panel = name => {
+        const canvas = el('canvas', {tabindex: 0, 'aria-label': name});
+        const label = el('span', {});
+        attachPointer(canvas);
+        return {box: el('div', {class: 'panel'}, canvas, label), canvas, label};
+    };
+    parts = {select, slider, value, a: panel('image a'), b: panel('image b'), d: panel('difference'),
+        flipGroup: el('span', {class: 'group'}, flipButton, auto), thresholdGroup: el('label', {}, 'differences above', slider, value),
+        panels: el('div', {class: 'panels'}), readout: el('p', {class: 'readout'}, '\u00a0'), text: el('div', {}), buttons};
+    parts.panels.append(parts.a.box, parts.b.box, parts.d.box);
+    section.append(el('div', {class: 'controls'}, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup,
+        el('span', {class: 'group'}, el('button', {type: 'button', 'aria-label': 'zoom in', onclick: () => zoomTo(1.5)}, '+'),
+            el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
+        el('figure', {}, parts.panels, parts.readout, legend(), figcaption('The two images and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
+            'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
+    document.addEventListener('keydown', e => {
+        if (e.key === ' ' && view.mode === 'flip' && !/^(INPUT|SELECT|BUTTON)$/.test(document.activeElement.tagName)) { e.preventDefault(); swap(); }
+    });
+    addEventListener('resize', show);
+}
+function swap() { view.flip = view.flip === 'a' ? 'b' : 'a'; show(); }
+function clampView() {
+    const half = 0.5 / view.zoom;
+    view.x = Math.min(Math.max(view.x, half), 1 - half);
+    view.y = Math.min(Math.max(view.y, half), 1 - half);
+}
+function attachPointer(canvas) {
+    let drag = null;
+    const place = e => {
+        const r = canvas.getBoundingClientRect();
+        return {u: view.x + ((e.clientX - r.left) / r.width - 0.5) / view.zoom, v: view.y + ((e.clientY - r.top) / r.height - 0.5) / view.zoom, r};
+    };
+    canvas.addEventListener('wheel', e => {
+        e.preventDefault();
+        const before = place(e), zoom = Math.min(Math.max(view.zoom * Math.exp(-e.deltaY * 0.002), 1), 64);
+        view.x = before.u + (view.x - before.u) * view.zoom / zoom;
+        view.y = before.v + (view.y - before.v) * view.zoom / zoom;
+        view.zoom = zoom;
+        clampView();
+        show();
+    }, {passive: false});
+    canvas.addEventListener('pointerdown', e => { drag = {x: e.clientX, y: e.clientY}; canvas.setPointerCapture(e.pointerId); });
+    canvas.addEventListener('pointerup', () => { drag = null; });
+    canvas.addEventListener('dblclick', () => { view.zoom = 1; clampView(); show(); });
+    canvas.addEventListener('pointermove', e => {
+        const p = place(e);
+        if (drag) {
+            view.x -= (e.clientX - drag.x) / p.r.width / view.zoom;
+            view.y -= (e.clientY - drag.y) / p.r.height / view.zoom;
+            drag = {x: e.clientX, y: e.clientY};
+            clampView();
+            show();
+        }
+        readout(p.u, p.v);
+    });
+}
+let loaded = null;
+function readout(u, v) {
+    if (!loaded) return;
+    const {a, b, d} = loaded, x = Math.floor(u * a.width), y = Math.floor(v * a.height);
+    if (x < 0 || y < 0 || x >= a.width || y >= a.height) return;
+    const i = y * a.width + x, rgb = p => Array.from(p.bytes.slice(4 * i, 4 * i + 3)).join(' ');
+    const log = d.logs[i], text = log === Infinity ? 'not finite' : log === -Infinity ? '0' : (10 ** log).toExponential(2);
+    parts.readout.textContent = `column ${x}, row ${y}:  a ${rgb(a)}   b ${rgb(b)} (sRGB)   difference ${text}`;
+}
+// Draws the part in view, with square pixels once they are large.
+function draw(panel, source, name, note) {
+    const width = Math.max(Math.round(panel.canvas.clientWidth * (devicePixelRatio || 1)), 64);
+    const height = Math.round(width * source.height / source.width);
+    panel.canvas.width = width;
+    panel.canvas.height = height;
+    const context = panel.canvas.getContext('2d'), scale = width / source.width * view.zoom;
+    context.imageSmoothingEnabled = scale < 1;
+    context.drawImage(source, width / 2 - view.x * source.width * scale, height / 2 - view.y * source.height * scale, source.width * scale, source.height * scale);
+    panel.label.replaceChildren(el('strong', {}, name), note ? ` ${note}` : '');
+}
+function show() {
+    if (!loaded) return;
+    const {row, a, b, d} = loaded, side = view.mode === 'side', flip = view.mode === 'flip';
+    for (const button of parts.buttons) button.setAttribute('aria-pressed', String(button.dataset.mode === view.mode));
+    parts.panels.classList.toggle('one', !side);
+    parts.flipGroup.hidden = !flip;
+    parts.thresholdGroup.hidden = flip;
+    parts.a.box.hidden = !(side || (flip && view.flip === 'a'));
+    parts.b.box.hidden = !(side || (flip && view.flip === 'b'));
+    parts.d.box.hidden = flip;
+    parts.slider.value = view.threshold;
+    parts.value.textContent = (10 ** view.threshold).toExponential(1);
+    if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, flip ? '(a)' : 'a');
+    if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, flip ? '(b)' : 'b');
+    if (!parts.d.box.hidden) {
+        const {canvas, above} = paintDifference(d, a, view.threshold <= -9 ? -Infinity : view.threshold);
+        draw(parts.d, canvas, 'difference', `${above} of ${d.logs.length} pixels (${Number((100 * above / d.logs.length).toPrecision(3))} %) above`);
+    }
+}
+async function inspect(at, scroll) {
+    const row = data.agreement[at];
+    if (!parts || !row.image_a || !row.image_b) return;
+    for (const tr of document.querySelectorAll('tr.chosen')) tr.classList.remove('chosen');
+    $(`row-${row.number}`).classList.add('chosen');
+    view.at = at;
+    const [a, b, d] = await Promise.all([pixels(inlined.images[row.image_a]), pixels(inlined.images[row.image_b]), differences(row.number)]);
+    if (view.at !== at) return; // another case was chosen meanwhile
+    loaded = {row, a, b, d};
+    parts.select.value = String(at);
+    const gate = row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
+    view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
+    parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), '. Limits: ', limitsText(row), row.tier ? `tier: ${row.tier}. ` : '', row.why ? `Why: ${row.why} ` : '',
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), command(row.command) || '');
+    show();
+    if (scroll) $('inspector').scrollIntoView({behavior: 'smooth'});
+}
+
+// ---- consistency, calibration, colophon ----------------------------------------
+function consistency() {
+    if (data.consistency.length === 0) return;
+    const section = $('consistency'), levels = [...new Set(data.consistency.map(r => r.level))].sort((a, b) => a - b);
+    section.hidden = false;
+    if (inlined.charts.consistency) section.append(el('figure', {}, el('img', {src: inlined.charts.consistency, alt: 'error against level 0 for each level and method'}),
+        figcaption('Error against level 0 for each level and method. Data and script: charts/consistency.csv, charts/consistency.gp.')));
+    const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'], rows = [];
+    for (const k of levels) {
+        const group = data.consistency.filter(r => r.level === k);
+        const best = keys.map(key => Math.min(...group.map(r => r[key]).filter(v => v !== null)));
+        for (const r of group) rows.push(el('tr', {}, cell(String(r.level), true), cell(r.method), cell(String(r.views), true),
+            keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
+    }
+    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
+    const pictured = data.consistency.filter(r => r.image);
+    for (const method of [...new Set(pictured.map(r => r.method))]) {
+        const group = pictured.filter(r => r.method === method).sort((a, b) => a.level - b.level);
+        const panels = el('div', {class: 'panels levels'}), reference = group[0].reference_image;
+        if (reference && group[0].level !== 0) panels.append(still(inlined.images[reference], 'level 0'));
+        for (const r of group) panels.append(still(inlined.images[r.image], `level ${r.level}`, r.ssim_dissimilarity_mean === null ? '' : `1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`));
+        section.append(el('figure', {}, panels, figcaption(`One view at each level, ${method}.`)));
+    }
+}
+function calibration() {
+    if (data.calibration.length === 0) return;
+    $('calibration').hidden = false;
+    const rows = [...data.calibration].sort((a, b) => (a.verdict === 'fail' ? 0 : 1) - (b.verdict === 'fail' ? 0 : 1))
+        .map(r => el('tr', {}, cell(r.renderer), cell(r.check), cell(number(r.value), true), cell(number(r.limit), true), cell(r.unit || ''), cell(r.verdict, false, r.verdict), cell(r.detail || '')));
+    $('calibration').append(table('Calibration of each renderer.', [['renderer'], ['check'], ['value', 1], ['limit', 1], ['unit'], ['verdict'], ['']], rows));
+}
+function colophon() {
+    const facts = el('div', {class: 'facts'});
+    const show = value => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)))) : typeof value === 'string' ? value : JSON.stringify(value);
+    for (const [key, name] of [['versions', 'Versions'], ['machine', 'Machine'], ['options', 'Options'], ['seconds', 'Seconds']]) {
+        const entries = Object.entries(data[key] || {});
+        if (entries.length === 0) continue;
+        facts.append(el('div', {}, el('h3', {}, name), el('table', {}, el('tbody', {}, entries.map(([k, v]) => el('tr', {}, cell(k.replaceAll('_', ' ')), cell(show(v))))))));
+    }
+    $('colophon').append(facts);
+}
+
+failures();
+if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
+$('agreement').append(agreementTable());
+if (inlined.charts.agreement) $('agreement').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
+    figcaption('RMSE of each comparison on a log axis. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
+if (cases.length > 0) {
+    buildInspector();
+    const wanted = /^#case-(\d+)(?:-(side|flip|difference))?$/.exec(location.hash);
+    const first = wanted ? cases.find(c => c.row.number === Number(wanted[1])) : null;
+    if (wanted && wanted[2]) view.mode = wanted[2];
+    inspect((first || cases[0]).at, Boolean(first));
+}
+consistency();
+calibration();
+colophon();
+document.documentElement.dataset.ready = 'yes';
+})();

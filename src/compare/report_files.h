@@ -1,0 +1,25 @@
+/* report_files.h - the files of a report: pictures, charts, the page. Private to report.c. */
+#ifndef ISO_REPORT_FILES_H
+#define ISO_REPORT_FILES_H
+
+#include "base/json.h"
+#include "image/image.h"
+
+/* images/ and charts/. */
+iso_status iso_report_files_begin(const char *dir, iso_error *err);
+
+/* NAME.exr, NAME.png; *uri is the PNG as a data URI, to be freed. */
+iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image, const iso_image_note *notes,
+                                  char **uri, iso_error *err);
+
+/* The largest channel difference of each pixel of two images, 16 bits on a log scale in a PNG's red
+ * and green: code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */
+iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err);
+
+/* charts/: .csv, .gp and .svg; adds name: data URI to inlined. ISO_E_MISSING without gnuplot. */
+iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *inlined, iso_error *err);
+
+/* report.json and index.html. */
+iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err);
+
+#endif

@@ -1,0 +1,29 @@
+# What all charts share. Edit this file and run "gnuplot NAME.gp" in this folder to restyle a chart.
+if (!exists("format")) format = 'svg'
+if (!exists("width")) width = 760
+if (!exists("height")) height = 400
+if (format eq 'pdf') {
+    set terminal pdfcairo size width / 96.0, height / 96.0 font 'DejaVu Sans,9' linewidth 1.2 rounded
+} else {
+    set terminal svg size width, height font 'Helvetica Neue,Helvetica,Arial,DejaVu Sans,sans-serif,13' linewidth 1.2 rounded background '#ffffff'
+}
+set output name . '.' . format
+set encoding utf8
+set datafile separator comma
+set datafile missing NaN
+# Colours that differ for every kind of sight (Okabe and Ito).
+blue = '#0072b2'; vermillion = '#d55e00'; green = '#009e73'; orange = '#e69f00'
+sky = '#56b4e9'; purple = '#cc79a7'; black = '#222222'; grey = '#999999'
+set linetype 1 lc rgb blue lw 1.6 pt 7 ps 0.55
+set linetype 2 lc rgb vermillion lw 1.6 pt 5 ps 0.5
+set linetype 3 lc rgb green lw 1.6 pt 9 ps 0.6
+set linetype 4 lc rgb orange lw 1.6 pt 13 ps 0.6
+set linetype 5 lc rgb purple lw 1.6 pt 11 ps 0.6
+set linetype 6 lc rgb sky lw 1.6 pt 6 ps 0.55
+set linetype 7 lc rgb black lw 1.6 pt 4 ps 0.5
+set linetype 8 lc rgb grey lw 1.6 pt 8 ps 0.6
+set linetype cycle 8
+set border 3 lc rgb '#444444' lw 0.8
+set tics nomirror out scale 0.5 textcolor rgb '#222222'
+set grid lc rgb '#e2e2e2' lw 0.6 lt 1
+set key noenhanced samplen 2 spacing 1.1

@@ -1,0 +1,408 @@
+/* The report: verdicts, order, files, page, JUnit. With a path as argument the example is left there to look at. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "compare/report.h"
+#include "tests/test.h"
+
+static size_t example_size = 48; /* pixels; larger for a look */
+
+/* A shaded ball, shifted by `shift` pixels and `bias` brighter: something to look at. */
+static iso_image ball(size_t size, double shift, double bias, double blur)
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, size, size, &err));
+    for (size_t y = 0; y < size; ++y)
+        for (size_t x = 0; x < size; ++x) {
+            double u = (2 * ((double)x + 0.5 - shift) / (double)size - 1) / 0.8;
+            double v = (2 * ((double)y + 0.5) / (double)size - 1) / 0.8, r2 = u * u + v * v;
+            double a = 1 / (1 + exp((r2 - 1) * 30 / (1 + blur))), z = sqrt(fmax(1 - r2, 0));
+            double shade = 0.2 + 0.8 * fabs(0.5 * -u + 0.6 * -v + 0.62 * z) + 0.08 * sin(20 * u) * sin(17 * v) / (1 + blur);
+            const double colour[3] = {0.85, 0.55 + 0.2 * v, 0.35};
+            for (int c = 0; c < 3; ++c)
+                image.rgba[4 * (y * size + x) + (size_t)c] = (float)(a * shade * colour[c] + bias);
+            image.rgba[4 * (y * size + x) + 3] = (float)a;
+        }
+    return image;
+}
+
+static void add_image(iso_report *r, const char *name, iso_image *image)
+{
+    assert_ok(iso_report_add_image(r, name, image, "a ball", NULL, &err));
+}
+
+static iso_report_agreement compare(const iso_image *a, const iso_image *b)
+{
+    iso_report_agreement row = {.error_bar = NAN};
+    assert_ok(iso_metrics_measure(a, b, &row.metrics, &err));
+    return row;
+}
+
+static void add_consistency(iso_report *r)
+{
+    const char *const methods[] = {"on the fly", "naive average", "moments, codes"};
+    for (int m = 0; m < 3; ++m)
+        for (size_t level = 1; level < 4; ++level) {
+            char name[64];
+            double error = 0.02 * (double)(1 << level) * (1.2 - 0.3 * m);
+            iso_image image = ball(example_size, 0, 0, error * 20);
+            snprintf(name, sizeof name, "level%zu-method%d", level, m);
+            add_image(r, name, &image);
+            iso_image_destroy(&image);
+            assert_ok(iso_report_add_consistency(r, &(iso_report_consistency){
+                .level = level, .views = 20, .method = methods[m], .ssim_dissimilarity_mean = error, .flip_mean = error / 2,
+                .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error, .gradient_angle_p95_deg = 120 * error, .image = name,
+                .reference_image = "reference-0"}, &err));
+        }
+}
+
+static void add_agreement(iso_report *r)
+{
+    const double biases[] = {2e-7, 3e-6, 4e-5, 2e-3};
+    const char *const renderers[] = {"gl, codes", "povray, lock-step", "cycles, h/16", "gl, on the fly"};
+    iso_image reference = ball(example_size, 0, 0, 0);
+    add_image(r, "reference-0", &reference);
+    for (size_t level = 0; level < 2; ++level)
+        for (int k = 0; k < 4; ++k) {
+            char name[64];
+            iso_image image = ball(example_size, k == 3 && level ? 0.5 : 0, biases[k], 0);
+            snprintf(name, sizeof name, "image%d-level%zu", k, level);
+            add_image(r, name, &image);
+            iso_report_agreement row = compare(&reference, &image);
+            row.level = level, row.scene = "smooth <head> & \"neck\"", row.a = "reference", row.b = renderers[k];
+            row.image_a = "reference-0", row.image_b = name, row.tier = "tight";
+            row.error_bar = biases[k] / 2, row.limits = (iso_limits){.rmse = 1e-4, .max_abs = 1e-3};
+            row.why = "same sampling in single precision: rounding of 1e-7 a sample over 300 samples.";
+            row.command = "isoshade compare a.exr b.exr --max-rmse 1e-4 --max-abs 1e-3";
+            row.informative = k == 3 && level == 0;
+            assert_ok(iso_report_add_agreement(r, &row, &err));
+            iso_image_destroy(&image);
+        }
+    iso_report_agreement refused = {.level = 1, .scene = "thin shells", .a = "reference", .b = "cycles, h/16", .error_bar = NAN,
+                                    .refused = "Cycles failed its slab calibration: 0.02, limit 0.001",
+                                    .limits = {.rmse = 1e-3}};
+    assert_ok(iso_report_add_agreement(r, &refused, &err));
+    iso_image_destroy(&reference);
+}
+
+static iso_report *example(const char *dir)
+{
+    iso_report *r;
+    const iso_report_about about = {"Shaded ball", "isoshade validate ball.nrrd --scene smooth.scene.json -o report",
+                                    "ball.nrrd", "smooth.scene.json"};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    iso_report_describe_machine(r);
+    iso_report_put(r, "versions", "isoshade", json_string("0.1.0"));
+    iso_report_put(r, "versions", "markup", json_string("</script><b>@DATA@"));
+    iso_report_put(r, "options", "levels", json_integer(3));
+    add_agreement(r);
+    add_consistency(r);
+    const iso_report_calibration checks[] = {
+        {"gl", "texture filter keeps the bits of R16", 0.00001, 0.0001, "of range", "16 bits kept"},
+        {"cycles", "placement of the centroid", 0.003, 0.01, "voxels", NULL},
+        {"cycles", "slab against 1 - exp(-sigma d)", 0.02, 0.001, NULL, "opacity of 0.5 and 2 mm"},
+    };
+    for (int i = 0; i < 3; ++i)
+        assert_ok(iso_report_add_calibration(r, &checks[i], &err));
+    return r;
+}
+
+static char *scratch;
+
+static int make_scratch(void **state)
+{
+    (void)state;
+    scratch = iso_make_temp_dir();
+    return scratch ? 0 : -1;
+}
+
+static int drop_scratch(void **state)
+{
+    (void)state;
+    iso_remove_tree(scratch);
+    free(scratch);
+    return 0;
+}
+
+static char *inside(const char *name)
+{
+    char *path = iso_path_join(scratch, name);
+    assert_non_null(path);
+    return path;
+}
+
+static void read_text(const char *path, char **text)
+{
+    size_t size;
+    assert_ok(iso_file_read(path, text, &size, &err));
+}
+
+/* The object inside <script id="data">. */
+static json_t *data_of_page(const char *page)
+{
+    const char *mark = "id=\"data\">";
+    size_t start = (size_t)(strstr(page, mark) - page) + strlen(mark);
+    size_t length = (size_t)(strstr(page + start, "</script>") - page) - start;
+    return json_loadb(page + start, length, 0, NULL);
+}
+
+static void every_file_is_there_and_the_data_is_whole(void **state)
+{
+    (void)state;
+    char *dir = inside("whole");
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    const char *const files[] = {"index.html", "report.json", "images/reference-0.exr", "images/reference-0.png",
+                                 "charts/agreement.svg", "charts/agreement.csv", "charts/agreement.gp",
+                                 "charts/consistency.svg", "charts/consistency.csv", "charts/consistency.gp",
+                                 "charts/style.gp"};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
+        char *path = iso_path_join(dir, files[i]);
+        if (!iso_path_exists(path))
+            fail_msg("%s is missing", files[i]);
+        free(path);
+    }
+    char *path = iso_path_join(dir, "report.json");
+    json_t *root;
+    assert_ok(iso_json_load(path, &root, &err));
+    assert_string_equal(json_string_value(json_object_get(root, "schema")), "isoshade.validate/1");
+    assert_string_equal(json_string_value(json_object_get(root, "verdict")), "differ");
+    assert_int_equal(json_array_size(json_object_get(root, "agreement")), 9);
+    assert_int_equal(json_array_size(json_object_get(root, "consistency")), 9);
+    const char *const keys[] = {"level", "scene", "a", "b", "rmse", "max_abs", "p99_abs", "error_bar", "verdict", "limits", "why"};
+    const char *const more[] = {"level", "method", "views", "ssim_dissimilarity_mean", "flip_mean",
+                                "gradient_angle_mean_deg", "gradient_angle_p95_deg"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
+        assert_non_null(json_object_get(json_array_get(json_object_get(root, "agreement"), 3), keys[i]));
+    for (size_t i = 0; i < sizeof more / sizeof more[0]; ++i)
+        assert_non_null(json_object_get(json_array_get(json_object_get(root, "consistency"), 0), more[i]));
+    json_decref(root);
+    free(path);
+    iso_report_destroy(r);
+    free(dir);
+}
+
+static void the_worst_comes_first(void **state)
+{
+    (void)state;
+    char *dir = inside("order");
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    const json_t *rows = json_object_get(iso_report_json(r), "agreement");
+    const char *const wanted[] = {"refused", "differ"};
+    for (size_t i = 0; i < 2; ++i)
+        assert_string_equal(json_string_value(json_object_get(json_array_get(rows, i), "verdict")), wanted[i]);
+    double last = INFINITY;
+    for (size_t i = 1; i + 1 < json_array_size(rows); ++i) {
+        double severity = json_number_value(json_object_get(json_array_get(rows, i), "severity"));
+        assert_at_most(severity, last);
+        last = severity;
+    }
+    assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 8), "verdict")), "reported");
+    iso_report_destroy(r);
+    free(dir);
+}
+
+static size_t count_of(const char *text, const char *what)
+{
+    size_t count = 0;
+    for (const char *at = text; (at = strstr(at, what)); at += strlen(what))
+        ++count;
+    return count;
+}
+
+static void the_page_needs_nothing_from_outside(void **state)
+{
+    (void)state;
+    char *dir = inside("page"), *path, *page;
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    path = iso_path_join(dir, "index.html");
+    read_text(path, &page);
+    assert_int_equal(count_of(page, "://"), 0); /* no address of any kind */
+    assert_int_equal(count_of(page, "src=\""), 0);
+    assert_int_equal(count_of(page, "url("), 0);
+    assert_int_equal(count_of(page, "@import"), 0);
+    assert_int_equal(count_of(page, "</script>"), 3); /* its own: text in the data cannot end one */
+    assert_int_equal(count_of(page, "data:image/png;base64,"), 18 + 8); /* images and differences */
+    assert_int_equal(count_of(page, "data:image/svg+xml;base64,"), 2);
+    iso_report_summary summary = iso_report_summarise(r);
+    assert_int_equal(count_of(page, summary.sentence), 2); /* in the page, and in the data */
+    json_t *root = data_of_page(page), *alone;
+    assert_non_null(root);
+    free(path);
+    path = iso_path_join(dir, "report.json");
+    assert_ok(iso_json_load(path, &alone, &err));
+    assert_true(json_equal(root, alone)); /* the page shows what report.json holds */
+    json_decref(root);
+    json_decref(alone);
+    free(page);
+    free(path);
+    free(dir);
+    iso_report_destroy(r);
+}
+
+static void the_sentence_tells_each_outcome(void **state)
+{
+    (void)state;
+    char *dir = inside("sentence");
+    iso_report *r;
+    const iso_report_about about = {.title = "nothing"};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_false(iso_report_summarise(r).good); /* nothing compared is not agreement */
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_true(iso_report_summarise(r).good);
+    assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL}, &err));
+    assert_false(iso_report_summarise(r).good); /* NaN fails a calibration */
+    row.metrics.nonfinite_count = 1;
+    row.informative = true; /* not even a report without a gate forgives NaN */
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_int_equal(iso_report_summarise(r).differed, 1);
+    row.metrics.nonfinite_count = 0;
+    row.metrics.rmse = NAN;
+    row.informative = false;
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_int_equal(iso_report_summarise(r).differed, 2);
+    iso_report_destroy(r);
+    free(dir);
+}
+
+static void junit_counts_failures_and_escapes(void **state)
+{
+    (void)state;
+    char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
+    iso_report *r = example(dir);
+    assert_ok(iso_report_write_junit(r, path, &err));
+    read_text(path, &xml);
+    assert_int_equal(count_of(xml, "<testcase "), 12);
+    assert_int_equal(count_of(xml, "<failure "), 3); /* one differs, one is refused, one calibration fails */
+    assert_non_null(strstr(xml, "tests=\"12\" failures=\"3\""));
+    assert_non_null(strstr(xml, "smooth &lt;head&gt; &amp; &quot;neck&quot;"));
+    free(xml);
+    free(path);
+    free(dir);
+    iso_report_destroy(r);
+}
+
+static void an_unfinished_report_leaves_nothing(void **state)
+{
+    (void)state;
+    char *dir = inside("unfinished"), *temporary;
+    iso_report *r = example(dir);
+    temporary = strdup(iso_report_dir(r));
+    assert_true(iso_path_is_dir(temporary));
+    iso_report_destroy(r);
+    assert_false(iso_path_exists(temporary));
+    assert_false(iso_path_exists(dir));
+    free(temporary);
+    free(dir);
+}
+
+static void only_a_report_is_replaced(void **state)
+{
+    (void)state;
+    char *dir = inside("mine"), *file = NULL;
+    iso_report *r;
+    const iso_report_about about = {.title = "t"};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_ok(iso_report_finish(r, &err));
+    iso_report_destroy(r);
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_ok(iso_report_finish(r, &err));
+    iso_report_destroy(r);
+    file = iso_path_join(dir, "report.json");
+    remove(file);
+    assert_status(iso_report_create(&r, dir, &about, &err), ISO_E_IO);
+    free(file);
+    free(dir);
+}
+
+static void bad_names_are_refused(void **state)
+{
+    (void)state;
+    char *dir = inside("names");
+    iso_report *r;
+    const iso_report_about about = {.title = "t"};
+    iso_image image = ball(16, 0, 0, 0), small = ball(12, 0, 0, 0);
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_status(iso_report_add_image(r, "../a", &image, NULL, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_report_add_image(r, "", &image, NULL, NULL, &err), ISO_E_RANGE);
+    assert_ok(iso_report_add_image(r, "a", &image, NULL, NULL, &err));
+    assert_ok(iso_report_add_image(r, "small", &small, NULL, NULL, &err));
+    assert_status(iso_report_add_image(r, "a", &image, NULL, NULL, &err), ISO_E_RANGE);
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .image_a = "a", .image_b = "none"};
+    assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);
+    row.image_b = "small";
+    assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);
+    assert_int_equal(json_array_size(json_object_get(iso_report_json(r), "agreement")), 0);
+    iso_report_destroy(r);
+    iso_image_destroy(&image);
+    iso_image_destroy(&small);
+    free(dir);
+}
+
+static void without_gnuplot_there_are_no_charts_and_it_says_so(void **state)
+{
+    (void)state;
+    char *dir = inside("plain");
+    setenv("ISOSHADE_GNUPLOT", "/nonexistent/gnuplot", 1);
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    unsetenv("ISOSHADE_GNUPLOT");
+    assert_non_null(json_object_get(iso_report_json(r), "charts_missing"));
+    iso_report_destroy(r);
+    free(dir);
+}
+
+static void a_restyled_chart_keeps_its_style(void **state)
+{
+    (void)state;
+    char *dir = inside("style"), *style, *svg, *text;
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    iso_report_destroy(r);
+    char *command = NULL;
+    style = iso_path_join(dir, "charts/style.gp");
+    svg = iso_path_join(dir, "charts/agreement.svg");
+    size_t size = 0;
+    FILE *f = open_memstream(&command, &size);
+    fprintf(f, "cd %s/charts && sed -i 's/#d55e00/#123456/' style.gp && gnuplot agreement.gp", dir);
+    fclose(f);
+    assert_int_equal(system(command), 0);
+    read_text(svg, &text);
+    assert_non_null(strstr(text, "rgb( 18,  52,  86)"));
+    free(command);
+    free(text);
+    free(svg);
+    free(style);
+    free(dir);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1) {
+        example_size = 160;
+        iso_report *r = example(argv[1]);
+        assert_ok(iso_report_finish(r, &err));
+        iso_report_destroy(r);
+        return 0;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_file_is_there_and_the_data_is_whole),
+        cmocka_unit_test(the_worst_comes_first),
+        cmocka_unit_test(the_page_needs_nothing_from_outside),
+        cmocka_unit_test(the_sentence_tells_each_outcome),
+        cmocka_unit_test(junit_counts_failures_and_escapes),
+        cmocka_unit_test(an_unfinished_report_leaves_nothing),
+        cmocka_unit_test(only_a_report_is_replaced),
+        cmocka_unit_test(bad_names_are_refused),
+        cmocka_unit_test(without_gnuplot_there_are_no_charts_and_it_says_so),
+        cmocka_unit_test(a_restyled_chart_keeps_its_style),
+    };
+    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+}
