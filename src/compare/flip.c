@@ -115,7 +115,8 @@ static void add_separable(const double *restrict in, size_t width, size_t height
                           const double *column_filter, size_t radius, double weight, double *restrict scratch,
                           double *restrict out)
 {
-#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+    const int threads = width * height < 40000 ? 1 : iso_threads(0); /* starting them costs more than 1 ms of work */
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t y = 0; y < height; ++y)
         for (size_t x = 0; x < width; ++x) {
             double sum = 0;
@@ -125,7 +126,7 @@ static void add_separable(const double *restrict in, size_t width, size_t height
             }
             scratch[y * width + x] = sum;
         }
-#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t y = 0; y < height; ++y)
         for (size_t k = 0; k <= 2 * radius; ++k) {
             size_t at = y + k < radius ? 0 : y + k - radius;

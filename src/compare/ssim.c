@@ -55,9 +55,10 @@ iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, i
     double *la = luma(a), *lb = luma(b), *rows = calloc(height, sizeof *rows);
     iso_status status = ISO_OK;
     if (la && lb && rows) {
+        const int threads = width * height < 40000 ? 1 : iso_threads(0);
         bool inside = width >= TAPS && height >= TAPS;
         size_t margin = inside ? TAPS / 2 : 0;
-#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+#pragma omp parallel for schedule(static) num_threads(threads)
         for (size_t y = margin; y < height - margin; ++y)
             for (size_t x = margin; x < width - margin; ++x)
                 rows[y] += window(la, lb, width, height, x, y, taps);
