@@ -1,9 +1,12 @@
 /* The ray caster against the reference with the same sampling. Sizes and spacings are unequal, the grid is rotated. */
+#define _POSIX_C_SOURCE 200809L
 #include "test.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "render/raycaster.h"
 #include "render/reference.h"
@@ -288,6 +291,33 @@ static void degenerate_volumes_and_cameras_agree(void **state)
     }
 }
 
+/* The same samples are summed, so that only the compiler's order of operations may differ. */
+static void leaving_out_empty_bricks_changes_nothing(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
+    for (int kind = PERSPECTIVE; kind <= INSIDE; ++kind)
+        for (size_t k = 0; k < p.level_count; ++k) {
+            iso_view view = make_view((view_kind)kind, &p.levels[0]);
+            for (size_t i = 0; i < view.tf.count; ++i)
+                if (i < 50)
+                    view.tf.entries[4 * i + 3] = 0;
+            iso_gl_options opt = iso_gl_defaults();
+            iso_image plain, skipping;
+            opt.skip = ISO_GL_SKIP_NEVER;
+            assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &plain, NULL, &err));
+            opt.skip = ISO_GL_SKIP_ALWAYS;
+            for (opt.brick_voxels = 1; opt.brick_voxels <= 16; opt.brick_voxels += 5) {
+                assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &skipping, NULL, &err));
+                assert_at_most(compare(&plain, &skipping).max_abs, 1e-6);
+                iso_image_destroy(&skipping);
+            }
+            iso_image_destroy(&plain);
+            iso_view_destroy(&view);
+        }
+    iso_pyramid_destroy(&p);
+}
+
 /* Each of these faults is what a wrong export or shader would do. */
 static void rejects(const iso_level *right, const iso_level *wrong, const iso_view *right_view,
                     const iso_view *wrong_view, const char *what)
@@ -405,9 +435,31 @@ static void shader_folder_of_the_sources_gives_the_same_image(void **state)
     iso_pyramid_destroy(&p);
 }
 
+/* In a process of its own, as libEGL looks for its vendors once. */
+static int status_without_vendors = -1;
+static void ask_without_vendors(void)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        iso_error err = {""};
+        setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json", 1);
+        iso_status status = iso_gl_create(&gl, NULL, &err);
+        _exit(status == ISO_E_MISSING && strstr(err.text, "no OpenGL 4.3 context by EGL") ? 0 : 1);
+    }
+    if (child > 0)
+        waitpid(child, &status_without_vendors, 0);
+}
+
+static void missing_egl_vendor_is_reported_with_what_was_tried(void **state)
+{
+    (void)state;
+    assert_int_equal(status_without_vendors, 0);
+}
+
 static int open_gl(void **state)
 {
     (void)state;
+    ask_without_vendors();
     iso_error err = {""};
     if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
         return 0;
@@ -430,10 +482,12 @@ int main(void)
         cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
         cmocka_unit_test(every_reference_scene_agrees_at_every_level),
         cmocka_unit_test(degenerate_volumes_and_cameras_agree),
+        cmocka_unit_test(leaving_out_empty_bricks_changes_nothing),
         cmocka_unit_test(known_faults_are_rejected),
         cmocka_unit_test(images_do_not_differ_between_runs),
         cmocka_unit_test(volume_beyond_the_texture_limit_is_refused_with_both_sizes),
         cmocka_unit_test(missing_float_directions_are_refused),
+        cmocka_unit_test(missing_egl_vendor_is_reported_with_what_was_tried),
         cmocka_unit_test(missing_shader_folder_is_named),
         cmocka_unit_test(shader_folder_of_the_sources_gives_the_same_image),
     };

@@ -7,6 +7,7 @@
 #include "cli/cli.h"
 
 #define ISO_BENCH_LIST(X) \
-    X(encode)
+    X(encode)         \
+    X(render)
 
 #endif

@@ -28,9 +28,21 @@ iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
 
+/* Leaving out bricks that the TF does not show changes no pixel by more than
+ * rounding; it pays on sparse TFs and costs a little on dense ones. */
+typedef enum iso_gl_skip {
+    ISO_GL_SKIP_AUTO, /* where at most ISO_GL_SKIP_OCCUPIED of the bricks are occupied */
+    ISO_GL_SKIP_NEVER,
+    ISO_GL_SKIP_ALWAYS
+} iso_gl_skip;
+#define ISO_GL_SKIP_OCCUPIED 0.5
+
 typedef struct iso_gl_options {
     iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
     double step_voxels;          /* 0: the view's */
+    iso_gl_skip skip;
+    size_t brick_voxels;         /* of the skipped bricks */
+    size_t repeats;              /* draws; the time is that of the fastest */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

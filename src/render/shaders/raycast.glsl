@@ -3,7 +3,8 @@
 // A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
 // show in the image. Its samples are floats, in texture coordinates from the middle of the first segment.
 //
-// Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly), DECODER (of code_decode.h), LIGHT_COUNT.
+// Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly), DECODER (of code_decode.h), LIGHT_COUNT,
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -18,6 +19,11 @@ uniform sampler3D scalar;
 uniform sampler2D tf;
 uniform float tf_scale, tf_offset; // texel value to entry
 uniform int tf_count;
+
+#if SKIP_EMPTY
+uniform usampler3D occupancy;      // distance of each brick to the nearest one that the TF shows
+uniform vec3 bricks_per_volume;    // texture coordinates to bricks
+#endif
 
 uniform sampler3D directions;
 uniform float direction_scale, direction_offset; // texel value to lattice vector
@@ -62,6 +68,38 @@ Ray pixel_ray()
     return ray;
 }
 
+struct Segment {
+    vec3 p;     // the middle
+    float part; // of a whole segment; exactly 1 away from the ends
+};
+
+Segment segment(Ray ray, float k)
+{
+    float front = k == 0.0 ? ray.first_cut : 0.0, back = max(k + 1.0 - ray.length, 0.0);
+    return Segment(ray.start + (k + 0.5 * (front - back)) * ray.stride, 1.0 - front - back);
+}
+
+#if SKIP_EMPTY
+// The first segment from k on whose middle lies in an occupied brick. The cube of bricks nearer than `distance` is
+// empty; brick ranges reach half a voxel further than the brick, so rounding at its faces does not matter.
+float leave_empty_bricks(Ray ray, float k)
+{
+    while (k < ray.length) {
+        vec3 p = segment(ray, k).p * bricks_per_volume;
+        ivec3 brick = clamp(ivec3(p), ivec3(0), textureSize(occupancy, 0) - 1);
+        int empty = int(texelFetch(occupancy, brick, 0).r);
+        if (empty == 0)
+            break;
+        vec3 stride = ray.stride * bricks_per_volume;
+        vec3 face = vec3(brick) + mix(vec3(1 - empty), vec3(empty), greaterThan(stride, vec3(0.0)));
+        vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
+        steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
+        k += floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
+    }
+    return k;
+}
+#endif
+
 float scalar_at(vec3 p) { return textureLod(scalar, p, 0.0).r; }
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
@@ -91,8 +129,10 @@ float shade(vec3 n, vec3 halfway[LIGHT_COUNT + 1])
 {
     float sum = shading.x;
     for (int i = 0; i < LIGHT_COUNT; ++i) {
-        float specular = pow(max(abs(dot(n, halfway[i])), 1e-30), shading.w);
-        sum += light_intensity[i] * (shading.y * abs(dot(n, light_direction[i])) + shading.z * specular);
+        sum += light_intensity[i] * shading.y * abs(dot(n, light_direction[i]));
+#if SPECULAR
+        sum += light_intensity[i] * shading.z * pow(max(abs(dot(n, halfway[i])), 1e-30), shading.w);
+#endif
     }
     return sum;
 }
@@ -114,15 +154,36 @@ void main()
 
     vec3 sum = vec3(0.0);
     float transmittance = 1.0, segment_mm = float(step_mm);
-    for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
-        // What the box cuts off this segment; exactly 0 inside, so that whole segments keep their exact length.
-        float front = k == 0.0 ? ray.first_cut : 0.0, back = max(k + 1.0 - ray.length, 0.0);
-        vec3 p = ray.start + (k + 0.5 * (front - back)) * ray.stride;
-        vec4 c = classify(scalar_at(p));
-        float weight = transmittance * opacity_of(c.a * segment_mm * (1.0 - front - back));
-        if (weight > 0.0)
-            sum += weight * shade(normal_at(p), halfway) * c.rgb;
+#if SKIP_EMPTY
+    // Software GL runs both sides of a branch but leaves a loop when all its pixels have: so the search for the next
+    // segment that shows is a loop, with the light outside it.
+    for (float k = 0.0; transmittance >= 1e-7; k += 1.0) {
+        vec4 c = vec4(0.0);
+        Segment at;
+        for (;; k += 1.0) {
+            k = leave_empty_bricks(ray, k);
+            if (k >= ray.length)
+                break;
+            at = segment(ray, k);
+            c = classify(scalar_at(at.p));
+            if (c.a > 0.0)
+                break;
+        }
+        if (k >= ray.length)
+            break;
+        float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
+        sum += weight * shade(normal_at(at.p), halfway) * c.rgb;
         transmittance -= weight;
     }
+#else
+    for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
+        Segment at = segment(ray, k);
+        vec4 c = classify(scalar_at(at.p));
+        float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
+        if (weight > 0.0)
+            sum += weight * shade(normal_at(at.p), halfway) * c.rgb;
+        transmittance -= weight;
+    }
+#endif
     color = vec4(sum + transmittance * background, 1.0 - transmittance);
 }

@@ -1,0 +1,104 @@
+#include "brick/occupancy.h"
+
+#include <stdlib.h>
+
+#include "base/parallel.h"
+
+/* The range of voxels [lo, hi) of one row, into min_max. */
+static void extend(const float *row, size_t lo, size_t hi, float min_max[2])
+{
+    for (size_t x = lo; x < hi; ++x) {
+        min_max[0] = row[x] < min_max[0] ? row[x] : min_max[0];
+        min_max[1] = row[x] > min_max[1] ? row[x] : min_max[1];
+    }
+}
+
+/* First and one past the last voxel that brick b of n voxels needs along an axis of `size`. */
+static void brick_extent(size_t b, size_t n, size_t size, size_t *lo, size_t *hi)
+{
+    *lo = b * n > 0 ? b * n - 1 : 0;
+    *hi = (b + 1) * n + 1 < size ? (b + 1) * n + 1 : size;
+}
+
+iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g,
+                                   size_t brick_voxels, iso_error *err)
+{
+    *r = (iso_brick_ranges){.brick_voxels = brick_voxels};
+    if (brick_voxels == 0)
+        return iso_fail(err, ISO_E_RANGE, "bricks of 0 voxels, must be at least 1");
+    for (int a = 0; a < 3; ++a)
+        r->count[a] = (g->size[a] + brick_voxels - 1) / brick_voxels;
+    size_t count = iso_brick_ranges_count(r);
+    r->min_max = malloc(2 * count * sizeof *r->min_max);
+    if (!r->min_max)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the ranges of %zu bricks", count);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+    for (size_t i = 0; i < count; ++i) {
+        size_t b[3] = {i % r->count[0], i / r->count[0] % r->count[1], i / (r->count[0] * r->count[1])};
+        size_t lo[3], hi[3];
+        for (int a = 0; a < 3; ++a)
+            brick_extent(b[a], brick_voxels, g->size[a], &lo[a], &hi[a]);
+        float *min_max = r->min_max + 2 * i;
+        min_max[0] = min_max[1] = scalar[lo[0] + g->size[0] * (lo[1] + g->size[1] * lo[2])];
+        for (size_t z = lo[2]; z < hi[2]; ++z)
+            for (size_t y = lo[1]; y < hi[1]; ++y)
+                extend(scalar + g->size[0] * (y + g->size[1] * z), lo[0], hi[0], min_max);
+    }
+    return ISO_OK;
+}
+
+void iso_brick_ranges_destroy(iso_brick_ranges *r)
+{
+    if (!r)
+        return;
+    free(r->min_max);
+    *r = (iso_brick_ranges){0};
+}
+
+bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
+{
+    /* Wider by a thousandth of an entry: renderers look values up in float. */
+    double scale = (double)(tf->count - 1) / (tf->hi - tf->lo), last = (double)(tf->count - 1);
+    double first = (min - tf->lo) * scale - 1e-3, end = (max - tf->lo) * scale + 1e-3;
+    first = first > 0 ? (first < last ? first : last) : 0;
+    end = end > 0 ? (end < last ? end : last) : 0;
+    size_t to = (size_t)end + ((double)(size_t)end < end);
+    for (size_t i = (size_t)first; i <= to; ++i)
+        if (tf->entries[4 * i + 3] > 0)
+            return true;
+    return false;
+}
+
+/* The chessboard distance is the least over the 26 neighbours plus one: exact after a forward and a backward sweep,
+ * each over the neighbours that it has visited (Rosenfeld and Pfaltz 1968). */
+static void sweep(const size_t count[3], uint8_t *distance, int direction)
+{
+    size_t n = count[0] * count[1] * count[2];
+    for (size_t j = 0; j < n; ++j) {
+        size_t i = direction > 0 ? j : n - 1 - j;
+        long x = (long)(i % count[0]), y = (long)(i / count[0] % count[1]), z = (long)(i / (count[0] * count[1]));
+        int least = distance[i];
+        for (int o = 0; o < 13; ++o) { /* the half of the neighbours that was visited before */
+            long dx = o % 3 - 1, dy = o / 3 % 3 - 1, dz = o / 9 - 1;
+            long qx = x + direction * dx, qy = y + direction * dy, qz = z + direction * dz;
+            if (qx < 0 || qy < 0 || qz < 0 || qx >= (long)count[0] || qy >= (long)count[1] || qz >= (long)count[2])
+                continue;
+            int there = distance[(size_t)qx + count[0] * ((size_t)qy + count[1] * (size_t)qz)] + 1;
+            least = there < least ? there : least;
+        }
+        distance[i] = (uint8_t)least;
+    }
+}
+
+double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance)
+{
+    size_t count = iso_brick_ranges_count(r), occupied = 0;
+    for (size_t i = 0; i < count; ++i) {
+        bool shows = iso_tf_shows(tf, (double)r->min_max[2 * i], (double)r->min_max[2 * i + 1]);
+        distance[i] = shows ? 0 : 255;
+        occupied += shows;
+    }
+    sweep(r->count, distance, 1);
+    sweep(r->count, distance, -1);
+    return (double)occupied / (double)count;
+}

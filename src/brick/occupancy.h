@@ -1,0 +1,47 @@
+/* occupancy.h - which bricks of a level a transfer function shows at all.
+ *
+ * A brick of n voxels a side spans [n b, n (b + 1)) in index coordinates. Its
+ * range is that of every sample in it and half a voxel around: the voxels
+ * n b - 1 to n (b + 1), so that a position that rounding puts on the wrong side
+ * of a brick's face still finds its values in the range.
+ *
+ *     voxels   |  o  |  o  |  o  |  o  |  o  |  o  |       o  centre
+ *     brick          [=======================]             n = 4
+ *     range       o-----o-----o-----o-----o-----o          n + 2 voxels
+ *
+ * A brick is empty when the TF's extinction is 0 on its whole range: leaving
+ * out its samples changes nothing. distance[b] is 0 for occupied bricks, else
+ * the Chebyshev distance to the nearest one: the cube of bricks nearer than
+ * that around b is empty too. */
+#ifndef ISO_OCCUPANCY_H
+#define ISO_OCCUPANCY_H
+
+#include <stdint.h>
+
+#include "tf/tf.h"
+#include "volume/geometry.h"
+
+typedef struct iso_brick_ranges {
+    size_t brick_voxels; /* n */
+    size_t count[3];     /* bricks along x, y, z */
+    float *min_max;      /* owned; 2 a brick, x fastest */
+} iso_brick_ranges;
+
+/* scalar: the voxels of g. ISO_E_RANGE for bricks of no voxel, ISO_E_MEMORY. */
+iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g,
+                                   size_t brick_voxels, iso_error *err);
+void iso_brick_ranges_destroy(iso_brick_ranges *r); /* accepts empty and NULL */
+
+static inline size_t iso_brick_ranges_count(const iso_brick_ranges *r)
+{
+    return r->count[0] * r->count[1] * r->count[2];
+}
+
+/* False when the table's extinction is 0 on all of [min, max]. */
+bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
+
+/* Fills distance (one byte a brick, at most 255) and returns the part of the
+ * bricks that are occupied. */
+double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance);
+
+#endif

@@ -1,0 +1,110 @@
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "brick/occupancy.h"
+
+static const size_t size[3] = {21, 9, 14};
+
+static float *random_scalar(void)
+{
+    size_t count = size[0] * size[1] * size[2];
+    float *scalar = malloc(count * sizeof *scalar);
+    assert_non_null(scalar);
+    srand(7);
+    for (size_t i = 0; i < count; ++i)
+        scalar[i] = (float)(rand() % 1000);
+    return scalar;
+}
+
+static void ranges_hold_every_voxel_and_its_neighbours(void **state)
+{
+    (void)state;
+    float *scalar = random_scalar();
+    iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
+    iso_brick_ranges r;
+    assert_ok(iso_brick_ranges_create(&r, scalar, &g, 4, &err));
+    assert_int_equal(r.count[0], 6);
+    assert_int_equal(r.count[1], 3);
+    assert_int_equal(r.count[2], 4);
+    for (size_t i = 0; i < iso_brick_ranges_count(&r); ++i) {
+        long b[3] = {(long)(i % 6), (long)(i / 6 % 3), (long)(i / 18)};
+        float min = INFINITY, max = -INFINITY;
+        for (long z = 4 * b[2] - 1; z <= 4 * b[2] + 4; ++z)
+            for (long y = 4 * b[1] - 1; y <= 4 * b[1] + 4; ++y)
+                for (long x = 4 * b[0] - 1; x <= 4 * b[0] + 4; ++x)
+                    if (x >= 0 && y >= 0 && z >= 0 && x < 21 && y < 9 && z < 14) {
+                        float v = scalar[x + 21 * (y + 9 * z)];
+                        min = fminf(min, v), max = fmaxf(max, v);
+                    }
+        assert_true(r.min_max[2 * i] == min && r.min_max[2 * i + 1] == max);
+    }
+    iso_brick_ranges_destroy(&r);
+    free(scalar);
+}
+
+static void tf_shows_what_any_value_of_the_range_shows(void **state)
+{
+    (void)state;
+    float entries[4 * 5] = {0};
+    entries[4 * 3 + 3] = 1; /* a tent over 20..40 with its top at 30 */
+    const iso_tf_table tf = {.count = 5, .lo = 0, .hi = 40, .entries = entries};
+    assert_false(iso_tf_shows(&tf, 0, 10));
+    assert_false(iso_tf_shows(&tf, -50, 5));
+    assert_true(iso_tf_shows(&tf, 0, 20.5));
+    assert_true(iso_tf_shows(&tf, 25, 25));
+    assert_true(iso_tf_shows(&tf, 35, 90));
+    assert_true(iso_tf_shows(&tf, 0, 100));
+    assert_false(iso_tf_shows(&tf, 100, 200));
+    entries[4 * 4 + 3] = 1; /* the last entry holds beyond the range */
+    assert_true(iso_tf_shows(&tf, 100, 200));
+}
+
+static void distance_is_to_the_nearest_occupied_brick(void **state)
+{
+    (void)state;
+    float min_max[2 * 5 * 4 * 3] = {0}, entries[8] = {0};
+    entries[7] = 1;
+    iso_brick_ranges r = {.brick_voxels = 8, .count = {5, 4, 3}, .min_max = min_max};
+    const iso_tf_table tf = {.count = 2, .lo = 0.5, .hi = 1, .entries = entries};
+    static const size_t occupied[2][3] = {{0, 0, 0}, {4, 2, 2}};
+    uint8_t distance[60];
+    assert_within(iso_occupancy_compute(&r, &tf, distance), 0, 0);
+    for (size_t i = 0; i < 60; ++i)
+        assert_int_equal(distance[i], 255);
+    for (size_t o = 0; o < 2; ++o)
+        min_max[2 * (occupied[o][0] + 5 * (occupied[o][1] + 4 * occupied[o][2])) + 1] = 1;
+    assert_within(iso_occupancy_compute(&r, &tf, distance), 2.0 / 60, 1e-15);
+    for (size_t i = 0; i < 60; ++i) {
+        const long b[3] = {(long)(i % 5), (long)(i / 5 % 4), (long)(i / 20)};
+        long least = 255;
+        for (size_t o = 0; o < 2; ++o) {
+            long d = 0;
+            for (int a = 0; a < 3; ++a)
+                d = labs(b[a] - (long)occupied[o][a]) > d ? labs(b[a] - (long)occupied[o][a]) : d;
+            least = d < least ? d : least;
+        }
+        assert_int_equal(distance[i], least);
+    }
+}
+
+static void bricks_of_no_voxel_are_refused(void **state)
+{
+    (void)state;
+    iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
+    iso_brick_ranges r;
+    float scalar = 0;
+    assert_status(iso_brick_ranges_create(&r, &scalar, &g, 0, &err), ISO_E_RANGE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ranges_hold_every_voxel_and_its_neighbours),
+        cmocka_unit_test(tf_shows_what_any_value_of_the_range_shows),
+        cmocka_unit_test(distance_is_to_the_nearest_occupied_brick),
+        cmocka_unit_test(bricks_of_no_voxel_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
