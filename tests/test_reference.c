@@ -155,6 +155,27 @@ static double sphere_error(size_t n)
     return error;
 }
 
+/* One entry of 1025: a shell of 1/40 of a cell, which no equal division by 2, 4 or 8 meets. */
+static void a_shell_thinner_than_a_cell_is_met(void **state)
+{
+    (void)state;
+    float entries[4 * 1025] = {0};
+    const size_t places[3] = {300, 481, 777};
+    iso_level level = make_level(small_size, small_spacing, ramp);
+    for (int i = 0; i < 3; ++i) {
+        iso_view view = make_view(iso_v3(0, 0, -1), line_entries);
+        view.tf = (iso_tf_table){.count = 1025, .lo = 0, .hi = 1, .entries = entries};
+        entries[4 * places[i] + 3] = 50;
+        iso_reference_options opt = iso_reference_defaults();
+        iso_image image = render(&level, &view, &opt);
+        /* a triangle of height 50/mm, one entry to either side; the ramp climbs 0.08 a mm; 1e-7: floats */
+        assert_within(image.rgba[3], 1 - exp(-50 * (1.0 / 1024) / 0.08), 1e-7);
+        iso_image_destroy(&image);
+        entries[4 * places[i] + 3] = 0;
+    }
+    free_level(&level);
+}
+
 static void a_sphere_converges_with_the_square_of_the_spacing(void **state)
 {
     (void)state;
@@ -264,6 +285,7 @@ int main(void)
         cmocka_unit_test(a_slab_has_the_opacity_of_its_thickness),
         cmocka_unit_test(an_oblique_chord_counts_in_full),
         cmocka_unit_test(a_ramp_of_extinction_and_colour_matches_its_integral),
+        cmocka_unit_test(a_shell_thinner_than_a_cell_is_met),
         cmocka_unit_test(a_sphere_converges_with_the_square_of_the_spacing),
         cmocka_unit_test(stepping_quadratures_converge_to_the_converged_one),
         cmocka_unit_test(threads_do_not_change_the_image),

@@ -16,6 +16,7 @@ iso_reference_options iso_reference_defaults(void)
 typedef struct ray_state {
     const iso_sampler *sampler;
     const iso_view *view;
+    const size_t *bends;        /* bends_create() */
     iso_vec3 origin, direction; /* index per mm of t */
     iso_vec3 to_viewer;         /* world, unit */
 } ray_state;
@@ -24,6 +25,25 @@ typedef struct ray_state {
 typedef struct stretch {
     double color[3], depth;
 } stretch;
+
+/* bends[i]: how many of the TF's entries below i are bends, where a component's
+ * slope changes by more than a thousandth of its largest value. To be freed. */
+static size_t *bends_create(const iso_tf_table *tf)
+{
+    size_t *bends = calloc(tf->count + 1, sizeof *bends);
+    double largest[4] = {0};
+    for (size_t i = 0; i < 4 * tf->count; ++i)
+        largest[i % 4] = fmax(largest[i % 4], (double)tf->entries[i]);
+    for (size_t i = 0; bends && i < tf->count; ++i) {
+        const float *before = tf->entries + 4 * (i > 0 ? i - 1 : 0), *here = tf->entries + 4 * i;
+        const float *after = i + 1 < tf->count ? here + 4 : here;
+        bool bend = false;
+        for (size_t c = 0; c < 4; ++c)
+            bend |= fabs((double)after[c] - 2 * (double)here[c] + (double)before[c]) > 1e-3 * largest[c];
+        bends[i + 1] = bends[i] + bend;
+    }
+    return bends;
+}
 
 /* shade(d) of render/scene.h */
 static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
@@ -97,19 +117,59 @@ static double distance(stretch a, stretch b)
     return d;
 }
 
-/* Smooth between cell borders except where the TF has a knot: there the
- * extrapolation stalls and the piece is halved. weight is the transmittance in
- * front of the piece, so that hidden pieces are not refined. */
+/* Where on the TF's table the ray is at t, in entries. */
+static double entry_at(const ray_state *ray, double t)
+{
+    const iso_tf_table *tf = &ray->view->tf;
+    double s = iso_sample_scalar(ray->sampler, iso_madd(ray->origin, ray->direction, t));
+    return (s - tf->lo) / (tf->hi - tf->lo) * (double)(tf->count - 1);
+}
+
+/* Where to cut [a, b] for a bend of the TF inside it, or a when there is none:
+ * at the bend itself once it is singled out, before that in the middle. A shell
+ * of opacity between the samples of a piece would leave no trace in them. */
+static double cut_at_bend(const ray_state *ray, double a, double b)
+{
+    enum { few = 4, bisections = 40 };
+    const double slack = 1e-6, last = (double)(ray->view->tf.count - 1), middle = 0.5 * (a + b);
+    double at_a = entry_at(ray, a), at_middle = entry_at(ray, middle), at_b = entry_at(ray, b);
+    double lo = fmin(at_a, fmin(at_middle, at_b)) + slack, hi = fmax(at_a, fmax(at_middle, at_b)) - slack;
+    double first = ceil(fmax(lo, 0)), end = floor(fmin(hi, last));
+    if (!(first <= end) || ray->bends[(size_t)end + 1] == ray->bends[(size_t)first])
+        return a;
+    if (hi - lo > few || (at_middle - at_a) * (at_b - at_middle) < 0)
+        return middle;
+    size_t bend = (size_t)first;
+    while (ray->bends[bend + 1] == ray->bends[bend])
+        ++bend;
+    for (int i = 0; i < bisections; ++i) {
+        double t = 0.5 * (a + b);
+        if ((entry_at(ray, t) < (double)bend) == (at_a < at_b))
+            a = t;
+        else
+            b = t;
+    }
+    return 0.5 * (a + b);
+}
+
+/* Smooth between cell borders and bends of the TF; what is not yet extrapolated
+ * well is halved. weight is the transmittance in front of the piece, so that
+ * hidden pieces are not refined. */
 static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth)
 {
-    enum { max_depth = 14 };
+    enum { max_depth = 24 };
     stretch two = sum_intervals(ray, a, b, 2), four = sum_intervals(ray, a, b, 4);
     stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
-    if (depth >= max_depth || weight * distance(fine, coarse) <= tolerance)
+    if (depth >= max_depth || weight <= tolerance)
         return fine;
-    double middle = 0.5 * (a + b);
-    stretch front = integrate_piece(ray, a, middle, weight, 0.5 * tolerance, depth + 1);
-    stretch back = integrate_piece(ray, middle, b, weight * exp(-front.depth), 0.5 * tolerance, depth + 1);
+    double cut = cut_at_bend(ray, a, b);
+    if (!(cut > a && cut < b)) {
+        if (weight * distance(fine, coarse) <= tolerance)
+            return fine;
+        cut = 0.5 * (a + b);
+    }
+    stretch front = integrate_piece(ray, a, cut, weight, 0.5 * tolerance, depth + 1);
+    stretch back = integrate_piece(ray, cut, b, weight * exp(-front.depth), 0.5 * tolerance, depth + 1);
     return compose(front, back);
 }
 
@@ -161,13 +221,13 @@ static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, do
     return s;
 }
 
-static void render_pixel(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt, size_t column,
-                         size_t row, float rgba[4])
+static void render_pixel(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
+                         const size_t *bends, size_t column, size_t row, float rgba[4])
 {
     const iso_geometry *g = &sampler->level->geometry;
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.sampler = sampler, .view = view, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.sampler = sampler, .view = view, .bends = bends, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -199,17 +259,24 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
     iso_status status = iso_sampler_create(&sampler, level, code, opt->source, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
+    size_t *bends = bends_create(&view->tf);
+    if (status == ISO_OK && !bends)
+        status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
     size_t done = 0;
     int threads = iso_threads(opt->threads);
     if (status == ISO_OK) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t row = 0; row < view->height; ++row) {
             for (size_t column = 0; column < view->width; ++column)
-                render_pixel(&sampler, view, opt, column, row, image->rgba + 4 * (row * view->width + column));
+                render_pixel(&sampler, view, opt, bends, column, row,
+                             image->rgba + 4 * (row * view->width + column));
 #pragma omp critical(iso_reference_progress)
             iso_progress_report(progress, "reference", (double)++done / (double)view->height);
         }
     }
+    free(bends);
+    if (status != ISO_OK)
+        iso_image_destroy(image);
     iso_sampler_destroy(&sampler);
     return status;
 }
