@@ -1,9 +1,14 @@
-/* blender.h - Blender scenes of a level, and Cycles as a renderer.
+/* blender.h - Blender scenes of a volume, and Cycles as a renderer.
  *
  * The .blend is made by Blender itself, running the embedded build_scene.py on
- * a JSON description: volume object with a relative path to the VDB, the TF as
- * a packed N x 1 float image, the material as a node group "isoshade", camera,
- * lights as group inputs. Cycles renders the same .blend. */
+ * a JSON description: a volume object with a relative path to its VDB, the TF as
+ * a packed N x 1 float image, the material as a node group "isoshade" with the
+ * shading constants and the lights as group inputs, camera and render settings.
+ * Cycles renders the same scene.
+ *
+ * Before each scene Blender renders a tiny known volume and looks where it is:
+ * versions differ by half a voxel in where they put a grid. A build that puts it
+ * anywhere else is refused (ISO_E_PROGRAM, "calibration: ..."). */
 #ifndef ISO_EXPORT_BLENDER_H
 #define ISO_EXPORT_BLENDER_H
 
@@ -30,5 +35,18 @@ iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
+
+/* The TF as Blender's ColorRamp: at most 32 stops, which Cycles bakes to 256
+ * entries. The .blend carries it as the group "isoshade ramp" beside the exact
+ * image. The losses are the largest differences from the table, after baking. */
+#define ISO_RAMP_MAX_STOPS 32
+typedef struct iso_color_ramp {
+    size_t count;
+    double position[ISO_RAMP_MAX_STOPS]; /* fraction of [lo, hi], ascending */
+    double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear colour; alpha is extinction / max_extinction */
+    double max_extinction;               /* 1/mm */
+    double color_loss, alpha_loss;       /* of 1 */
+} iso_color_ramp;
+void iso_color_ramp_fit(const iso_tf_table *table, iso_color_ramp *ramp);
 
 #endif

@@ -1,0 +1,262 @@
+#include "blender/blender.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "encode/decode_double.h"
+#include "vdb/vdb.h"
+
+ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
+
+#define CALIBRATION_SIZE 4 /* voxels along an axis of the volume that shows where Blender puts grids */
+#define MAX_STEPS 65536    /* the most that Cycles takes along a ray */
+
+iso_blender_options iso_blender_defaults(void)
+{
+    return (iso_blender_options){.step_voxels = 0.0625, .samples = 1, .seed = 0, .threads = 0};
+}
+
+static void keep_version(void *user, const char *line)
+{
+    char *version = user;
+    if (!version[0])
+        sscanf(line, "Blender %31s", version);
+}
+
+iso_status iso_blender_version(char *version, size_t size, iso_error *err)
+{
+    char *blender = NULL, found[32] = "";
+    iso_status status = iso_process_find("blender", "blender", &blender, err);
+    if (status != ISO_OK)
+        return status;
+    const char *argv[] = {blender, "--version", NULL};
+    iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 60};
+    status = iso_process_run(argv, &options, err);
+    if (status == ISO_OK && !found[0])
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version", blender);
+    if (status == ISO_OK)
+        snprintf(version, size, "%s", found);
+    free(blender);
+    return status;
+}
+
+/* ---- the description ---- */
+
+static json_t *vec_json(iso_vec3 v) { return iso_json_numbers((double[]){v.x, v.y, v.z}, 3); }
+
+static json_t *rows_json(const double rows[][4], size_t count)
+{
+    json_t *array = json_array();
+    for (size_t r = 0; r < count; ++r)
+        json_array_append_new(array, iso_json_numbers(rows[r], 4));
+    return array;
+}
+
+/* The box as an affine image of [0, 1]^3, and the way back. */
+static void describe_box(json_t *about, const iso_geometry *g)
+{
+    iso_mat3 to_world = g->index_to_world;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+            to_world.m[r][c] *= g->box_index[c];
+    iso_mat3 to_box = iso_mat3_inverse(to_world);
+    iso_vec3 back = iso_mul(to_box, g->origin_mm);
+    const double origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
+    const double shift[3] = {-back.x, -back.y, -back.z};
+    double world[4][4] = {{0}}, box[3][4];
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            world[r][c] = to_world.m[r][c];
+            box[r][c] = to_box.m[r][c];
+        }
+        world[r][3] = origin[r];
+        box[r][3] = shift[r];
+    }
+    world[3][3] = 1;
+    json_object_set_new(about, "box_to_world", rows_json((const double(*)[4])world, 4));
+    json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
+}
+
+static json_t *describe_camera(const iso_camera *c, const iso_geometry *g)
+{
+    double far = iso_norm(iso_sub(c->position, iso_geometry_box_center_mm(g))) + 4 * iso_geometry_box_radius_mm(g);
+    return json_pack("{sb sf so so so so sf sf}", "orthographic", c->orthographic, "half_height", c->half_height,
+                     "position", vec_json(c->position), "forward", vec_json(c->forward), "right", vec_json(c->right),
+                     "up", vec_json(c->up), "clip_start", 1e-3 * iso_geometry_min_spacing_mm(g), "clip_end", far);
+}
+
+static json_t *describe_ramp(const iso_tf_table *t)
+{
+    iso_color_ramp ramp;
+    iso_color_ramp_fit(t, &ramp);
+    json_t *stops = json_array();
+    for (size_t i = 0; i < ramp.count; ++i)
+        json_array_append_new(stops, iso_json_numbers((double[]){ramp.position[i], ramp.rgba[i][0], ramp.rgba[i][1],
+                                                                 ramp.rgba[i][2], ramp.rgba[i][3]}, 5));
+    return json_pack("{so sf sf sf}", "stops", stops, "max_extinction", ramp.max_extinction, "color_loss",
+                     ramp.color_loss, "alpha_loss", ramp.alpha_loss);
+}
+
+static json_t *describe_tf(const iso_tf_table *tables, size_t count)
+{
+    json_t *all = json_array();
+    for (size_t k = 0; k < count; ++k) {
+        json_t *entries = json_array();
+        for (size_t i = 0; i < 4 * tables[k].count; ++i)
+            json_array_append_new(entries, json_real((double)tables[k].entries[i]));
+        json_array_append_new(all, entries);
+    }
+    return json_pack("{sf sf sI so so}", "lo", tables[0].lo, "hi", tables[0].hi, "count", (json_int_t)tables[0].count,
+                     "tables", all, "ramp", describe_ramp(&tables[0]));
+}
+
+static json_t *describe_lights(const iso_view *view)
+{
+    json_t *lights = json_array();
+    for (size_t i = 0; i < view->light_count; ++i)
+        json_array_append_new(lights, json_pack("{so sf}", "direction", vec_json(view->lights[i].direction), "intensity",
+                                                view->lights[i].intensity));
+    return lights;
+}
+
+static json_t *describe_level(const iso_level *level, size_t k, size_t row, const char *vdb,
+                              const iso_blender_options *opt)
+{
+    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "row", (json_int_t)row, "vdb", vdb, "step",
+                     opt->step_voxels * iso_geometry_min_spacing_mm(&level->geometry), "voxel_diagonal",
+                     vec_json(iso_mul(level->geometry.index_to_world, iso_v3(1, 1, 1))));
+}
+
+static iso_status check_options(const iso_pyramid *p, size_t level, const iso_blender_options *opt, iso_error *err)
+{
+    if (level >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "blender: level %zu, the pyramid has levels 0 to %zu", level,
+                        p->level_count - 1);
+    const iso_geometry *g = &p->levels[level].geometry;
+    double steps = 2.5 * iso_geometry_box_radius_mm(g) / (opt->step_voxels * iso_geometry_min_spacing_mm(g));
+    if (!(opt->step_voxels > 0) || !(steps <= MAX_STEPS))
+        return iso_fail(err, ISO_E_RANGE, "blender: a step of %g voxels takes %.0f steps through the volume, Cycles at most %d",
+                        opt->step_voxels, steps, MAX_STEPS);
+    if (opt->samples < 1 || opt->samples > 65536)
+        return iso_fail(err, ISO_E_RANGE, "blender: %d samples, must be 1 to 65536", opt->samples);
+    return ISO_OK;
+}
+
+static json_t *describe_scene(const iso_view *view, const iso_geometry *g, const char *name,
+                              const iso_blender_options *opt)
+{
+    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf}", "schema", "isoshade.blender/1",
+                              "name", name, "samples", opt->samples, "seed", opt->seed, "max_steps", MAX_STEPS, "image",
+                              (json_int_t)view->width, (json_int_t)view->height, "background",
+                              iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, g),
+                              "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
+                              view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
+                              "eps", ISO_DIRECTION_EPS);
+    if (about)
+        describe_box(about, g);
+    return about;
+}
+
+/* ---- running Blender ---- */
+
+static iso_status save_calibration_volume(const char *path, iso_error *err)
+{
+    enum { voxels = CALIBRATION_SIZE * CALIBRATION_SIZE * CALIBRATION_SIZE };
+    float scalar[voxels];
+    uint8_t codes[3 * voxels] = {0};
+    for (int i = 0; i < voxels; ++i)
+        scalar[i] = 1;
+    iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){CALIBRATION_SIZE, CALIBRATION_SIZE, CALIBRATION_SIZE},
+                                                             (double[]){1, 1, 1}),
+                       .scalar = scalar, .codes = codes, .min = 1, .max = 1};
+    iso_pyramid p = {.level_count = 1, .levels = &level};
+    iso_vdb_options vdb = iso_vdb_defaults();
+    vdb.gradient = false;
+    return iso_vdb_save(&p, 0, 1, path, &vdb, NULL, err);
+}
+
+static void take_line(void *user, const char *line)
+{
+    double fraction;
+    char stage[64];
+    if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
+        iso_progress_report(user, stage, fraction);
+}
+
+/* Writes script, description and calibration volume into the folder and runs them. Takes `about`. */
+static iso_status run_blender(json_t *about, const char *folder, const iso_blender_options *opt,
+                              const iso_progress *progress, iso_error *err)
+{
+    char *blender = NULL, threads[16];
+    char *script = iso_path_join(folder, "build_scene.py");
+    char *description = iso_path_join(folder, "description.json");
+    char *calibration = iso_path_join(folder, "calibration.vdb");
+    json_object_set_new(about, "calibration",
+                        json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
+    iso_status status = iso_process_find("blender", "blender", &blender, err);
+    if (status == ISO_OK)
+        status = iso_file_write(script, iso_blender_build_scene_py, strlen(iso_blender_build_scene_py), err);
+    if (status == ISO_OK)
+        status = save_calibration_volume(calibration, err);
+    if (status == ISO_OK)
+        status = iso_json_save(description, about, err);
+    if (status == ISO_OK) {
+        snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
+        const char *argv[] = {blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads,
+                              "-P", script, "--", description, NULL};
+        iso_process_options options = {.directory = folder, .line = take_line, .user = (void *)progress};
+        status = iso_process_run(argv, &options, err);
+    }
+    json_decref(about);
+    free(calibration);
+    free(description);
+    free(script);
+    free(blender);
+    return status;
+}
+
+iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
+                             iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    *image = (iso_image){0};
+    iso_status status = check_options(p, level, opt, err);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir();
+    if (!folder)
+        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    char *vdb = iso_path_join(folder, "volume.vdb"), *exr = iso_path_join(folder, "picture.exr");
+    iso_vdb_options vdb_options = iso_vdb_defaults();
+    vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
+    status = iso_vdb_save(p, level, 1, vdb, &vdb_options, progress, err);
+    if (status == ISO_OK) {
+        const iso_level *l = &p->levels[level];
+        json_t *about = describe_scene(view, &l->geometry, "isoshade", opt);
+        json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, opt)));
+        json_object_set_new(about, "tf", describe_tf(&view->tf, 1));
+        json_object_set_new(about, "film_transparent", json_true());
+        json_object_set_new(about, "render", json_string(exr));
+        status = run_blender(about, folder, opt, progress, err);
+    }
+    if (status == ISO_OK)
+        status = iso_image_load_exr(exr, image, err);
+    if (status == ISO_OK && (image->width != view->width || image->height != view->height))
+        status = iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", image->width,
+                          image->height, view->width, view->height);
+    if (status == ISO_OK)
+        iso_image_add_background(image, view->background);
+    else
+        iso_image_destroy(image);
+    iso_remove_tree(folder);
+    free(exr);
+    free(vdb);
+    free(folder);
+    return status;
+}

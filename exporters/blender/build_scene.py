@@ -1,0 +1,457 @@
+"""Builds the Blender scene of an isoshade volume, and saves or renders it.
+
+Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json
+blender.c writes the description, plain numbers in mm; nothing is decided here but how Blender is told. The picture
+is that of render/scene.h:
+
+    emission = sigma(s) shade(d) c(s),  absorption = sigma(s),  shade = ka + sum of I (kd |n.l| + ks |n.h|^p)
+
+Node groups:  isoshade  >  isoshade transfer function, isoshade ramp, isoshade box, isoshade shade.
+Positions are taken in the space of the frame, an object that stands for the volume and carries its levels: who moves
+it moves box, grids and normals together.
+"""
+import json
+import math
+import os
+import sys
+import tempfile
+
+import bpy
+import numpy
+from mathutils import Matrix, Vector
+
+# ---- node groups -----------------------------------------------------------------------------------------------
+
+
+class Group:
+    """A node group under construction. Operands are sockets or plain values; nodes are laid out in columns."""
+
+    def __init__(self, name, inputs, outputs):
+        self.tree = bpy.data.node_groups.new(name, 'ShaderNodeTree')
+        self.column = {}
+        self.filled = {}
+        modern = hasattr(self.tree, "interface")  # Blender 4 and later
+        for kind, label, default in inputs:
+            socket = (self.tree.interface.new_socket(name=label, in_out='INPUT', socket_type=kind) if modern
+                      else self.tree.inputs.new(kind, label))
+            socket.default_value = default
+        for kind, label in outputs:
+            if modern:
+                self.tree.interface.new_socket(name=label, in_out='OUTPUT', socket_type=kind)
+            else:
+                self.tree.outputs.new(kind, label)
+        self.given = self.place(self.tree.nodes.new('NodeGroupInput'), 0).outputs
+
+    def place(self, node, column):
+        row = self.filled.get(column, 0)
+        self.filled[column] = row + 1
+        self.column[node.name] = column
+        node.location = (240 * column, -230 * row)
+        return node
+
+    def node(self, kind, label, inputs, **settings):
+        """inputs: {name or number of the socket: operand}."""
+        node = self.tree.nodes.new(kind)
+        node.label = label
+        for key, value in settings.items():
+            setattr(node, key, value)
+        column = 0
+        for key, operand in inputs.items():
+            if isinstance(operand, bpy.types.NodeSocket):
+                self.tree.links.new(operand, node.inputs[key])
+                column = max(column, self.column[operand.node.name] + 1)
+            else:
+                node.inputs[key].default_value = operand
+        return self.place(node, column)
+
+    def math(self, operation, *operands, label="", clamp=False):
+        return self.node('ShaderNodeMath', label, dict(enumerate(operands)), operation=operation,
+                         use_clamp=clamp).outputs[0]
+
+    def vector(self, operation, *operands, label=""):
+        names = (0, 'Scale') if operation == 'SCALE' else (0, 1, 2)
+        node = self.node('ShaderNodeVectorMath', label, dict(zip(names, operands)), operation=operation)
+        return node.outputs['Value' if operation in ('DOT_PRODUCT', 'LENGTH') else 'Vector']
+
+    def transform(self, kind, vector, source, target):
+        return self.node('ShaderNodeVectorTransform', "", {0: vector}, vector_type=kind, convert_from=source,
+                         convert_to=target).outputs[0]
+
+    def call(self, group, **operands):
+        node = self.node('ShaderNodeGroup', "", {}, node_tree=group)
+        column = 0
+        for label, operand in operands.items():
+            label = label.replace('_', ' ')
+            if isinstance(operand, bpy.types.NodeSocket):
+                self.tree.links.new(operand, node.inputs[label])
+                column = max(column, self.column[operand.node.name] + 1)
+            else:
+                node.inputs[label].default_value = operand
+        self.filled[0] -= 1
+        return self.place(node, column).outputs
+
+    def finish(self, **results):
+        sink = self.node('NodeGroupOutput', "", {})
+        self.filled[0] -= 1
+        for label, socket in results.items():
+            self.tree.links.new(socket, sink.inputs[label])
+        self.place(sink, max(self.filled) + 1)
+        return self.tree
+
+
+def color_table(tf, path):
+    """The TF as an image: one column an entry, one row a level; packed, exact in 32-bit float."""
+    count, rows = tf["count"], len(tf["tables"])
+    image = bpy.data.images.new("isoshade transfer function", count, rows, alpha=True, float_buffer=True, is_data=True)
+    image.colorspace_settings.name = 'Non-Color'
+    image.alpha_mode = 'CHANNEL_PACKED'
+    if hasattr(image, "use_half_precision"):
+        image.use_half_precision = False
+    image.pixels.foreach_set(numpy.array(tf["tables"], numpy.float32).ravel())
+    image.pack()
+    return image
+
+
+def transfer_function_group(tf):
+    """Scalar to colour and extinction per mm, looked up between the centres of the first and the last texel."""
+    group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketFloat', "Row", 0.0)],
+                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+    count, rows = tf["count"], len(tf["tables"])
+    offset = group.math('SUBTRACT', group.given["Scalar"], tf["lo"], label="from the range's start")
+    u = group.math('MULTIPLY', offset, 1 / (tf["hi"] - tf["lo"]), label="fraction of the range", clamp=True)
+    x = group.math('MULTIPLY_ADD', u, (count - 1) / count, 0.5 / count, label="between texel centres")
+    y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="a row a level")
+    where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=color_table(tf, ""), interpolation='Linear',
+                       extension='EXTEND', projection='FLAT').outputs
+    return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
+
+
+def ramp_group(tf):
+    """The same by a ColorRamp of at most 32 stops: less exact, but easy to edit."""
+    ramp = tf["ramp"]
+    group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0)],
+                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+    offset = group.math('SUBTRACT', group.given["Scalar"], tf["lo"], label="from the range's start")
+    u = group.math('MULTIPLY', offset, 1 / (tf["hi"] - tf["lo"]), label="fraction of the range", clamp=True)
+    node = group.node('ShaderNodeValToRGB', "", {0: u})
+    stops = node.color_ramp.elements
+    node.color_ramp.interpolation = 'LINEAR'
+    while len(stops) < len(ramp["stops"]):
+        stops.new(1.0)
+    while len(stops) > max(1, len(ramp["stops"])):
+        stops.remove(stops[-1])
+    for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
+        stop.position = position
+        stop.color = (red, green, blue, alpha)
+    extinction = group.math('MULTIPLY', node.outputs["Alpha"], ramp["max_extinction"], label="alpha 1 in 1/mm")
+    return group.finish(Color=node.outputs["Color"], Extinction=extinction)
+
+
+def dots(group, rows, vector, label):
+    """Matrix times vector: three dot products."""
+    parts = [group.vector('DOT_PRODUCT', vector, row, label=label) for row in rows]
+    return group.node('ShaderNodeCombineXYZ', label, dict(enumerate(parts))).outputs[0]
+
+
+def box_group(to_box):
+    """How much of the ray's step lies inside the box: exact whatever the phase of the steps.
+
+    A hard mask errs by up to a step where the ray crosses a face. The overlap of the box with the interval of one
+    step around the sample makes the sum over the samples telescope instead. Slab method, in fractions of the box
+    with 0 at its centre: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis."""
+    group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
+                                   ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
+    linear = [row[:3] for row in to_box]
+    f = group.vector('ADD', dots(group, linear, group.given["Position"], "position in the box"),
+                     [row[3] - 0.5 for row in to_box], label="from its centre")
+    g = dots(group, linear, group.given["Ray"], "ray in the box")
+    g = group.vector('ADD', g, (1e-20, 1e-20, 1e-20), label="never 0")
+    middle = group.vector('DIVIDE', group.vector('SCALE', f, -1.0), g, label="to the middle")
+    reach = group.vector('DIVIDE', (0.5, 0.5, 0.5), group.vector('ABSOLUTE', g), label="from there to the faces")
+    half = group.math('MULTIPLY', group.given["Step"], 0.5)
+
+    def extreme(vector, operation, last):
+        part = group.node('ShaderNodeSeparateXYZ', "", {0: vector}).outputs
+        return group.math(operation, group.math(operation, group.math(operation, part[0], part[1]), part[2]), last)
+
+    enter = extreme(group.vector('SUBTRACT', middle, reach), 'MAXIMUM', group.math('MULTIPLY', half, -1.0))
+    leave = extreme(group.vector('ADD', middle, reach), 'MINIMUM', half)
+    length = group.math('MAXIMUM', group.math('SUBTRACT', leave, enter), 0.0)
+    return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
+
+
+def shade_group(light_count, eps):
+    """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
+
+    The direction turns with the object as normals do (inverse transpose); its length, which says how far it can be
+    trusted, is kept."""
+    inputs = [('NodeSocketVector', "Direction", (0, 0, 0)), ('NodeSocketFloat', "Ambient", 0.3),
+              ('NodeSocketFloat', "Diffuse", 0.7), ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
+    for i in range(light_count):
+        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
+    group = Group("isoshade shade", inputs, [('NodeSocketFloat', "Shade")])
+    d = group.given["Direction"]
+    length = group.vector('LENGTH', d)
+    root = group.math('SQRT', group.math('MULTIPLY_ADD', length, length, eps * eps), label="sqrt(|d|^2 + eps^2)")
+    trust = group.math('DIVIDE', length, root, label="|n|")
+    # The transform normalises: a zero direction needs a length, which its trust of 0 takes away again.
+    turned = group.transform('NORMAL', group.vector('ADD', d, (0, 0, 1e-18)), 'OBJECT', 'WORLD')
+    n = group.vector('SCALE', turned, trust, label="n")
+    viewer = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
+    shade = group.given["Ambient"]
+    for i in range(light_count):
+        light = group.vector('NORMALIZE', group.given[f"Light {i + 1}"], label=f"light {i + 1}")
+        half = group.vector('NORMALIZE', group.vector('ADD', light, viewer), label="h")
+        diffuse = group.math('ABSOLUTE', group.vector('DOT_PRODUCT', n, light), label="|n.l|")
+        glossy = group.math('POWER', group.math('ABSOLUTE', group.vector('DOT_PRODUCT', n, half), label="|n.h|"),
+                            group.given["Power"])
+        both = group.math('MULTIPLY_ADD', diffuse, group.given["Diffuse"],
+                          group.math('MULTIPLY', glossy, group.given["Specular"]))
+        shade = group.math('MULTIPLY_ADD', both, group.given[f"Intensity {i + 1}"], shade)
+    return group.finish(Shade=shade)
+
+
+def isoshade_group(about, frame):
+    lights = len(about["lights"])
+    inputs = [('NodeSocketFloat', "Density Scale", 1.0), ('NodeSocketFloat', "Use Ramp", 0.0),
+              ('NodeSocketFloat', "Ambient", 0.3), ('NodeSocketFloat', "Diffuse", 0.7),
+              ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
+    for i in range(lights):
+        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
+    group = Group("isoshade", inputs, [('NodeSocketShader', "Volume")])
+    scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density")
+    direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
+    row = group.node('ShaderNodeAttribute', "row of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_row")
+    step = group.node('ShaderNodeAttribute', "ray step of the level", {}, attribute_type='OBJECT',
+                      attribute_name="isoshade_step")
+    position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
+    incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
+    ray = group.vector('NORMALIZE', group.transform('VECTOR', incoming, 'WORLD', 'OBJECT'))
+
+    table = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"], Row=row.outputs["Fac"])
+    ramp = group.call(ramp_group(about["tf"]), Scalar=scalar.outputs["Fac"])
+    use_ramp = group.given["Use Ramp"]
+    color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: table["Color"], 2: ramp["Color"]}).outputs[0]
+    extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], table["Extinction"]),
+                            table["Extinction"])
+    inside = group.call(box_group(about["world_to_box"]), Position=position, Ray=ray, Step=step.outputs["Fac"])["Inside"]
+    sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, inside), group.given["Density Scale"], label="sigma")
+    shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
+    for i in range(lights):
+        shading[f"Light {i + 1}"] = group.given[f"Light {i + 1}"]
+        shading[f"Intensity {i + 1}"] = group.given[f"Intensity {i + 1}"]
+    shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"], **shading)["Shade"]
+    emission = group.node('ShaderNodeEmission', "", {0: color, 1: group.math('MULTIPLY', sigma, shade)}).outputs[0]
+    # Absorption takes density (1 - color): black leaves sigma itself.
+    absorption = group.node('ShaderNodeVolumeAbsorption', "", {0: (0, 0, 0, 1), 1: sigma}).outputs[0]
+    volume = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
+    return group.finish(Volume=volume)
+
+
+def material(about, frame):
+    result = bpy.data.materials.new(about["name"])
+    result.use_nodes = True
+    tree = result.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new('ShaderNodeGroup')
+    node.node_tree = isoshade_group(about, frame)
+    node.label = "isoshade"
+    node.width = 240
+    shading = about["shading"]
+    for name in ("Ambient", "Diffuse", "Specular", "Power"):
+        node.inputs[name].default_value = shading[name.lower()]
+    for i, light in enumerate(about["lights"]):
+        node.inputs[f"Light {i + 1}"].default_value = light["direction"]
+        node.inputs[f"Intensity {i + 1}"].default_value = light["intensity"]
+    output = tree.nodes.new('ShaderNodeOutputMaterial')
+    output.location = (320, 0)
+    tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
+    return result
+
+
+# ---- objects ---------------------------------------------------------------------------------------------------
+
+
+def volume_object(name, path, collection):
+    data = bpy.data.volumes.new(name)
+    data.filepath = path
+    data.render.space = 'OBJECT'
+    data.render.clipping = 0.0  # else small values are cut away before the shader sees them
+    thing = bpy.data.objects.new(name, data)
+    collection.objects.link(thing)
+    return thing
+
+
+def frame_object(about, collection):
+    """A wire box around the volume: the handle that moves everything, and a sight of the extent."""
+    mesh = bpy.data.meshes.new(about["name"])
+    m = Matrix(about["box_to_world"])
+    corners = [m @ Vector((x, y, z, 1)) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    edges = [(a, a | bit) for a in range(8) for bit in (1, 2, 4) if not a & bit]
+    mesh.from_pydata([c[:3] for c in corners], edges, [])
+    thing = bpy.data.objects.new(about["name"], mesh)
+    thing.display_type = 'WIRE'
+    thing.hide_render = True
+    collection.objects.link(thing)
+    return thing
+
+
+def camera_object(about, collection):
+    camera = about["camera"]
+    data = bpy.data.cameras.new("isoshade camera")
+    data.sensor_fit = 'VERTICAL'
+    if camera["orthographic"]:
+        data.type = 'ORTHO'
+        data.ortho_scale = 2 * camera["half_height"]
+    else:
+        data.lens = data.sensor_height / 2 / camera["half_height"]
+    data.clip_start = camera["clip_start"]
+    data.clip_end = camera["clip_end"]
+    thing = bpy.data.objects.new("isoshade camera", data)
+    right, up, forward, position = (camera[k] for k in ("right", "up", "forward", "position"))
+    thing.matrix_world = Matrix([[right[i], up[i], -forward[i], position[i]] for i in range(3)] + [[0, 0, 0, 1]])
+    collection.objects.link(thing)
+    return thing
+
+
+def configure(scene, about):
+    """Cycles as an integrator of emission and absorption, without any of its noise."""
+    scene.render.engine = 'CYCLES'
+    cycles = scene.cycles
+    cycles.device = 'CPU'
+    cycles.samples = about["samples"]
+    cycles.seed = about["seed"]
+    # One sample goes through the pixel's centre but for the filter table's coarseness, a thousandth of its width.
+    cycles.pixel_filter_type = 'BLACKMAN_HARRIS'
+    cycles.filter_width = 0.01 if about["samples"] == 1 else 1.5
+    cycles.use_adaptive_sampling = False
+    cycles.use_denoising = False
+    cycles.max_bounces = 0
+    cycles.volume_bounces = 0
+    cycles.transparent_max_bounces = 1024
+    cycles.sample_clamp_direct = 0
+    cycles.sample_clamp_indirect = 0
+    cycles.volume_step_rate = 1
+    cycles.volume_preview_step_rate = 1
+    cycles.volume_max_steps = about["max_steps"]
+    if hasattr(cycles, "volume_biased"):
+        cycles.volume_biased = True  # Blender 5: ray marching, not null scattering
+    scene.render.resolution_x, scene.render.resolution_y = about["image"]
+    scene.render.resolution_percentage = 100
+    scene.render.use_compositing = False
+    scene.render.use_sequencer = False
+    scene.render.film_transparent = about["film_transparent"]
+    scene.view_settings.view_transform = 'Standard'
+    settings = scene.render.image_settings
+    settings.file_format = 'OPEN_EXR'
+    settings.color_mode = 'RGBA'
+    settings.color_depth = '32'
+    settings.exr_codec = 'ZIP'
+    world = bpy.data.worlds.new("isoshade background")
+    world.use_nodes = True
+    background = world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (*about["background"], 1)
+    background.inputs["Strength"].default_value = 1
+    scene.world = world
+
+
+def render(scene, path):
+    scene.render.filepath = path
+    bpy.ops.render.render(scene=scene.name, write_still=True)
+    if not os.path.exists(path):
+        raise RuntimeError(f"Blender wrote no picture at {path}")
+
+
+# ---- calibration -----------------------------------------------------------------------------------------------
+
+
+def emission_centroid(path):
+    """Centroid of the red channel, in fractions of the picture from its middle."""
+    image = bpy.data.images.load(path)
+    width, height = image.size
+    pixels = numpy.array(image.pixels[:]).reshape(height, width, 4)[:, :, 0]
+    bpy.data.images.remove(image)
+    total = pixels.sum()
+    if not total > 0:
+        raise RuntimeError("calibration: Cycles renders nothing of a known volume")
+    x = (pixels.sum(0) * (numpy.arange(width) + 0.5)).sum() / total / width - 0.5
+    y = (pixels.sum(1) * (numpy.arange(height) + 0.5)).sum() / total / height - 0.5
+    return x, y
+
+
+def calibrate(about):
+    """Where this Blender puts the voxels: 0 when voxel i is centred at index i, 1/2 when at i + 1/2.
+
+    A small volume centred at 0 is seen along z and along x; what is measured must be one of the two answers."""
+    scene = bpy.data.scenes.new("calibration")
+    configure(scene, {"samples": 1, "seed": 0, "max_steps": 1024, "image": (24, 24), "film_transparent": True,
+                      "background": (0, 0, 0)})
+    thing = volume_object("calibration", about["vdb"], scene.collection)
+    thing.data.render.step_size = 0.125
+    paint = bpy.data.materials.new("calibration")
+    paint.use_nodes = True
+    nodes, links = paint.node_tree.nodes, paint.node_tree.links
+    nodes.clear()
+    density = nodes.new('ShaderNodeAttribute')
+    density.attribute_name = "density"
+    emission = nodes.new('ShaderNodeEmission')
+    output = nodes.new('ShaderNodeOutputMaterial')
+    links.new(density.outputs["Fac"], emission.inputs["Strength"])
+    links.new(emission.outputs[0], output.inputs["Volume"])
+    thing.data.materials.append(paint)
+    extent = 2.0 * about["size"]
+    found = []
+    for right, up, forward in (((1, 0, 0), (0, 1, 0), (0, 0, -1)), ((0, 1, 0), (0, 0, 1), (-1, 0, 0))):
+        scene.camera = camera_object({"camera": {
+            "orthographic": True, "half_height": extent / 2, "clip_start": 1e-3, "clip_end": 10 * extent, "right": right,
+            "up": up, "forward": forward, "position": [-2 * extent * a for a in forward]}}, scene.collection)
+        path = os.path.join(about["folder"], "calibration.exr")
+        render(scene, path)
+        found += [c * extent for c in emission_centroid(path)]
+        os.remove(path)
+        bpy.data.objects.remove(scene.camera)
+    bpy.data.scenes.remove(scene)
+    bpy.data.objects.remove(thing)
+    shift = 0.5 if found[0] > 0.25 else 0.0
+    if max(abs(f - shift) for f in found) > 0.02:
+        raise RuntimeError(f"calibration: voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
+    return shift, found
+
+
+# ---- the scene -------------------------------------------------------------------------------------------------
+
+
+def build(about, shift):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.name = about["name"]
+    configure(scene, about)
+    scene.unit_settings.scale_length = 0.001  # a Blender unit is a millimetre
+    scene.unit_settings.length_unit = 'MILLIMETERS'
+    frame = frame_object(about, scene.collection)
+    look = material(about, frame)
+    for level in about["levels"]:
+        thing = volume_object(f"{about['name']} level {level['level']}", level["vdb"], scene.collection)
+        thing.parent = frame
+        thing.location = [-shift * h for h in level["voxel_diagonal"]]
+        thing.data.render.step_size = level["step"]
+        thing.data.materials.append(look)
+        thing["isoshade_row"] = float(level["row"])
+        thing["isoshade_step"] = float(level["step"])
+        thing["isoshade_level"] = level["level"]
+    scene.camera = camera_object(about, scene.collection)
+    return scene
+
+
+def main():
+    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+        about = json.load(file)
+    shift, found = calibrate(about["calibration"])
+    print("isoshade: voxels are moved by", found, flush=True)
+    scene = build(about, shift)
+    if about.get("render"):
+        render(scene, about["render"])
+
+
+main()
