@@ -110,6 +110,19 @@ static double spread(double difference, double largest)
     return d < knee ? p_top / knee * d : p_top + (d - knee) / (largest - knee) * (1 - p_top);
 }
 
+/* out[x] += w * in[x + shift], where x + shift outside the row repeats its end. */
+static void add_shifted_row(const double *restrict in, size_t width, long shift, double w, double *restrict out)
+{
+    size_t before = shift < 0 ? (size_t)-shift : 0, behind = shift > 0 ? (size_t)shift : 0;
+    size_t first = before < width ? before : width, last = behind < width ? width - behind : 0;
+    for (size_t x = 0; x < first; ++x)
+        out[x] += w * in[0];
+    for (size_t x = first; x < last; ++x)
+        out[x] += w * in[(size_t)((long)x + shift)];
+    for (size_t x = last > first ? last : first; x < width; ++x)
+        out[x] += w * in[width - 1];
+}
+
 /* out += weight * (column filter)(row filter) in; edges repeat. The rows pass through scratch. */
 static void add_separable(const double *restrict in, size_t width, size_t height, const double *row_filter,
                           const double *column_filter, size_t radius, double weight, double *restrict scratch,
@@ -117,15 +130,11 @@ static void add_separable(const double *restrict in, size_t width, size_t height
 {
     const int threads = width * height < 40000 ? 1 : iso_threads(0); /* starting them costs more than 1 ms of work */
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t y = 0; y < height; ++y)
-        for (size_t x = 0; x < width; ++x) {
-            double sum = 0;
-            for (size_t k = 0; k <= 2 * radius; ++k) {
-                size_t at = x + k < radius ? 0 : x + k - radius;
-                sum += row_filter[k] * in[y * width + (at < width ? at : width - 1)];
-            }
-            scratch[y * width + x] = sum;
-        }
+    for (size_t y = 0; y < height; ++y) {
+        memset(scratch + y * width, 0, width * sizeof *scratch);
+        for (size_t k = 0; k <= 2 * radius; ++k)
+            add_shifted_row(in + y * width, width, (long)k - (long)radius, row_filter[k], scratch + y * width);
+    }
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t y = 0; y < height; ++y)
         for (size_t k = 0; k <= 2 * radius; ++k) {

@@ -334,7 +334,8 @@ async function inspect(at, scroll) {
     if (view.at !== at) return; // another case was chosen meanwhile
     loaded = {row, a, b, d};
     parts.select.value = String(at);
-    const gate = row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
+    // Where all is within the limits, all differences show; else those beyond the limit.
+    const gate = row.verdict === 'agree' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
     view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
     parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), '. Limits: ', limitsText(row), row.tier ? `tier: ${row.tier}. ` : '', row.why ? `Why: ${row.why} ` : '',
         `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), command(row.command) || '');
