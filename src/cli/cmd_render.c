@@ -1,0 +1,171 @@
+/* cmd_render.c - one level of a volume as an image, by any of the four renderers. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "cli/cli.h"
+#include "cli/renderers.h"
+#include "cli/subject.h"
+
+typedef struct render_arguments {
+    iso_cli_input input;
+    char *scene, *with, *output, *png, *size, *source, *quadrature;
+    int level, intervals, planes, samples, seed;
+    double step;
+    const char *shader_dir;
+} render_arguments;
+
+static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
+{
+    static const char *const quadratures[] = {"converged", "midpoint", "povray"};
+    iso_renderer renderer = ISO_WITH_GL;
+    iso_status status = iso_renderer_from_name(a->with, &renderer, err);
+    *opt = iso_render_defaults(renderer);
+    if (status == ISO_OK && a->source)
+        status = iso_direction_source_from_name(a->source, &opt->source, err);
+    if (status == ISO_OK && a->step != 0)
+        status = iso_cli_check_range("--step", a->step, 1e-3, 100, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--intervals", a->intervals, 0, renderer == ISO_WITH_POVRAY ? 255 : 1e6, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--planes", a->planes, 0, 64, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--samples", a->samples, 0, 65536, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--level", a->level, 0, 63, err);
+    if (status != ISO_OK)
+        return status;
+    int q = 0;
+    while (a->quadrature && q < 3 && strcmp(quadratures[q], a->quadrature) != 0)
+        ++q;
+    if (q == 3)
+        return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted converged, midpoint or povray", a->quadrature);
+    if (a->quadrature && renderer != ISO_WITH_REFERENCE)
+        return iso_fail(err, ISO_E_USAGE, "--quadrature is for --with reference alone");
+    opt->quadrature = (iso_quadrature)q;
+    opt->step_voxels = a->step;
+    opt->intervals = (size_t)a->intervals;
+    opt->planes = (size_t)a->planes;
+    opt->samples = a->samples;
+    opt->seed = a->seed;
+    opt->threads = cli->threads;
+    return ISO_OK;
+}
+
+static iso_status save_image(const render_arguments *a, const iso_cli *cli, const iso_image *image, const char *version,
+                             double step_voxels, iso_error *err)
+{
+    char step[32];
+    snprintf(step, sizeof step, "%g", step_voxels);
+    char *line = iso_cli_command_line(cli);
+    const iso_image_note notes[] = {{"isoshade:command", line ? line : ""},
+                                    {"isoshade:renderer", version},
+                                    {"isoshade:stepVoxels", step},
+                                    {NULL, NULL}};
+    iso_status status = iso_path_ends_with(a->output, ".png") ? iso_image_save_png(image, a->output, 1, err)
+                                                              : iso_image_save_exr(image, a->output, notes, err);
+    if (status == ISO_OK && a->png)
+        status = iso_image_save_png(image, a->png, 1, err);
+    free(line);
+    return status;
+}
+
+static void report(const render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
+                   const char *version, double seconds)
+{
+    if (!cli->json) {
+        printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version, seconds);
+        return;
+    }
+    json_t *root = iso_cli_json(cli);
+    const iso_geometry *g = &p->levels[a->level].geometry;
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:s, s:i, s:s, s:s}", "with", a->with, "level", a->level, "gradients",
+                                     a->source ? a->source : "codes", "code", iso_code_describe(p->options.code)->name));
+    json_object_update_new(root, json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer", version,
+                                           "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
+                                           (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
+                                           "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
+    iso_cli_print_json(root);
+}
+
+static iso_status render(const render_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_renderers renderers = {.shader_dir = a->shader_dir};
+    iso_render_options opt;
+    iso_pyramid pyramid = {0};
+    iso_view view = {0};
+    iso_image image = {0};
+    char version[320] = "";
+    double seconds = 0;
+    iso_status status = take_options(a, cli, &opt, err);
+    build.threads = cli->threads;
+    build.level_count = (size_t)a->level + 1;
+    build.keep_float = opt.source == ISO_FROM_FLOAT;
+    if (status == ISO_OK && !a->output)
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
+    if (status == ISO_OK)
+        status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
+    if (status == ISO_OK)
+        status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
+    if (status == ISO_OK)
+        report(a, cli, &pyramid, &view, version, seconds);
+    iso_image_destroy(&image);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    iso_renderers_end(&renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    render_arguments a = {.with = "gl"};
+    iso_cli_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, "reference, gl, cycles or povray", "RENDERER"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
+        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
+        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float or on-the-fly; reference and gl", "SOURCE"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
+        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint or povray", "RULE"},
+        {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
+        {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
+        {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
+        {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
+        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = render(&a, &cli, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_render = {
+    .name = "render",
+    .summary = "render a level with the reference, OpenGL, Cycles or POV-Ray",
+    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
+    .details = "All renderers compute the same integral from the same scene. A volume is made a pyramid in memory; a pyramid on\n"
+               "disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
+    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n",
+    .run = run,
+};

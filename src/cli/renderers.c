@@ -1,0 +1,144 @@
+#include "cli/renderers.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "blender/blender.h"
+#include "cli/cli.h"
+#include "povray/povray.h"
+
+static const struct {
+    const char *name, *title;
+} renderers[ISO_RENDERER_COUNT] = {
+#define ISO_RENDERER_ROW(value, text, title) [value] = {text, title},
+    ISO_RENDERER_LIST(ISO_RENDERER_ROW)
+#undef ISO_RENDERER_ROW
+};
+
+const char *iso_renderer_name(iso_renderer r) { return renderers[r].name; }
+const char *iso_renderer_title(iso_renderer r) { return renderers[r].title; }
+
+iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *err)
+{
+    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+        if (strcmp(renderers[i].name, name) == 0) {
+            *r = (iso_renderer)i;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "no renderer is called \"%s\"; wanted reference, gl, cycles or povray", name);
+}
+
+iso_render_options iso_render_defaults(iso_renderer r)
+{
+    /* Exports carry decoded directions; the arbiter compares like with like. For linear codes it is the same. */
+    return (iso_render_options){.renderer = r, .source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_CONVERGED};
+}
+
+void iso_renderers_end(iso_renderers *r)
+{
+    iso_gl_destroy(r->gl);
+    *r = (iso_renderers){0};
+}
+
+static iso_status need_gl(iso_renderers *r, iso_error *err)
+{
+    return r->gl ? ISO_OK : iso_gl_create(&r->gl, r->shader_dir, err);
+}
+
+static iso_status render_reference(const iso_level *level, iso_code code, const iso_view *view, const iso_render_options *opt,
+                                   iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    iso_reference_options o = iso_reference_defaults();
+    o.quadrature = opt->quadrature;
+    o.source = opt->source;
+    o.step_voxels = opt->step_voxels;
+    o.threads = opt->threads;
+    if (opt->intervals)
+        o.intervals = opt->intervals;
+    return iso_reference_render(level, code, view, &o, image, progress, err);
+}
+
+static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
+                                iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    iso_blender_options o = iso_blender_defaults();
+    if (opt->step_voxels > 0)
+        o.step_voxels = opt->step_voxels;
+    if (opt->samples)
+        o.samples = opt->samples;
+    o.seed = opt->seed;
+    o.threads = opt->threads;
+    return iso_cycles_render(p, level, view, &o, image, progress, err);
+}
+
+static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
+                                iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    iso_povray_options o = iso_povray_defaults();
+    if (opt->intervals) {
+        o.intervals = opt->intervals;
+        o.planes = opt->planes;
+        o.extrapolate = opt->extrapolate;
+    }
+    o.df3_32bit = opt->exact_df3 || o.df3_32bit;
+    o.threads = opt->threads;
+    return iso_povray_render(p, level, view, &o, image, progress, err);
+}
+
+iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                           const iso_render_options *opt, iso_image *image, double *seconds,
+                           const iso_progress *progress, iso_error *err)
+{
+    *image = (iso_image){0};
+    if (level >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
+    const iso_level *l = &p->levels[level];
+    double start = iso_clock_seconds(), drawing = -1;
+    iso_status status = ISO_OK;
+    switch (opt->renderer) {
+    case ISO_WITH_GL: {
+        iso_gl_options o = iso_gl_defaults();
+        o.source = opt->source;
+        o.step_voxels = opt->step_voxels;
+        status = need_gl(r, err);
+        if (status == ISO_OK)
+            status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);
+        break;
+    }
+    case ISO_WITH_CYCLES: status = render_cycles(p, level, view, opt, image, progress, err); break;
+    case ISO_WITH_POVRAY: status = render_povray(p, level, view, opt, image, progress, err); break;
+    default: status = render_reference(l, p->options.code, view, opt, image, progress, err); break;
+    }
+    if (seconds)
+        *seconds = drawing >= 0 ? drawing : iso_clock_seconds() - start;
+    return status;
+}
+
+iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text, size_t size, iso_error *err)
+{
+    char version[128] = "";
+    iso_status status = ISO_OK;
+    text[0] = 0;
+    switch (which) {
+    case ISO_WITH_GL:
+        status = need_gl(r, err);
+        if (status == ISO_OK) {
+            iso_gl_info info = iso_gl_describe(r->gl);
+            snprintf(text, size, "%s, OpenGL %s", info.renderer, info.version);
+        }
+        break;
+    case ISO_WITH_CYCLES:
+        status = iso_blender_version(version, sizeof version, err);
+        if (status == ISO_OK)
+            snprintf(text, size, "Blender %s", version);
+        break;
+    case ISO_WITH_POVRAY:
+        status = iso_povray_version(version, sizeof version, err);
+        if (status == ISO_OK)
+            snprintf(text, size, "POV-Ray %s", version);
+        break;
+    default: snprintf(text, size, "isoshade %s, double precision", ISO_VERSION); break;
+    }
+    return status;
+}

@@ -1,0 +1,61 @@
+/* renderers.h - one call for the four renderers, as the commands use them.
+ *
+ * The CPU reference and the GL ray caster live in src/render, Cycles and
+ * POV-Ray behind exporters/; only here they meet. The GL context is made at its
+ * first use and kept. */
+#ifndef ISO_CLI_RENDERERS_H
+#define ISO_CLI_RENDERERS_H
+
+#include "base/progress.h"
+#include "image/image.h"
+#include "pyramid/pyramid.h"
+#include "render/raycaster.h"
+#include "render/reference.h"
+#include "render/scene.h"
+
+/* enum, name, how it is called in reports */
+#define ISO_RENDERER_LIST(X)                        \
+    X(ISO_WITH_REFERENCE, "reference", "Reference") \
+    X(ISO_WITH_GL, "gl", "OpenGL ray caster")       \
+    X(ISO_WITH_CYCLES, "cycles", "Blender Cycles")  \
+    X(ISO_WITH_POVRAY, "povray", "POV-Ray")
+
+typedef enum iso_renderer {
+#define ISO_RENDERER_ENUM(name, text, title) name,
+    ISO_RENDERER_LIST(ISO_RENDERER_ENUM)
+#undef ISO_RENDERER_ENUM
+    ISO_RENDERER_COUNT
+} iso_renderer;
+
+const char *iso_renderer_name(iso_renderer r);
+const char *iso_renderer_title(iso_renderer r);
+iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *err);
+
+typedef struct iso_render_options {
+    iso_renderer renderer;
+    iso_direction_source source;   /* reference and GL */
+    iso_quadrature quadrature;     /* reference */
+    double step_voxels;            /* reference midpoint, GL, Cycles; 0: the view's (Cycles: 1/16) */
+    size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0: defaults */
+    bool extrapolate;              /* POV-Ray */
+    bool exact_df3;                /* POV-Ray: 32-bit DF3 files */
+    int samples, seed;             /* Cycles; 0: defaults */
+    int threads;
+} iso_render_options;
+iso_render_options iso_render_defaults(iso_renderer r);
+
+typedef struct iso_renderers {
+    iso_gl *gl;
+    const char *shader_dir; /* NULL: the embedded shaders */
+} iso_renderers;
+void iso_renderers_end(iso_renderers *r);
+
+/* ISO_E_MISSING when the program or device is not there. *seconds may be NULL. */
+iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                           const iso_render_options *opt, iso_image *image, double *seconds,
+                           const iso_progress *progress, iso_error *err);
+
+/* "Blender 3.4.1", "POV-Ray 3.7.0.10", "llvmpipe ...": what answers, or why nothing does. */
+iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text, size_t size, iso_error *err);
+
+#endif
