@@ -4,5 +4,7 @@
     X(info) \
     X(make) \
     X(build) \
+    X(render) \
+    X(export) \
     X(compare) \
     X(bench)

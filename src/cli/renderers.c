@@ -81,7 +81,7 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
         o.planes = opt->planes;
         o.extrapolate = opt->extrapolate;
     }
-    o.df3_32bit = opt->exact_df3 || o.df3_32bit;
+    o.float_directions = opt->source == ISO_FROM_FLOAT;
     o.threads = opt->threads;
     return iso_povray_render(p, level, view, &o, image, progress, err);
 }

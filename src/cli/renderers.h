@@ -36,9 +36,8 @@ typedef struct iso_render_options {
     iso_direction_source source;   /* reference and GL */
     iso_quadrature quadrature;     /* reference */
     double step_voxels;            /* reference midpoint, GL, Cycles; 0: the view's (Cycles: 1/16) */
-    size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0: defaults */
-    bool extrapolate;              /* POV-Ray */
-    bool exact_df3;                /* POV-Ray: 32-bit DF3 files */
+    size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
+    bool extrapolate;              /* POV-Ray, with intervals */
     int samples, seed;             /* Cycles; 0: defaults */
     int threads;
 } iso_render_options;

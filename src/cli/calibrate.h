@@ -1,0 +1,43 @@
+/* calibrate.h - may a renderer be trusted? Four tiny volumes whose images are
+ * known in closed form, so that no renderer is measured by another.
+ *
+ *   placement          a small blob off the centre of a rotated, anisotropic grid: the
+ *                      centroid of the optical depth is the projection of the centroid
+ *                      of the voxels. Half a voxel is about one pixel.
+ *   slab               a constant volume, rotated, in perspective: 1 - exp(-sigma chord)
+ *                      in every pixel.
+ *   transfer function  a ramp seen from the side: every column shows one value, so the
+ *                      colours and extinctions of the table stand side by side.
+ *   light              a linear field has one gradient everywhere: one shade, by the
+ *                      inverse transpose of the rotated, anisotropic matrix. */
+#ifndef ISO_CLI_CALIBRATE_H
+#define ISO_CLI_CALIBRATE_H
+
+#include "cli/renderers.h"
+
+enum { ISO_CALIBRATION_COUNT = 4 };
+
+typedef struct iso_calibration {
+    const char *check;
+    const char *unit;
+    double value, limit; /* trusted while value <= limit */
+    const char *why;     /* the cause of the limit */
+    bool passed;
+} iso_calibration;
+
+/* A planted fault, so that tests can show that each check rejects something. */
+typedef enum iso_fault {
+    ISO_FAULT_NONE,
+    ISO_FAULT_HALF_VOXEL,  /* the volume stands half a voxel off */
+    ISO_FAULT_AXIS_SWAP,   /* x and y of the directions are exchanged */
+    ISO_FAULT_SRGB,        /* the TF's colours are taken for sRGB */
+    ISO_FAULT_LIGHT,       /* the light comes from the mirrored side */
+    ISO_FAULT_UNIT,        /* extinction for 10 % more length */
+    ISO_FAULT_COUNT
+} iso_fault;
+
+/* ISO_OK when all checks could be made, passed or not. */
+iso_status iso_calibrate(iso_renderers *r, iso_renderer which, iso_fault fault, iso_calibration out[ISO_CALIBRATION_COUNT],
+                         const iso_progress *progress, iso_error *err);
+
+#endif

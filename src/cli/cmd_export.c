@@ -1,0 +1,152 @@
+/* cmd_export.c - a level for other programs: OpenVDB, Blender, POV-Ray. */
+#include <stdio.h>
+#include <string.h>
+
+#include "blender/blender.h"
+#include "cli/cli.h"
+#include "cli/subject.h"
+#include "povray/povray.h"
+#include "vdb/vdb.h"
+
+typedef struct export_arguments {
+    iso_cli_input input;
+    char *to, *output, *scene, *size;
+    int level, level_count, half;
+    const iso_cli *cli;
+} export_arguments;
+
+/* What the targets get: a pyramid, and a view where they need a scene. */
+typedef struct export_job {
+    const export_arguments *arguments;
+    const iso_pyramid *pyramid;
+    const iso_view *view;
+    const iso_progress *progress;
+} export_job;
+
+static iso_status to_vdb(const export_job *job, iso_error *err)
+{
+    iso_vdb_options o = iso_vdb_defaults();
+    o.half_float = job->arguments->half;
+    return iso_vdb_save(job->pyramid, (size_t)job->arguments->level, (size_t)job->arguments->level_count,
+                        job->arguments->output, &o, job->progress, err);
+}
+
+static iso_status to_blender(const export_job *job, iso_error *err)
+{
+    iso_blender_options o = iso_blender_defaults();
+    o.threads = job->arguments->cli->threads;
+    return iso_blender_export(job->pyramid, (size_t)job->arguments->level, job->view, job->arguments->output, &o,
+                              job->progress, err);
+}
+
+static iso_status to_povray(const export_job *job, iso_error *err)
+{
+    iso_povray_options o = iso_povray_defaults();
+    /* A person looks at it: one pass without cutting planes, 16-bit files. */
+    o.planes = 0;
+    o.extrapolate = false;
+    o.df3_bits = 16;
+    return iso_povray_export(job->pyramid, (size_t)job->arguments->level, job->view, job->arguments->output, &o,
+                             job->progress, err);
+}
+
+static const struct target {
+    const char *name, *makes;
+    bool needs_scene, takes_levels;
+    iso_status (*run)(const export_job *job, iso_error *err);
+} targets[] = {
+    {"vdb", "an OpenVDB file: float grid density, vec3s grid gradient", false, true, to_vdb},
+    {"blender", "a .blend with its .vdb beside it", true, false, to_blender},
+    {"povray", "a folder with .pov, .inc, .ini and DF3 files", true, false, to_povray},
+};
+enum { target_count = sizeof targets / sizeof *targets };
+
+static iso_status check(const export_arguments *a, const struct target **target, iso_error *err)
+{
+    *target = NULL;
+    for (size_t i = 0; a->to && i < target_count; ++i)
+        if (strcmp(targets[i].name, a->to) == 0)
+            *target = &targets[i];
+    if (!*target)
+        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb, blender or povray", a->to ? a->to : "");
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->makes);
+    iso_status status = iso_cli_check_range("--level", a->level, 0, 63, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--levels", a->level_count, 1, 64, err);
+    if (status == ISO_OK && a->level_count > 1 && !(*target)->takes_levels)
+        return iso_fail(err, ISO_E_USAGE, "--levels is for --to vdb alone");
+    return status;
+}
+
+static iso_status export_it(const export_arguments *a, iso_error *err)
+{
+    const struct target *target;
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid pyramid = {0};
+    iso_view view = {0};
+    iso_status status = check(a, &target, err);
+    if (status != ISO_OK)
+        return status;
+    build.threads = a->cli->threads;
+    build.level_count = (size_t)(a->level + a->level_count);
+    status = iso_cli_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK && (size_t)(a->level + a->level_count) > pyramid.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
+                          a->level + a->level_count - 1, pyramid.level_count - 1);
+    if (status == ISO_OK && target->needs_scene)
+        status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
+    const export_job job = {a, &pyramid, &view, &progress};
+    if (status == ISO_OK)
+        status = target->run(&job, err);
+    if (status == ISO_OK && a->cli->json) {
+        json_t *root = iso_cli_json(a->cli);
+        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level", a->level,
+                                               "levels", a->level_count));
+        iso_cli_print_json(root);
+    } else if (status == ISO_OK) {
+        printf("%s: %s\n", a->output, target->makes);
+    }
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    export_arguments a = {.level_count = 1};
+    iso_cli_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"to", 0, POPT_ARG_STRING, &a.to, 0, "vdb, blender or povray", "TARGET"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray", "SCENE.scene.json"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "vdb: this many levels from K on in one file, as density_level_N", "N"},
+        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    a.cli = &cli;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = export_it(&a, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_export = {
+    .name = "export",
+    .summary = "write a level for OpenVDB, Blender or POV-Ray",
+    .usage = "VOLUME|PYRAMID.iso --to vdb|blender|povray -o PATH [options]",
+    .details = "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
+               "it opens, the transfer function packed, the VDB beside it. povray: run `povray NAME.ini` in the folder.",
+    .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
+                "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
+                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
+                "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n",
+    .run = run,
+};
