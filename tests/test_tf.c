@@ -257,7 +257,7 @@ static void bad_scenes_are_refused_by_key_and_value(void **state)
 static void the_reference_scenes_load(void **state)
 {
     (void)state;
-    static const char *const names[] = {"refscenes/head.scene.json", "refscenes/marschner-lobb.scene.json", "refscenes/shells.scene.json"};
+    static const char *const names[] = {"refscenes/brain.scene.json", "refscenes/marschner-lobb.scene.json", "refscenes/shells.scene.json"};
     iso_geometry g = box();
     for (size_t i = 0; i < 3; ++i) {
         iso_scene scene;

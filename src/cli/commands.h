@@ -3,6 +3,7 @@
 #define ISO_COMMAND_LIST(X) \
     X(info) \
     X(make) \
+    X(validate) \
     X(build) \
     X(render) \
     X(export) \

@@ -17,7 +17,7 @@ iso_status iso_cli_load_pyramid(const char *path, const iso_cli_input *input, co
     return status;
 }
 
-static iso_status parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
+iso_status iso_cli_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
 {
     char *end;
     unsigned long w = strtoul(text, &end, 10), h = w;
@@ -45,7 +45,7 @@ iso_status iso_cli_load_view(const char *scene_path, const iso_pyramid *p, const
     if (status != ISO_OK)
         return status;
     if (size)
-        status = parse_image_size(size, &scene.width, &scene.height, err);
+        status = iso_cli_parse_image_size(size, &scene.width, &scene.height, err);
     const iso_level *level0 = &p->levels[0];
     if (status == ISO_OK)
         status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);

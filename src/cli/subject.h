@@ -16,4 +16,7 @@ iso_status iso_cli_load_pyramid(const char *path, const iso_cli_input *input, co
 iso_status iso_cli_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
                              iso_error *err);
 
+/* "320x200", or one number for both, as --size has it. */
+iso_status iso_cli_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err);
+
 #endif

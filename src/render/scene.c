@@ -2,6 +2,7 @@
 #include "render/scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,6 +100,21 @@ static void read_shading(iso_json_reader *r, const json_t *root, iso_scene *s)
                              r->path, brightest);
 }
 
+static void read_agreement(iso_json_reader *r, const json_t *root, iso_scene *s)
+{
+    static const char *const keys[] = {"povray_rmse", "cycles_rmse", "why", NULL};
+    json_t *agreement = iso_json_get_object(r, root, "agreement", false);
+    const char *why = NULL;
+    if (!agreement)
+        return;
+    iso_json_only_keys(r, agreement, "\"agreement\"", keys);
+    iso_json_get_number(r, agreement, "povray_rmse", true, 1e-9, 1, &s->agreement.povray_rmse);
+    iso_json_get_number(r, agreement, "cycles_rmse", true, 1e-9, 1, &s->agreement.cycles_rmse);
+    iso_json_get_string(r, agreement, "why", true, &why);
+    if (why)
+        snprintf(s->agreement.why, sizeof s->agreement.why, "%s", why);
+}
+
 static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
     const json_t *tf = json_object_get(root, "tf");
@@ -122,12 +138,13 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
     static const char *const keys[] = {"schema",  "comment",    "image",       "camera", "lights",
-                                       "shading", "background", "step_voxels", "tf",     NULL};
+                                       "shading", "background", "step_voxels", "tf",     "agreement", NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
     json_t *root;
     *scene = (iso_scene){.width = 160, .height = 160, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 1.05,
-                         .shading = {.power = 20}, .step_voxels = 0.5};
+                         .shading = {.power = 20}, .step_voxels = 0.5,
+                         .agreement = {1e-3, 1e-3, "the scene states no agreement: what a TF with thin shells reaches"}};
     iso_status status = iso_json_load(path, &root, err);
     if (status != ISO_OK)
         return status;
@@ -146,6 +163,7 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
     read_shading(&r, root, scene);
     iso_json_get_numbers(&r, root, "background", false, 3, 0, 1, scene->background);
     iso_json_get_number(&r, root, "step_voxels", false, 1e-3, 100, &scene->step_voxels);
+    read_agreement(&r, root, scene);
     read_tf(&r, root, scene);
     json_decref(root);
     if (r.status == ISO_OK && !(scene->path = strdup(path)))

@@ -16,7 +16,8 @@
  *     "shading": {"ambient": 0.3, "diffuse": 0.7, "specular": 0.2, "power": 20},
  *     "background": [0, 0, 0],
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
- *     "tf": "name.tf.json" | { ... } }  a path relative to the scene file, or the TF itself
+ *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
+ *     "agreement": {"povray_rmse": 1e-4, "cycles_rmse": 1e-4, "why": "..."} }   what validation asks; optional
  *
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
  * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
@@ -45,6 +46,13 @@ typedef struct iso_shading {
     double ambient, diffuse, specular, power;
 } iso_shading;
 
+/* How closely a converged renderer must meet the reference on this scene, and
+ * why no closer: a sharp TF keeps the error of a finite step. */
+typedef struct iso_scene_agreement {
+    double povray_rmse, cycles_rmse;
+    char why[256];
+} iso_scene_agreement;
+
 typedef struct iso_scene {
     char *path; /* where it came from */
     size_t width, height;
@@ -58,6 +66,7 @@ typedef struct iso_scene {
     double background[3];
     double step_voxels;
     iso_tf tf;
+    iso_scene_agreement agreement;
 } iso_scene;
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);

@@ -1,0 +1,212 @@
+/* cmd_validate.c - the main job: a volume and a scene to a report. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "cli/cli.h"
+#include "cli/subject.h"
+#include "cli/validate.h"
+
+typedef struct validate_arguments {
+    iso_cli_input input;
+    char *scene, *output, *size, *with, *code, *junit;
+    int level_count, quick;
+} validate_arguments;
+
+/* "gl,povray": the reference is always there. */
+static iso_status parse_with(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err)
+{
+    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+        wanted[i] = !list;
+    wanted[ISO_WITH_REFERENCE] = true;
+    if (!list)
+        return ISO_OK;
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        iso_renderer r;
+        status = iso_renderer_from_name(name, &r, err);
+        if (status == ISO_OK)
+            wanted[r] = true;
+    }
+    free(copy);
+    return status;
+}
+
+static char *scene_name_of(const char *path)
+{
+    char *name = strdup(iso_path_base(path));
+    char *dot = name ? strstr(name, ".scene.json") : NULL;
+    if (dot)
+        *dot = 0;
+    return name;
+}
+
+/* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
+static void scale_down(iso_validation *v, iso_scene *scene, const char *size)
+{
+    v->consistency_size = v->quick ? 96 : 160;
+    v->consistency_views = v->quick ? 3 : 6;
+    if (v->quick && !size) {
+        double scale = 96.0 / (double)(scene->width > scene->height ? scene->width : scene->height);
+        scene->width = scale < 1 ? (size_t)(scale * (double)scene->width + 0.5) : scene->width;
+        scene->height = scale < 1 ? (size_t)(scale * (double)scene->height + 0.5) : scene->height;
+    }
+}
+
+static void describe_options(const validate_arguments *a, const iso_validation *v)
+{
+    iso_report *r = v->report;
+    iso_report_put(r, "options", "quick", json_boolean(a->quick));
+    iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
+    iso_report_put(r, "options", "image", json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
+    iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
+    iso_report_put(r, "options", "code", json_string(iso_code_describe(v->pyramid->options.code)->name));
+    iso_report_put(r, "options", "direction_filter", json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
+    iso_report_put(r, "versions", "isoshade", json_string(ISO_VERSION));
+    iso_report_describe_machine(r);
+}
+
+static iso_status run_stages(const validate_arguments *a, iso_validation *v, iso_error *err)
+{
+    static const struct {
+        const char *name;
+        iso_status (*run)(iso_validation *, iso_error *);
+    } stages[] = {{"calibration", iso_validate_renderers}, {"agreement", iso_validate_agreement}, {"consistency", iso_validate_consistency}};
+    iso_status status = ISO_OK;
+    describe_options(a, v);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages && status == ISO_OK; ++i) {
+        double start = iso_clock_seconds();
+        status = stages[i].run(v, err);
+        iso_report_put(v->report, "seconds", stages[i].name, json_real(iso_clock_seconds() - start));
+    }
+    iso_progress_report(v->progress, "report", 0);
+    if (status == ISO_OK && a->junit)
+        status = iso_report_write_junit(v->report, a->junit, err);
+    return status;
+}
+
+/* What the exit code says: nothing differed; a difference; or a renderer that could not be compared. */
+static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, iso_error *err)
+{
+    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+        if (v->refused[i][0])
+            return iso_fail(err, strncmp(v->refused[i], "missing", 7) == 0 ? ISO_E_MISSING : ISO_E_UNTRUSTED, "%s %s",
+                            iso_renderer_name((iso_renderer)i), v->refused[i]);
+    return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
+}
+
+static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v, const iso_report_summary *s)
+{
+    if (cli->json) {
+        json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+        putchar('\n');
+    } else {
+        printf("%s\nreport: %s/index.html\n", s->sentence, a->output);
+    }
+}
+
+static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_view view = {0};
+    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene);
+    iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
+                        .scene_path = a->scene, .scene_name = name, .quick = a->quick, .threads = cli->threads,
+                        .progress = &progress};
+    const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
+                                    .volume = cli->arguments[0], .scene = a->scene};
+    scale_down(&v, scene, a->size);
+    iso_status status = parse_with(a->with, v.wanted, err);
+    if (status == ISO_OK)
+        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max, &view, err);
+    if (status == ISO_OK)
+        status = iso_report_create(&v.report, a->output, &about, err);
+    if (status == ISO_OK)
+        status = run_stages(a, &v, err);
+    iso_report_summary summary = {0};
+    if (status == ISO_OK) {
+        summary = iso_report_summarise(v.report);
+        status = iso_report_finish(v.report, err);
+    }
+    if (status == ISO_OK) {
+        print_result(a, cli, &v, &summary);
+        status = verdict(&v, &summary, err);
+    }
+    iso_report_destroy(v.report);
+    iso_renderers_end(&v.renderers);
+    iso_view_destroy(&view);
+    free(line);
+    free(name);
+    return status;
+}
+
+static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid pyramid = {0};
+    iso_scene scene = {0};
+    iso_status status = iso_cli_check_range("--levels", a->level_count, 0, 16, err);
+    if (status == ISO_OK && !a->output)
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
+    if (status == ISO_OK && !a->scene)
+        status = iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
+    if (status == ISO_OK && a->code)
+        status = iso_code_from_name(a->code, &build.code, err);
+    build.level_count = a->level_count > 0 ? (size_t)a->level_count : a->quick ? 3 : 4;
+    build.threads = cli->threads;
+    if (status == ISO_OK)
+        status = iso_scene_load(a->scene, &scene, err);
+    if (status == ISO_OK && a->size)
+        status = iso_cli_parse_image_size(a->size, &scene.width, &scene.height, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK)
+        status = validate(a, cli, &pyramid, &scene, err);
+    iso_scene_destroy(&scene);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    validate_arguments a = {0};
+    iso_cli_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},
+        {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
+        {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
+        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"with", 0, POPT_ARG_STRING, &a.with, 0, "renderers to compare with the reference (gl,cycles,povray)", "LIST"},
+        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (snorm)", "CODE"},
+        {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = load_and_validate(&a, &cli, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_validate = {
+    .name = "validate",
+    .summary = "the main job: is the shading the same at every level, in every renderer? A report",
+    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options]",
+    .details = "Calibrates each renderer on volumes whose images are known in closed form; compares each, at every level, with the\n"
+               "double-precision reference; measures how far each level is from level 0 with each way to make directions.\n"
+               "DIR/index.html shows it, DIR/report.json holds it. Exit code 0: all agree; 1: something differs; 7: a renderer is\n"
+               "missing; 9: a renderer failed its calibration.",
+    .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick -o report\n"
+                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n",
+    .run = run,
+};

@@ -1,0 +1,178 @@
+/* validate_consistency.c - is a coarse level shaded as the finest one is? Each
+ * way to make directions, over several views, against level 0. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/validate.h"
+#include "render/sampler.h"
+
+typedef struct method {
+    const char *name;
+    iso_direction_filter filter;
+    iso_direction_source source;
+} method;
+
+static const method methods[] = {
+    {"on-the-fly", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY},
+    {"naive", ISO_DIRECTION_NAIVE, ISO_FROM_CODES},
+    {"eq1", ISO_DIRECTION_EQ1, ISO_FROM_CODES},
+    {"moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES},
+};
+enum { method_count = sizeof methods / sizeof *methods, max_views = 6 };
+
+/* The six diagonals of an icosahedron: evenly spread, none along an axis. */
+static iso_vec3 view_direction(size_t i)
+{
+    const double g = 0.5 * (1 + sqrt(5));
+    const iso_vec3 diagonals[max_views] = {{0, 1, g}, {1, g, 0}, {g, 0, 1}, {0, -1, g}, {-1, g, 0}, {-g, 0, 1}};
+    return iso_normalize(diagonals[i % max_views]);
+}
+
+static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    iso_scene scene = *v->scene; /* borrowed, but for the camera and the size */
+    scene.camera_fit = true;
+    scene.camera_direction = view_direction(i);
+    scene.camera_up = fabs(scene.camera_direction.z) < 0.8 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0);
+    scene.width = scene.height = v->consistency_size;
+    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+}
+
+static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source, size_t i,
+                              iso_image *image, iso_error *err)
+{
+    iso_view view;
+    iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
+    opt.source = source;
+    iso_status status = make_view(v, i, &view, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&v->renderers, p, level, &view, &opt, image, NULL, NULL, err);
+    iso_view_destroy(&view);
+    return status;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The angle between a level's normals and level 0's, at fine voxels that the TF
+ * shows and that have a direction; at most about 1e5 of them, evenly strided. */
+static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
+                                 double *mean, double *p95, iso_error *err)
+{
+    enum { wanted = 100000 };
+    iso_sampler fine, coarse = {0};
+    const iso_geometry *g = &v->pyramid->levels[0].geometry;
+    size_t count = 0, total = iso_geometry_voxel_count(g), stride = total / wanted | 1;
+    double *angles = malloc((total / stride + 1) * sizeof *angles), sum = 0;
+    *mean = *p95 = NAN;
+    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES, err);
+    if (status == ISO_OK)
+        status = iso_sampler_create(&coarse, &p->levels[level], p->options.code, source, err);
+    if (status == ISO_OK && !angles)
+        status = iso_fail(err, ISO_E_MEMORY, "no memory for the angles of %zu voxels", total / stride);
+    for (size_t i = 0; i < total && status == ISO_OK; i += stride) {
+        iso_vec3 at = {(double)(i % g->size[0]) + 0.5, (double)(i / g->size[0] % g->size[1]) + 0.5,
+                       (double)(i / (g->size[0] * g->size[1])) + 0.5};
+        double rgbs[4];
+        iso_tf_lookup(&v->view->tf, (double)v->pyramid->levels[0].scalar[i], rgbs);
+        iso_vec3 a = iso_sample_normal(&fine, at);
+        if (rgbs[3] <= 0 || iso_norm(a) < 0.5)
+            continue;
+        iso_vec3 b = iso_normalize(iso_sample_normal(&coarse, iso_scale(at, 1 / (double)((size_t)1 << level))));
+        /* No direction at all counts as a right angle. */
+        double angle = acos(fmin(fmax(iso_dot(iso_normalize(a), b), -1), 1)) * (180 / 3.14159265358979323846);
+        angles[count++] = angle;
+        sum += angle;
+    }
+    if (count > 0) {
+        qsort(angles, count, sizeof *angles, compare_doubles);
+        *mean = sum / (double)count;
+        *p95 = angles[(size_t)(0.95 * (double)(count - 1))];
+    }
+    free(angles);
+    iso_sampler_destroy(&fine);
+    iso_sampler_destroy(&coarse);
+    return status;
+}
+
+static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const method *m, const iso_image *finest,
+                                iso_error *err)
+{
+    char name[64];
+    iso_report_consistency row = {.level = level, .views = v->consistency_views, .method = m->name, .image = name,
+                                  .reference_image = "consistency-level-0"};
+    iso_status status = ISO_OK;
+    snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        iso_metrics metrics;
+        status = render_view(v, p, level, m->source, i, &image, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&finest[i], &image, &metrics, err);
+        if (status == ISO_OK && i == 0)
+            status = iso_report_add_image(v->report, name, &image, m->name, NULL, err);
+        if (status == ISO_OK) {
+            row.ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
+            row.flip_mean += metrics.flip_mean / (double)v->consistency_views;
+        }
+        iso_image_destroy(&image);
+    }
+    if (status == ISO_OK)
+        status = measure_angles(v, p, level, m->source, &row.gradient_angle_mean_deg, &row.gradient_angle_p95_deg, err);
+    return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
+}
+
+/* Level 0's scalar, built again with another direction filter. */
+static iso_status build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    const iso_volume borrowed = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
+    iso_pyramid_options opt = v->pyramid->options;
+    opt.direction_filter = filter;
+    opt.level_count = v->pyramid->level_count;
+    opt.keep_float = opt.keep_magnitude = false;
+    opt.threads = v->threads;
+    return iso_pyramid_build(&borrowed, v->pyramid->source, &opt, p, NULL, err);
+}
+
+static iso_status measure_method(iso_validation *v, const method *m, const iso_image *finest, iso_error *err)
+{
+    iso_pyramid own = {0};
+    const iso_pyramid *p = v->pyramid;
+    iso_status status = ISO_OK;
+    if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
+        status = build_with(v, m->filter, &own, err);
+        p = &own;
+    }
+    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
+        char stage[64];
+        snprintf(stage, sizeof stage, "consistency: %s, level %zu", m->name, level);
+        iso_progress_report(v->progress, stage, 0);
+        status = measure_level(v, p, level, m, finest, err);
+    }
+    iso_pyramid_destroy(&own);
+    return status;
+}
+
+iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
+{
+    iso_image finest[max_views] = {{0}};
+    iso_status status = ISO_OK;
+    if (v->refused[ISO_WITH_GL][0] || !v->wanted[ISO_WITH_GL])
+        return ISO_OK; /* the views are the ray caster's */
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
+        status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, i, &finest[i], err);
+    if (status == ISO_OK)
+        status = iso_report_add_image(v->report, "consistency-level-0", &finest[0], "level 0", NULL, err);
+    for (int i = 0; i < method_count && status == ISO_OK; ++i)
+        status = measure_method(v, &methods[i], finest, err);
+    for (size_t i = 0; i < max_views; ++i)
+        iso_image_destroy(&finest[i]);
+    return status;
+}
