@@ -1,4 +1,5 @@
 /* validate_agreement.c - every renderer against the reference, level by level. */
+#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
