@@ -39,6 +39,7 @@ out vec4 color;
 
 struct Ray {
     vec3 start, stride; // texture coordinates of the first segment's middle; a segment further
+    vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
     float first_cut;    // what the box cuts off the first segment, in segments
     float length;       // segments to the end of the box, counted from where the first one begins
     vec3 world;         // unit direction
@@ -60,8 +61,11 @@ Ray pixel_ray()
 
     Ray ray;
     dvec3 size = dvec3(textureSize(scalar, 0));
-    ray.start = vec3((origin + (first + 0.5lf) * step_mm * direction) / size);
-    ray.stride = vec3(step_mm * direction / size);
+    dvec3 start = (origin + (first + 0.5lf) * step_mm * direction) / size, stride = step_mm * direction / size;
+    ray.start = vec3(start);
+    ray.stride = vec3(stride);
+    ray.start_rest = vec3(start - dvec3(ray.start));
+    ray.stride_rest = vec3(stride - dvec3(ray.stride));
     ray.first_cut = float(t0 / step_mm - first);
     ray.length = t1 > t0 ? float(t1 / step_mm - first) : 0.0;
     ray.world = vec3(world);
@@ -76,7 +80,9 @@ struct Segment {
 Segment segment(Ray ray, float k)
 {
     float front = k == 0.0 ? ray.first_cut : 0.0, back = max(k + 1.0 - ray.length, 0.0);
-    return Segment(ray.start + (k + 0.5 * (front - back)) * ray.stride, 1.0 - front - back);
+    float middle = k + 0.5 * (front - back);
+    vec3 rest = ray.start_rest + middle * ray.stride_rest;
+    return Segment(fma(vec3(middle), ray.stride, ray.start) + rest, 1.0 - front - back);
 }
 
 #if SKIP_EMPTY
