@@ -226,7 +226,7 @@ static void every_reference_scene_agrees_at_every_level(void **state)
         const char *scene;
         iso_field_kind kind;
         iso_type type;
-    } cases[] = {{"refscenes/head.scene.json", ISO_FIELD_SPHERE, ISO_I16},
+    } cases[] = {{"refscenes/brain.scene.json", ISO_FIELD_SPHERE, ISO_I16},
                  {"refscenes/marschner-lobb.scene.json", ISO_FIELD_MARSCHNER_LOBB, ISO_U16},
                  {"refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_F32},
                  {"refscenes/shells.scene.json", ISO_FIELD_NOISE, ISO_U8}};

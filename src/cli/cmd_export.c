@@ -2,7 +2,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "blender/blender.h"
 #include "cli/cli.h"
 #include "cli/subject.h"
 #include "povray/povray.h"
@@ -31,14 +30,6 @@ static iso_status to_vdb(const export_job *job, iso_error *err)
                         job->arguments->output, &o, job->progress, err);
 }
 
-static iso_status to_blender(const export_job *job, iso_error *err)
-{
-    iso_blender_options o = iso_blender_defaults();
-    o.threads = job->arguments->cli->threads;
-    return iso_blender_export(job->pyramid, (size_t)job->arguments->level, job->view, job->arguments->output, &o,
-                              job->progress, err);
-}
-
 static iso_status to_povray(const export_job *job, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
@@ -56,7 +47,6 @@ static const struct target {
     iso_status (*run)(const export_job *job, iso_error *err);
 } targets[] = {
     {"vdb", "an OpenVDB file: float grid density, vec3s grid gradient", false, true, to_vdb},
-    {"blender", "a .blend with its .vdb beside it", true, false, to_blender},
     {"povray", "a folder with .pov, .inc, .ini and DF3 files", true, false, to_povray},
 };
 enum { target_count = sizeof targets / sizeof *targets };
@@ -68,7 +58,7 @@ static iso_status check(const export_arguments *a, const struct target **target,
         if (strcmp(targets[i].name, a->to) == 0)
             *target = &targets[i];
     if (!*target)
-        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb, blender or povray", a->to ? a->to : "");
+        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb or povray", a->to ? a->to : "");
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->makes);
     iso_status status = iso_cli_check_range("--level", a->level, 0, 63, err);
