@@ -15,7 +15,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 CC := gcc
 CXX := g++
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Werror
-flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off
+flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags := $(flags_$(config)) -fopenmp -MMD -MP -Isrc -Iexporters -I.

@@ -8,6 +8,7 @@
 
 #define ISO_BENCH_LIST(X) \
     X(encode)         \
+    X(build)          \
     X(render)
 
 #endif

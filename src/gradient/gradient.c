@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "gradient/gradient_kernel.h"
 
 static const char *const method_names[ISO_GRADIENT_COUNT] = {"central"};
@@ -29,52 +30,39 @@ iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method,
     return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central", name);
 }
 
-/* Gradient of the row (y, z), interleaved to out; work holds 8 rows. */
-static void gradient_row(const iso_volume *v, const float m[9], size_t y, size_t z, float *restrict work,
-                         float *restrict out)
+/* Three planar rows to triples, in the caches. */
+ISO_SIMD static void interleave(const float *restrict x, const float *restrict y, const float *restrict z, size_t n,
+                                float *restrict out)
 {
-    const size_t nx = v->geometry.size[0], ny = v->geometry.size[1], nz = v->geometry.size[2];
-    const bool y_border = y == 0 || y + 1 == ny, z_border = z == 0 || z + 1 == nz;
-    float *gx = work + 5 * nx, *gy = work + 6 * nx, *gz = work + 7 * nx;
-    iso_volume_row(v, y, z, work);
-    iso_volume_row(v, y > 0 ? y - 1 : 0, z, work + nx);
-    iso_volume_row(v, y + 1 < ny ? y + 1 : y, z, work + 2 * nx);
-    iso_volume_row(v, y, z > 0 ? z - 1 : 0, work + 3 * nx);
-    iso_volume_row(v, y, z + 1 < nz ? z + 1 : z, work + 4 * nx);
-    iso_gradient_rows rows = {work, work + nx, work + 2 * nx, work + 3 * nx, work + 4 * nx, y_border ? 1.0f : 0.5f,
-                              z_border ? 1.0f : 0.5f};
-    iso_gradient_row_central(&rows, nx, m, gx, gy, gz);
-    for (size_t x = 0; x < nx; ++x) {
-        out[3 * x] = gx[x];
-        out[3 * x + 1] = gy[x];
-        out[3 * x + 2] = gz[x];
+    for (size_t i = 0; i < n; ++i) {
+        out[3 * i] = x[i];
+        out[3 * i + 1] = y[i];
+        out[3 * i + 2] = z[i];
     }
 }
 
 iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *opt, size_t z0, size_t z1,
                              float *restrict out, iso_error *err)
 {
-    const size_t nx = v->geometry.size[0], ny = v->geometry.size[1];
+    const size_t *n = v->geometry.size, nx = n[0], ny = n[1];
     const int threads = iso_threads(opt->threads);
-    if (z0 > z1 || z1 > v->geometry.size[2])
-        return iso_fail(err, ISO_E_RANGE, "gradient: planes %zu to %zu, the volume has %zu", z0, z1,
-                        v->geometry.size[2]);
-    float *work = malloc((size_t)threads * 8 * nx * sizeof *work);
-    if (!work)
+    if (z0 > z1 || z1 > n[2])
+        return iso_fail(err, ISO_E_RANGE, "gradient: planes %zu to %zu, the volume has %zu", z0, z1, n[2]);
+    const size_t scratch_count = 6 * nx + iso_gradient_scratch_count(nx);
+    float *scratch = malloc((size_t)threads * scratch_count * sizeof *scratch);
+    if (!scratch)
         return iso_fail(err, ISO_E_MEMORY, "gradient: no memory for %d threads' rows of %zu voxels", threads, nx);
-    iso_mat3 to_world = iso_geometry_gradient_to_world(&v->geometry);
-    float m[9];
-    for (int i = 0; i < 9; ++i)
-        m[i] = (float)to_world.m[i / 3][i % 3];
+    const iso_gradient_matrix matrix = iso_gradient_matrix_from(iso_geometry_gradient_to_world(&v->geometry));
+    const iso_planes planes = {.data = v->data, .type = v->type, .size = {nx, ny, n[2]}, .count = n[2]};
     const size_t row_count = ny * (z1 - z0);
-#pragma omp parallel num_threads(threads)
-    {
-        float *mine = work + (size_t)iso_thread_index() * 8 * nx;
-#pragma omp for schedule(static)
-        for (size_t i = 0; i < row_count; ++i)
-            gradient_row(v, m, i % ny, z0 + i / ny, mine, out + 3 * nx * i);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t i = 0; i < row_count; ++i) {
+        float *gx = scratch + (size_t)iso_thread_index() * scratch_count, *gy = gx + nx, *gz = gy + nx, *row = gz + nx;
+        iso_gradient_row(&planes, opt->method, &matrix, i % ny, z0 + i / ny, row + 3 * nx, gx, gy, gz);
+        interleave(gx, gy, gz, nx, row);
+        iso_copy_streaming(out + 3 * nx * i, row, 3 * nx * sizeof *row);
     }
-    free(work);
+    free(scratch);
     return ISO_OK;
 }
 

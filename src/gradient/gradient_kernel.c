@@ -1,19 +1,127 @@
 #include "gradient/gradient_kernel.h"
 
-void iso_gradient_row_central(const iso_gradient_rows *rows, size_t n, const float m[9], float *restrict gx,
-                              float *restrict gy, float *restrict gz)
-{
-    const float *here = rows->here, *y0 = rows->y0, *y1 = rows->y1, *z0 = rows->z0, *z1 = rows->z1;
-    const float fy = rows->y_factor, fz = rows->z_factor;
-    gx[0] = n > 1 ? here[1] - here[0] : 0;
-    for (size_t x = 1; x + 1 < n; ++x)
-        gx[x] = 0.5f * (here[x + 1] - here[x - 1]);
-    if (n > 1)
-        gx[n - 1] = here[n - 1] - here[n - 2];
-    for (size_t x = 0; x < n; ++x) {
-        float dx = gx[x], dy = fy * (y1[x] - y0[x]), dz = fz * (z1[x] - z0[x]);
-        gx[x] = m[0] * dx + m[1] * dy + m[2] * dz;
-        gy[x] = m[3] * dx + m[4] * dy + m[5] * dz;
-        gz[x] = m[6] * dx + m[7] * dy + m[8] * dz;
+#include "base/simd.h"
+
+/* The rows around the row (y, z), and the factors of the differences. At a
+ * border the missing neighbour is the row itself and the factor 1 instead of
+ * 1/2: the one-sided difference. An axis of one voxel has both neighbours
+ * equal, and so no gradient. Samples of 8 and 16 bits are subtracted as
+ * integers, which is exact and leaves fewer conversions. */
+#define CENTRAL(suffix, ctype, wide)                                                                              \
+    static inline void central_at_##suffix(const ctype *const row[5], const float factor[3], size_t left, size_t x, \
+                                           size_t right, float d[3])                                              \
+    {                                                                                                             \
+        d[0] = factor[0] * (float)((wide)row[0][right] - (wide)row[0][left]);                                     \
+        d[1] = factor[1] * (float)((wide)row[2][x] - (wide)row[1][x]);                                            \
+        d[2] = factor[2] * (float)((wide)row[4][x] - (wide)row[3][x]);                                            \
+    }                                                                                                             \
+    static inline void to_world_##suffix(const float m[9], bool diagonal, const float d[3], size_t x,             \
+                                         float *restrict gx, float *restrict gy, float *restrict gz)              \
+    {                                                                                                             \
+        gx[x] = diagonal ? m[0] * d[0] : m[0] * d[0] + m[1] * d[1] + m[2] * d[2];                                 \
+        gy[x] = diagonal ? m[4] * d[1] : m[3] * d[0] + m[4] * d[1] + m[5] * d[2];                                 \
+        gz[x] = diagonal ? m[8] * d[2] : m[6] * d[0] + m[7] * d[1] + m[8] * d[2];                                 \
+    }                                                                                                             \
+    static inline __attribute__((always_inline)) void central_all_##suffix(                                       \
+        const ctype *const row[5], const float factor[3], size_t n, const float m[9], bool diagonal,              \
+        float *restrict gx, float *restrict gy, float *restrict gz)                                               \
+    {                                                                                                             \
+        float d[3];                                                                                               \
+        const float border[3] = {1, factor[1], factor[2]};                                                        \
+        for (size_t x = 1; x + 1 < n; ++x) {                                                                      \
+            central_at_##suffix(row, factor, x - 1, x, x + 1, d);                                                 \
+            to_world_##suffix(m, diagonal, d, x, gx, gy, gz);                                                     \
+        }                                                                                                         \
+        central_at_##suffix(row, border, 0, 0, n > 1, d);                                                         \
+        to_world_##suffix(m, diagonal, d, 0, gx, gy, gz);                                                         \
+        if (n > 1) {                                                                                              \
+            central_at_##suffix(row, border, n - 2, n - 1, n - 1, d);                                             \
+            to_world_##suffix(m, diagonal, d, n - 1, gx, gy, gz);                                                 \
+        }                                                                                                         \
+    }                                                                                                             \
+    ISO_SIMD static void central_##suffix(const void *const rows[5], const float factor[3], size_t n,             \
+                                          const iso_gradient_matrix *matrix, float *restrict gx,                  \
+                                          float *restrict gy, float *restrict gz)                                 \
+    {                                                                                                             \
+        const ctype *const row[5] = {rows[0], rows[1], rows[2], rows[3], rows[4]};                                \
+        const float f[3] = {factor[0], factor[1], factor[2]};                                                     \
+        float m[9];                                                                                               \
+        for (int i = 0; i < 9; ++i)                                                                               \
+            m[i] = matrix->m[i];                                                                                  \
+        if (matrix->diagonal)                                                                                     \
+            central_all_##suffix(row, f, n, m, true, gx, gy, gz);                                                 \
+        else                                                                                                      \
+            central_all_##suffix(row, f, n, m, false, gx, gy, gz);                                                \
     }
+
+CENTRAL(u8, uint8_t, int)
+CENTRAL(i8, int8_t, int)
+CENTRAL(u16, uint16_t, int)
+CENTRAL(i16, int16_t, int)
+CENTRAL(u32, uint32_t, float)
+CENTRAL(i32, int32_t, float)
+CENTRAL(f32, float, float)
+CENTRAL(f64, double, float)
+
+static const void *row_at(const iso_planes *p, size_t y, size_t z)
+{
+    const size_t row = (z - p->first) * p->size[1] + y;
+    return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
+}
+
+static void central_row(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *restrict gx,
+                        float *restrict gy, float *restrict gz)
+{
+    const size_t nx = p->size[0], ny = p->size[1], nz = p->size[2];
+    const size_t y0 = y > 0 ? y - 1 : 0, y1 = y + 1 < ny ? y + 1 : y;
+    const size_t z0 = z > 0 ? z - 1 : 0, z1 = z + 1 < nz ? z + 1 : z;
+    const void *const rows[5] = {row_at(p, y, z), row_at(p, y0, z), row_at(p, y1, z), row_at(p, y, z0), row_at(p, y, z1)};
+    const float factor[3] = {0.5f, y1 - y0 == 2 ? 0.5f : 1, z1 - z0 == 2 ? 0.5f : 1};
+    switch (p->type) {
+    case ISO_U8: central_u8(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_I8: central_i8(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_U16: central_u16(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_I16: central_i16(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_U32: central_u32(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_I32: central_i32(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_F32: central_f32(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_F64: central_f64(rows, factor, nx, matrix, gx, gy, gz); break;
+    }
+}
+
+size_t iso_gradient_reach(iso_gradient_method method)
+{
+    (void)method;
+    return 1;
+}
+
+iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
+{
+    iso_gradient_matrix matrix = {.diagonal = true};
+    for (int i = 0; i < 9; ++i) {
+        matrix.m[i] = (float)to_world.m[i / 3][i % 3];
+        if (i % 4 != 0 && matrix.m[i] != 0)
+            matrix.diagonal = false;
+    }
+    return matrix;
+}
+
+size_t iso_gradient_scratch_count(size_t nx)
+{
+    (void)nx;
+    return 1;
+}
+
+void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                      size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+{
+    (void)method;
+    (void)scratch;
+    central_row(p, matrix, y, z, gx, gy, gz);
+}
+
+void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)
+{
+    const iso_volume v = {.geometry = {.size = {p->size[0], p->size[1], p->size[2]}}, .type = p->type, .data = (void *)p->data};
+    iso_volume_row(&v, y, z - p->first, row);
 }

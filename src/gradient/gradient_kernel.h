@@ -1,19 +1,37 @@
-/* gradient_kernel.h - gradients of one row. Cannot fail, allocate or know of threads. */
+/* gradient_kernel.h - gradients of one row of samples in the type of their
+ * file. Cannot fail, allocate or know of threads. */
 #ifndef ISO_GRADIENT_KERNEL_H
 #define ISO_GRADIENT_KERNEL_H
 
-#include <stddef.h>
+#include "gradient/gradient.h"
 
-/* The rows around the row (y, z). At a border the missing neighbour is the row
- * itself and the factor 1 instead of 1/2: the one-sided difference. An axis of
- * one voxel has both neighbours equal, and so no gradient. */
-typedef struct iso_gradient_rows {
-    const float *here, *y0, *y1, *z0, *z1;
-    float y_factor, z_factor;
-} iso_gradient_rows;
+/* Planes of a volume that are in memory: first .. first + count - 1. */
+typedef struct iso_planes {
+    const void *data;
+    iso_type type;
+    size_t size[3]; /* of the whole volume */
+    size_t first, count;
+} iso_planes;
 
-/* Central differences of n voxels, times the matrix to_world (row-major), to planar rows. */
-void iso_gradient_row_central(const iso_gradient_rows *rows, size_t n, const float to_world[9], float *restrict gx,
-                              float *restrict gy, float *restrict gz);
+/* Planes before and after a plane that its gradients read. */
+size_t iso_gradient_reach(iso_gradient_method method);
+
+/* The matrix, as float and row-major, and whether only its diagonal counts. */
+typedef struct iso_gradient_matrix {
+    float m[9];
+    bool diagonal;
+} iso_gradient_matrix;
+iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world);
+
+/* Floats of scratch that iso_gradient_row needs for rows of nx voxels. */
+size_t iso_gradient_scratch_count(size_t nx);
+
+/* Gradients of the row (y, z), times the matrix, to planar rows. The planes
+ * within reach, where the volume has them, must be in memory. */
+void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                      size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+
+/* The row (y, z) as floats. */
+void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);
 
 #endif

@@ -2,6 +2,20 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
+
+#ifdef __SSSE3__
+#include <tmmintrin.h>
+#endif
+
+#include "base/simd.h"
+
+size_t iso_state_count(iso_direction_filter f)
+{
+    return f == ISO_DIRECTION_NAIVE ? 3 : 4;
+}
+
+/* ---- taps ---- */
 
 iso_taps iso_taps_mean(void)
 {
@@ -23,59 +37,316 @@ iso_taps iso_taps_gauss(size_t radius, double sigma)
     return taps;
 }
 
-void iso_state_from_gradients(iso_direction_filter f, const float *restrict g, size_t count, float *restrict state)
+/* ---- level 0 ---- */
+
+/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
+ * low bits: |127 d| is far below 2^22. */
+static inline uint32_t snorm_byte(float d)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const float *v = g + 3 * i;
-        float m2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], m = sqrtf(m2);
-        float weight = f == ISO_DIRECTION_NAIVE ? 1 : m;
-        state[4 * i] = weight * v[0];
-        state[4 * i + 1] = weight * v[1];
-        state[4 * i + 2] = weight * v[2];
-        state[4 * i + 3] = f == ISO_DIRECTION_MOMENTS ? m2 : f == ISO_DIRECTION_EQ1 ? m : 0;
+    float scaled = 127 * d;
+    scaled = scaled > -127 ? scaled : -127;
+    scaled = scaled < 127 ? scaled : 127;
+    union {
+        float f;
+        uint32_t u;
+    } bits = {.f = scaled + 12582912.0f};
+    return bits.u & 0xFF;
+}
+
+/* d = g / |g|, zero for a gradient whose square vanishes. */
+static inline float inverse_length(float m2, float m)
+{
+    float inverse = 1 / m;
+    return m2 >= FLT_MIN ? inverse : 0;
+}
+
+static inline __attribute__((always_inline)) void moments_and_codes(const float *gx, const float *gy, const float *gz,
+                                                                    size_t n, float *restrict ax, float *restrict ay,
+                                                                    float *restrict az, float *restrict as, bool add,
+                                                                    uint32_t *restrict packed)
+{
+    for (size_t i = 0; i < n; ++i) {
+        float x = gx[i], y = gy[i], z = gz[i];
+        float m2 = x * x + y * y + z * z, m = sqrtf(m2);
+        ax[i] = add ? ax[i] + m * x : m * x;
+        ay[i] = add ? ay[i] + m * y : m * y;
+        az[i] = add ? az[i] + m * z : m * z;
+        as[i] = add ? as[i] + m2 : m2;
+        if (packed) {
+            float inverse = inverse_length(m2, m);
+            packed[i] = snorm_byte(x * inverse) | snorm_byte(y * inverse) << 8 | snorm_byte(z * inverse) << 16;
+        }
     }
+}
+
+ISO_SIMD static void moments(const float *gx, const float *gy, const float *gz, size_t n, float *restrict acc,
+                             size_t stride, bool add, uint32_t *restrict packed)
+{
+    float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride, *as = acc + 3 * stride;
+    if (packed && add)
+        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, true, packed);
+    else if (packed)
+        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, false, packed);
+    else
+        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, add, NULL);
+}
+
+ISO_SIMD static void unit_codes(const float *gx, const float *gy, const float *gz, size_t n, uint32_t *restrict packed)
+{
+    for (size_t i = 0; i < n; ++i) {
+        float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z;
+        float inverse = inverse_length(m2, sqrtf(m2));
+        packed[i] = snorm_byte(x * inverse) | snorm_byte(y * inverse) << 8 | snorm_byte(z * inverse) << 16;
+    }
+}
+
+ISO_SIMD static void eq1_weigh(const float *gx, const float *gy, const float *gz, size_t n, float *restrict ax,
+                               float *restrict ay, float *restrict az, float *restrict am)
+{
+    for (size_t i = 0; i < n; ++i) {
+        float x = gx[i], y = gy[i], z = gz[i], m = sqrtf(x * x + y * y + z * z);
+        ax[i] = m * x;
+        ay[i] = m * y;
+        az[i] = m * z;
+        am[i] = m;
+    }
+}
+
+void iso_state_from_gradients(iso_direction_filter f, const float *gx, const float *gy, const float *gz, size_t n,
+                              float *restrict acc, size_t stride, bool add, uint32_t *restrict packed)
+{
+    if (f == ISO_DIRECTION_MOMENTS) {
+        moments(gx, gy, gz, n, acc, stride, add, packed);
+        return;
+    }
+    if (packed)
+        unit_codes(gx, gy, gz, n, packed);
+    if (f == ISO_DIRECTION_EQ1) {
+        eq1_weigh(gx, gy, gz, n, acc, acc + stride, acc + 2 * stride, acc + 3 * stride);
+        return;
+    }
+    iso_accumulate_row(gx, n, acc, add);
+    iso_accumulate_row(gy, n, acc + stride, add);
+    iso_accumulate_row(gz, n, acc + 2 * stride, add);
+}
+
+ISO_SIMD void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx,
+                            float *restrict dy, float *restrict dz, float *restrict length)
+{
+    for (size_t i = 0; i < n; ++i) {
+        float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z, m = sqrtf(m2);
+        float inverse = inverse_length(m2, m);
+        dx[i] = x * inverse;
+        dy[i] = y * inverse;
+        dz[i] = z * inverse;
+        if (length)
+            length[i] = m;
+    }
+}
+
+/* Sixteen ranges side by side, so that the comparisons vectorise. */
+ISO_SIMD void iso_row_range(const float *row, size_t n, float *lo, float *hi)
+{
+    float low[16], high[16];
+    for (int k = 0; k < 16; ++k)
+        low[k] = *lo, high[k] = *hi;
+    size_t i = 0;
+    for (; i + 16 <= n; i += 16)
+        for (int k = 0; k < 16; ++k) {
+            float v = row[i + (size_t)k];
+            low[k] = v < low[k] ? v : low[k];
+            high[k] = v > high[k] ? v : high[k];
+        }
+    for (; i < n; ++i) {
+        low[0] = row[i] < low[0] ? row[i] : low[0];
+        high[0] = row[i] > high[0] ? row[i] : high[0];
+    }
+    for (int k = 0; k < 16; ++k) {
+        *lo = low[k] < *lo ? low[k] : *lo;
+        *hi = high[k] > *hi ? high[k] : *hi;
+    }
+}
+
+ISO_SIMD static void u16_row(const uint16_t *restrict in, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = (float)in[i];
+}
+
+ISO_SIMD static void u8_row(const uint8_t *restrict in, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = (float)in[i];
+}
+
+void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add, float *lo,
+                    float *hi)
+{
+    const size_t n = p->size[0], first = ((z - p->first) * p->size[1] + y) * n;
+    if (p->type == ISO_U16)
+        u16_row((const uint16_t *)p->data + first, n, row);
+    else if (p->type == ISO_U8)
+        u8_row((const uint8_t *)p->data + first, n, row);
+    else
+        iso_planes_row(p, y, z, row);
+    iso_row_range(row, n, lo, hi);
+    iso_accumulate_row(row, n, acc, add);
+}
+
+/* ---- from level to level ---- */
+
+ISO_SIMD static void add_row(const float *restrict row, size_t n, float *restrict acc)
+{
+    for (size_t i = 0; i < n; ++i)
+        acc[i] += row[i];
+}
+
+void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc, bool add)
+{
+    if (add)
+        add_row(row, n, acc);
+    else
+        memcpy(acc, row, n * sizeof *row);
+}
+
+void iso_double_row(float *row, size_t n)
+{
+    for (size_t i = 0; i < n; ++i)
+        row[i] *= 2;
+}
+
+void iso_scale_row(float *row, size_t n, float factor)
+{
+    for (size_t i = 0; i < n; ++i)
+        row[i] *= factor;
+}
+
+/* Pairs along x of pairs along z of pairs along y: mirrored input gives
+ * mirrored output, bit for bit. */
+ISO_SIMD static void mean_pairs(const float *restrict a, const float *restrict b, size_t half, float *restrict out)
+{
+    for (size_t i = 0; i < half; ++i)
+        out[i] = 0.125f * ((a[2 * i] + b[2 * i]) + (a[2 * i + 1] + b[2 * i + 1]));
+}
+
+void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out)
+{
+    if (n % 2) {
+        a[n] = a[n - 1];
+        b[n] = b[n - 1];
+    }
+    mean_pairs(a, b, (n + 1) / 2, out);
+}
+
+ISO_SIMD static void weigh_pairs(float weight, const float *restrict row, size_t half, float *restrict out)
+{
+    for (size_t i = 0; i < half; ++i)
+        out[i] += weight * row[2 * i];
+}
+
+ISO_SIMD static void weigh_four(const float *restrict w, const float *restrict row, size_t half, float *restrict out)
+{
+    for (size_t i = 0; i < half; ++i)
+        out[i] = ((w[0] * row[2 * i] + w[1] * row[2 * i + 1]) + w[2] * row[2 * i + 2]) + w[3] * row[2 * i + 3];
+}
+
+void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded, float *restrict out)
+{
+    const size_t radius = taps->count / 2, half = (n + 1) / 2;
+    for (size_t i = 0; i < radius - 1; ++i)
+        padded[i] = row[0];
+    memcpy(padded + radius - 1, row, n * sizeof *row);
+    for (size_t i = 0; i < radius + 1; ++i)
+        padded[radius - 1 + n + i] = row[n - 1];
+    if (taps->count == 4) {
+        weigh_four(taps->weight, padded, half, out);
+        return;
+    }
+    memset(out, 0, half * sizeof *out);
+    for (size_t t = 0; t < taps->count; ++t)
+        weigh_pairs(taps->weight[t], padded + t, half, out);
+}
+
+ISO_SIMD void iso_weigh_row(float weight, const float *restrict row, size_t n, float *restrict acc)
+{
+    for (size_t i = 0; i < n; ++i)
+        acc[i] += weight * row[i];
 }
 
 /* gradients-2017 Eq. 1: the sums of G m g and of m g have been taken; their
  * quotient is the filtered gradient, whose own length weighs the next level. */
-void iso_state_finish(iso_direction_filter f, float *state, size_t count)
+ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n)
 {
-    if (f != ISO_DIRECTION_EQ1)
-        return;
-    for (float *s = state; s < state + 4 * count; s += 4) {
-        float inverse = s[3] >= FLT_MIN ? 1 / s[3] : 0;
-        float x = s[0] * inverse, y = s[1] * inverse, z = s[2] * inverse;
+    float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sm = state + 3 * stride;
+    for (size_t i = 0; i < n; ++i) {
+        float inverse = 1 / sm[i];
+        inverse = sm[i] >= FLT_MIN ? inverse : 0;
+        float x = sx[i] * inverse, y = sy[i] * inverse, z = sz[i] * inverse;
         float m = sqrtf(x * x + y * y + z * z);
-        s[0] = m * x;
-        s[1] = m * y;
-        s[2] = m * z;
-        s[3] = m;
+        sx[i] = m * x;
+        sy[i] = m * y;
+        sz[i] = m * z;
+        sm[i] = m;
     }
 }
 
-/* Quotients are taken before squares, so that small gradients do not underflow. */
-void iso_state_directions(iso_direction_filter f, bool fine, const float *restrict state, size_t count,
-                          float *restrict directions, float *restrict magnitude)
+/* ---- what is stored ---- */
+
+/* (N / |N|) L^2 = (N / S) L: quotients before squares, so that small gradients do not underflow. */
+ISO_SIMD static void moment_directions(const float *restrict sx, const float *restrict sy, const float *restrict sz,
+                                       const float *restrict ss, size_t n, float *restrict dx, float *restrict dy,
+                                       float *restrict dz)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const float *s = state + 4 * i;
-        float *d = directions + 3 * i;
-        float x = s[0], y = s[1], z = s[2];
+    for (size_t i = 0; i < n; ++i) {
+        float inverse = 1 / ss[i];
+        inverse = ss[i] >= FLT_MIN ? inverse : 0;
+        float x = sx[i] * inverse, y = sy[i] * inverse, z = sz[i] * inverse;
         float length = sqrtf(x * x + y * y + z * z);
-        if (magnitude)
-            magnitude[i] = f == ISO_DIRECTION_MOMENTS ? sqrtf(s[3]) : f == ISO_DIRECTION_EQ1 ? s[3] : length;
-        float factor;
-        if (f == ISO_DIRECTION_MOMENTS && !fine) {
-            float inverse = s[3] >= FLT_MIN ? 1 / s[3] : 0;
-            x *= inverse;
-            y *= inverse;
-            z *= inverse;
-            factor = sqrtf(x * x + y * y + z * z); /* (N/|N|) L^2 = (N/S) L */
-        } else {
-            factor = length >= FLT_MIN ? 1 / length : 0;
-        }
-        d[0] = x * factor;
-        d[1] = y * factor;
-        d[2] = z * factor;
+        dx[i] = x * length;
+        dy[i] = y * length;
+        dz[i] = z * length;
+    }
+}
+
+void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
+                        float *restrict dy, float *restrict dz, float *restrict magnitude)
+{
+    const float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *ss = state + 3 * stride;
+    if (f == ISO_DIRECTION_MOMENTS)
+        moment_directions(sx, sy, sz, ss, n, dx, dy, dz);
+    else
+        iso_unit_rows(sx, sy, sz, n, dx, dy, dz, magnitude);
+    for (size_t i = 0; magnitude && f != ISO_DIRECTION_NAIVE && i < n; ++i)
+        magnitude[i] = f == ISO_DIRECTION_MOMENTS ? sqrtf(ss[i]) : ss[i];
+}
+
+ISO_SIMD void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i) {
+        out[3 * i] = dx[i];
+        out[3 * i + 1] = dy[i];
+        out[3 * i + 2] = dz[i];
+    }
+}
+
+ISO_SIMD void iso_pack_snorm(const float *dx, const float *dy, const float *dz, size_t n, uint32_t *restrict packed)
+{
+    for (size_t i = 0; i < n; ++i)
+        packed[i] = snorm_byte(dx[i]) | snorm_byte(dy[i]) << 8 | snorm_byte(dz[i]) << 16;
+}
+
+void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes)
+{
+    size_t i = 0;
+#ifdef __SSSE3__
+    const __m128i low_three = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+    for (; i + 4 <= n; i += 4) /* 16 bytes are stored, the next 12 overwrite the last 4 */
+        _mm_storeu_si128((__m128i *)(void *)(bytes + 3 * i),
+                         _mm_shuffle_epi8(_mm_loadu_si128((const __m128i *)(const void *)(packed + i)), low_three));
+#endif
+    for (; i < n; ++i) {
+        bytes[3 * i] = (uint8_t)packed[i];
+        bytes[3 * i + 1] = (uint8_t)(packed[i] >> 8);
+        bytes[3 * i + 2] = (uint8_t)(packed[i] >> 16);
     }
 }

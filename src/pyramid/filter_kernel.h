@@ -1,17 +1,21 @@
-/* filter_kernel.h - the filters between two levels. Cannot fail, allocate or know of threads.
+/* filter_kernel.h - rows of states, and from states to directions. Cannot fail, allocate or know of threads.
  *
- * A direction's *state* is 4 floats a voxel, carried from level to level:
- *   moments  (N, S)     N = mean of m^2 d = m g, S = mean of m^2
- *   eq1      (m G, m)   G the filtered gradient of the level, m its length
- *   naive    (G, 0)     G the mean gradient */
+ * A direction's *state* is a few floats a voxel, in planar rows, carried from level to level:
+ *   moments  N (3), S      N = mean of m^2 d = m g, S = mean of m^2
+ *   naive    G (3)         the mean gradient
+ *   eq1      m G (3), m    G the filtered gradient of the level, m its length
+ * Row c of a state starts at state + c * stride. */
 #ifndef ISO_PYRAMID_FILTER_KERNEL_H
 #define ISO_PYRAMID_FILTER_KERNEL_H
 
-#include <stddef.h>
-
+#include "gradient/gradient_kernel.h"
 #include "pyramid/pyramid.h"
 
-enum { ISO_FILTER_MAX_TAPS = 32 };
+enum { ISO_FILTER_MAX_TAPS = 32, ISO_STATE_MAX = 4 };
+
+size_t iso_state_count(iso_direction_filter f);
+
+/* ---- Gaussian taps ---- */
 
 /* The weights of the 2 radius fine voxels around a coarse voxel's centre,
  * which lies between two of them; their sum is 1. */
@@ -30,12 +34,45 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
     return at < fine_size ? at : fine_size - 1;
 }
 
-/* Gradients of level 0 to states. */
-void iso_state_from_gradients(iso_direction_filter f, const float *restrict g, size_t count, float *restrict state);
-/* After the states were averaged: what the next level starts from. */
-void iso_state_finish(iso_direction_filter f, float *state, size_t count);
-/* The directions to store, and the gradient magnitudes (NULL: not wanted). fine: of level 0, hence unit. */
-void iso_state_directions(iso_direction_filter f, bool fine, const float *restrict state, size_t count,
-                          float *restrict directions, float *restrict magnitude);
+/* ---- level 0 ---- */
+
+/* States of a row of gradients, put into acc or added to it; where packed is
+ * not NULL, the snorm codes of the unit directions too (iso_pack_snorm). */
+void iso_state_from_gradients(iso_direction_filter f, const float *gx, const float *gy, const float *gz, size_t n,
+                              float *restrict acc, size_t stride, bool add, uint32_t *restrict packed);
+/* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
+void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
+                   float *restrict dz, float *restrict length);
+/* Samples as floats, put into acc or added to it; their range extends *lo and *hi. */
+void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add, float *lo,
+                    float *hi);
+
+/* ---- from level to level ---- */
+
+/* acc = row, or acc += row */
+void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc, bool add);
+void iso_double_row(float *row, size_t n);
+/* The 2x2x2 mean: a and b hold n sums of two rows each, and one float more of room. */
+void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
+/* n fine values to (n + 1) / 2 weighted sums; the edge continues. `padded` has room for n + 2 radius floats. */
+void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
+                  float *restrict out);
+/* acc += weight * row */
+void iso_weigh_row(float weight, const float *restrict row, size_t n, float *restrict acc);
+/* Eq. 1: sums of m G g and m g to the filtered gradient times its length, and its length, in place. */
+void iso_eq1_finish(float *restrict state, size_t stride, size_t n);
+
+/* ---- what is stored ---- */
+
+/* Directions of a coarse level, and magnitudes (NULL: not wanted). */
+void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
+                        float *restrict dy, float *restrict dz, float *restrict magnitude);
+void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
+/* Each to round(127 d) in three bytes of a word, as the code snorm does. */
+void iso_pack_snorm(const float *dx, const float *dy, const float *dz, size_t n, uint32_t *restrict packed);
+/* The low three bytes of each word; bytes has room for 3 n + 16. */
+void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes);
+void iso_row_range(const float *row, size_t n, float *lo, float *hi);
+void iso_scale_row(float *row, size_t n, float factor);
 
 #endif

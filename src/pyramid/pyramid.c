@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"
 
 static const char *const scalar_names[ISO_SCALAR_COUNT] = {"mean", "gauss"};
@@ -84,29 +85,6 @@ static iso_status sample_range(const iso_volume *v, const char *source, double *
     return ISO_OK;
 }
 
-/* A power of two that brings the gradients near 1, so that their fourth powers
- * neither overflow nor vanish whatever the units are. */
-static double gradient_scale(const iso_geometry *g, double range)
-{
-    iso_mat3 m = iso_geometry_gradient_to_world(g);
-    double largest = 0;
-    for (int i = 0; i < 9; ++i)
-        largest = fmax(largest, fabs(m.m[i / 3][i % 3]));
-    return range > 0 ? ldexp(1, -ilogb(range) - ilogb(largest)) : 1;
-}
-
-static size_t count_levels(const iso_geometry *g, size_t wanted)
-{
-    iso_geometry at = *g;
-    size_t count = 1;
-    for (; count < wanted; ++count) {
-        at = iso_geometry_coarser(&at);
-        if (iso_geometry_voxel_count(&at) == 1)
-            break;
-    }
-    return count;
-}
-
 static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, const iso_pyramid_options *opt)
 {
     const size_t count = iso_geometry_voxel_count(g);
@@ -120,140 +98,33 @@ static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, con
     return l->scalar && l->codes && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
 }
 
-/* One axis of a separable filter with decimation: in is outer x n x inner
- * floats, out is outer x (n + 1) / 2 x inner. */
-static void decimate_axis(const float *restrict in, size_t outer, size_t n, size_t inner, const iso_taps *taps,
-                          int threads, float *restrict out)
-{
-    const size_t half = (n + 1) / 2;
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t row = 0; row < outer * half; ++row) {
-        const size_t o = row / half, i = row % half;
-        float *to = out + row * inner;
-        memset(to, 0, inner * sizeof *to);
-        for (size_t t = 0; t < taps->count; ++t) {
-            const float *from = in + (o * n + iso_taps_source(taps, i, t, n)) * inner;
-            const float weight = taps->weight[t];
-            for (size_t k = 0; k < inner; ++k)
-                to[k] += weight * from[k];
-        }
-    }
-}
-
-/* Filters and decimates the field `in` of `components` floats a voxel. */
-static iso_status decimate(const float *in, const iso_geometry *fine, size_t components, const iso_taps *taps,
-                           int threads, float *out, iso_error *err)
-{
-    const size_t nx = fine->size[0], ny = fine->size[1], nz = fine->size[2];
-    const size_t hx = (nx + 1) / 2, hy = (ny + 1) / 2;
-    float *by_x = malloc(hx * ny * nz * components * sizeof *by_x);
-    float *by_y = malloc(hx * hy * nz * components * sizeof *by_y);
-    iso_status status = ISO_OK;
-    if (by_x && by_y) {
-        decimate_axis(in, ny * nz, nx, components, taps, threads, by_x);
-        decimate_axis(by_x, nz, ny, hx * components, taps, threads, by_y);
-        decimate_axis(by_y, 1, nz, hx * hy * components, taps, threads, out);
-    } else {
-        status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory to filter %zu x %zu x %zu voxels", nx, ny, nz);
-    }
-    free(by_x);
-    free(by_y);
-    return status;
-}
-
-/* What is stored of a level whose scalar and state are known. */
-static iso_status finish_level(iso_level *l, const iso_pyramid_options *opt, bool fine, double scale,
-                               const float *state, iso_error *err)
-{
-    const size_t nx = l->geometry.size[0], row_count = l->geometry.size[1] * l->geometry.size[2];
-    const int threads = iso_threads(opt->threads);
-    const float unscale = (float)(1 / scale);
-    float *work = malloc((size_t)threads * 3 * nx * sizeof *work);
-    if (!work)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %d threads' rows of %zu voxels", threads, nx);
-    float lo = INFINITY, hi = -INFINITY;
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(min : lo) reduction(max : hi)
-    for (size_t row = 0; row < row_count; ++row) {
-        const size_t at = row * nx;
-        float *d = l->directions ? l->directions + 3 * at : work + (size_t)iso_thread_index() * 3 * nx;
-        float *magnitude = l->magnitude ? l->magnitude + at : NULL;
-        iso_state_directions(opt->direction_filter, fine, state + 4 * at, nx, d, magnitude);
-        iso_code_encode(opt->code, d, l->codes + 3 * at, nx);
-        for (size_t x = 0; x < nx; ++x) {
-            lo = fminf(lo, l->scalar[at + x]);
-            hi = fmaxf(hi, l->scalar[at + x]);
-            if (magnitude)
-                magnitude[x] *= unscale;
-        }
-    }
-    free(work);
-    l->min = lo;
-    l->max = hi;
-    return ISO_OK;
-}
-
-/* State of level 0: gradients of the volume, scaled. */
-static iso_status first_state(const iso_volume *v, const iso_pyramid_options *opt, double scale, float *state,
-                              iso_error *err)
-{
-    const size_t count = iso_geometry_voxel_count(&v->geometry);
-    float *gradients = malloc(3 * count * sizeof *gradients);
-    if (!gradients)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %zu gradients", count);
-    iso_volume scaled = *v; /* a geometry whose unit is the scale gives scaled gradients */
-    scaled.geometry.index_to_world = iso_mat3_scale(v->geometry.index_to_world, 1 / scale);
-    iso_gradient_options gradient = opt->gradient;
-    gradient.threads = opt->threads;
-    iso_status status = iso_gradient_compute(&scaled, &gradient, gradients, err);
-    if (status == ISO_OK)
-        iso_state_from_gradients(opt->direction_filter, gradients, count, state);
-    free(gradients);
-    return status;
-}
-
-static iso_status next_level(const iso_level *fine, const iso_pyramid_options *opt, const float *fine_state,
-                             iso_level *coarse, float *state, iso_error *err)
-{
-    const int threads = iso_threads(opt->threads);
-    const iso_taps mean = iso_taps_mean(), gauss = iso_taps_gauss(opt->gauss_radius, opt->gauss_sigma_voxels);
-    iso_status status = decimate(fine->scalar, &fine->geometry, 1,
-                                 opt->scalar_filter == ISO_SCALAR_GAUSS ? &gauss : &mean, threads, coarse->scalar, err);
-    if (status == ISO_OK)
-        status = decimate(fine_state, &fine->geometry, 4, opt->direction_filter == ISO_DIRECTION_EQ1 ? &gauss : &mean,
-                          threads, state, err);
-    if (status == ISO_OK)
-        iso_state_finish(opt->direction_filter, state, iso_geometry_voxel_count(&coarse->geometry));
-    return status;
-}
-
 static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p, const iso_progress *progress,
                                iso_error *err)
 {
     const iso_pyramid_options *opt = &p->options;
     iso_geometry g = v->geometry;
-    float *state = NULL;
-    iso_status status = ISO_OK;
+    iso_cascade *cascade = NULL;
+    iso_cascade_out out[32];
+    iso_status status = iso_cascade_create(&g, v->type, opt, scale, &cascade, err);
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
-        iso_progress_report(progress, "pyramid", (double)k / (double)p->level_count);
         iso_level *l = &p->levels[k];
         const iso_type type = k == 0 && iso_type_bytes(v->type) <= 2 ? v->type : ISO_F32;
-        float *next = malloc(4 * iso_geometry_voxel_count(&g) * sizeof *next);
-        if (!create_level(l, &g, type, opt) || !next)
+        if (!create_level(l, &g, type, opt))
             status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for level %zu of %zu x %zu x %zu voxels", k,
                               g.size[0], g.size[1], g.size[2]);
-        if (status == ISO_OK && k == 0) {
-            iso_volume_floats(v, l->scalar);
-            status = first_state(v, opt, scale, next, err);
-        } else if (status == ISO_OK) {
-            status = next_level(&p->levels[k - 1], opt, state, l, next, err);
-        }
-        if (status == ISO_OK)
-            status = finish_level(l, opt, k == 0, scale, next, err);
-        free(state);
-        state = next;
+        out[k] = (iso_cascade_out){0, l->scalar, l->codes, l->directions, l->magnitude};
         g = iso_geometry_coarser(&g);
     }
-    free(state);
+    const size_t nz = v->geometry.size[2];
+    const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz};
+    const size_t slab = status == ISO_OK ? iso_cascade_step(cascade) * 4 : 1;
+    for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
+        iso_progress_report(progress, "pyramid", (double)z / (double)nz);
+        status = iso_cascade_feed(cascade, &planes, z, z + slab < nz ? z + slab : nz, out, err);
+    }
+    for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k)
+        iso_cascade_range(cascade, k, &p->levels[k].min, &p->levels[k].max);
+    iso_cascade_destroy(cascade);
     iso_progress_report(progress, "pyramid", 1);
     return status;
 }
@@ -269,12 +140,12 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
     if (status != ISO_OK)
         return status;
     out->source = strdup(source);
-    out->level_count = count_levels(&v->geometry, opt->level_count);
+    out->level_count = iso_cascade_level_count(&v->geometry, opt);
     out->levels = calloc(out->level_count, sizeof *out->levels);
     if (!out->source || !out->levels)
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its levels", source);
     else
-        status = build_levels(v, gradient_scale(&v->geometry, range), out, progress, err);
+        status = build_levels(v, iso_cascade_scale(&v->geometry, range), out, progress, err);
     if (status != ISO_OK)
         iso_pyramid_destroy(out);
     return status;

@@ -1,0 +1,21 @@
+/* simd.h - kernels compiled for several instruction sets, chosen when the program starts.
+ *
+ *     ISO_SIMD void kernel(const float *restrict in, size_t n, float *restrict out) ...
+ *
+ * Plain C loops that the compiler vectorises; products and sums are never
+ * contracted (-ffp-contract=off), so every set gives the same bits. */
+#ifndef ISO_SIMD_H
+#define ISO_SIMD_H
+
+#include <stddef.h>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && defined(__OPTIMIZE__)
+#define ISO_SIMD __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#else
+#define ISO_SIMD
+#endif
+
+/* memcpy past the caches, for results that are not read again soon. */
+void iso_copy_streaming(void *restrict to, const void *restrict from, size_t bytes);
+
+#endif

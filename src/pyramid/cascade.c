@@ -1,0 +1,410 @@
+#include "pyramid/cascade.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "base/simd.h"
+#include "pyramid/cascade_kernel.h"
+
+/* ---- rows to what is stored ---- */
+
+size_t emit_rows_count(const iso_cascade *c)
+{
+    const size_t n = row_stride(c, 0);
+    return (3 + 3 + 3 + 1 + 1 + 1 + 1) * n + 64 + iso_gradient_scratch_count(c->size[0][0]) + 16;
+}
+
+emit_rows take_emit_rows(const iso_cascade *c, scratch *s)
+{
+    const size_t n = row_stride(c, 0);
+    emit_rows r;
+    for (int a = 0; a < 3; ++a) {
+        r.d[a] = take(s, n);
+        r.g[a] = take(s, n);
+    }
+    r.interleaved = take(s, 3 * n);
+    r.magnitude = take(s, n);
+    r.row = take(s, n);
+    r.packed = (uint32_t *)(void *)take(s, n);
+    r.bytes = (uint8_t *)take(s, n + 16);
+    r.gradient = take(s, iso_gradient_scratch_count(c->size[0][0]));
+    return r;
+}
+
+void level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *r)
+{
+    iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g[0], r->g[1], r->g[2]);
+}
+
+static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r,
+                        bool packed)
+{
+    const size_t n = c->size[k][0], at = ((z - out->first) * c->size[k][1] + y) * n;
+    if (packed)
+        iso_unpack_bytes(r->packed, n, r->bytes);
+    if (!packed || out->directions)
+        iso_interleave_rows(r->d[0], r->d[1], r->d[2], n, r->interleaved);
+    if (!packed)
+        iso_code_encode(c->opt.code, r->interleaved, r->bytes, n);
+    if (out->codes)
+        iso_copy_streaming(out->codes + 3 * at, r->bytes, 3 * n);
+    if (out->directions)
+        iso_copy_streaming(out->directions + 3 * at, r->interleaved, 3 * n * sizeof(float));
+    if (out->magnitude) {
+        iso_scale_row(r->magnitude, n, c->unscale);
+        memcpy(out->magnitude + at, r->magnitude, n * sizeof(float));
+    }
+}
+
+void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *r, bool packed)
+{
+    if (z < out->first)
+        return;
+    if (!packed || out->directions || out->magnitude)
+        iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2], r->magnitude);
+    store_codes(c, out, 0, y, z, r, packed);
+}
+
+void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
+                 size_t stride, emit_rows *r)
+{
+    if (z < out->first)
+        return;
+    const size_t n = c->size[k][0];
+    iso_direction_rows(c->opt.direction_filter, state, stride, n, r->d[0], r->d[1], r->d[2],
+                       out->magnitude ? r->magnitude : NULL);
+    if (uses_packed(c))
+        iso_pack_snorm(r->d[0], r->d[1], r->d[2], n, r->packed);
+    store_codes(c, out, k, y, z, r, uses_packed(c));
+}
+
+/* ---- the tile way ---- */
+
+typedef struct tile {
+    iso_cascade *c;
+    const iso_planes *in;
+    const iso_cascade_out *out;
+    size_t base, top;             /* levels */
+    emit_rows rows;
+    float *acc[MAX_LEVELS][2];    /* [k]: sums of two rows of level k, a half each */
+    float *own[MAX_LEVELS];       /* [k]: a row of level k */
+    float lo[MAX_LEVELS], hi[MAX_LEVELS];
+} tile;
+
+static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
+{
+    const iso_cascade *c = t->c;
+    const size_t n = c->size[0][0], stride = row_stride(c, 0);
+    const bool packed = uses_packed(c);
+    emit_rows *r = &t->rows;
+    iso_scalar_row(t->in, y, z, r->row, acc + c->state_count * stride, add, &t->lo[0], &t->hi[0]);
+    if (t->out[0].scalar && z >= t->out[0].first)
+        memcpy(t->out[0].scalar + ((z - t->out[0].first) * c->size[0][1] + y) * n, r->row, n * sizeof(float));
+    if (c->state_count == 0)
+        return;
+    level0_gradients(c, t->in, y, z, r);
+    iso_state_from_gradients(c->opt.direction_filter, r->g[0], r->g[1], r->g[2], n, acc, stride, add,
+                             packed ? r->packed : NULL);
+    emit_level0(c, &t->out[0], y, z, r, packed);
+}
+
+static size_t carry_row_floats(const iso_cascade *c)
+{
+    return (c->state_count + 1) * c->size[c->tile_top][0];
+}
+
+/* Between the carry and a row of the level that it holds. */
+static float *carry_row(const iso_cascade *c, size_t y, size_t z)
+{
+    return c->carry + (z * c->size[c->tile_top][1] + y) * carry_row_floats(c);
+}
+
+static void add_row(const tile *t, size_t k, const float *own, float *acc, bool add)
+{
+    const size_t stride = row_stride(t->c, k), n = t->c->size[k][0];
+    for (size_t i = 0; i <= t->c->state_count; ++i)
+        iso_accumulate_row(own + i * stride, n, acc + i * stride, add);
+}
+
+static void load_carried(tile *t, size_t k, size_t y, size_t z, float *own)
+{
+    const size_t n = t->c->size[k][0], stride = row_stride(t->c, k);
+    const float *from = carry_row(t->c, y, z);
+    for (size_t i = 0; i <= t->c->state_count; ++i)
+        memcpy(own + i * stride, from + i * n, n * sizeof *own);
+}
+
+static void store_coarse(tile *t, size_t k, size_t y, size_t z, float *own)
+{
+    const iso_cascade *c = t->c;
+    const iso_cascade_out *out = &t->out[k];
+    const size_t n = c->size[k][0], stride = row_stride(c, k), row = (z - out->first) * c->size[k][1] + y;
+    const float *scalar = own + c->state_count * stride;
+    if (c->scalar_means) {
+        iso_row_range(scalar, n, &t->lo[k], &t->hi[k]);
+        if (out->scalar && z >= out->first)
+            memcpy(out->scalar + row * n, scalar, n * sizeof *scalar);
+    }
+    if (c->state_count > 0)
+        emit_coarse(c, out, k, y, z, own, stride, &t->rows);
+    if (c->carry && k == c->tile_top && t->base == 0)
+        for (size_t i = 0; i <= c->state_count; ++i)
+            memcpy(carry_row(c, y, z) + i * n, own + i * stride, n * sizeof *own);
+}
+
+/* The row (y, z) of level k: made, stored, and put into acc or added to it. */
+static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add)
+{
+    const iso_cascade *c = t->c;
+    if (k == 0) {
+        level0_row(t, y, z, acc, add);
+        return;
+    }
+    float *own = t->own[k];
+    if (k == t->base) {
+        load_carried(t, k, y, z, own);
+        add_row(t, k, own, acc, add);
+        return;
+    }
+    const size_t *fine = c->size[k - 1], stride = row_stride(c, k - 1), coarse_stride = row_stride(c, k);
+    const bool two_y = 2 * y + 1 < fine[1], two_z = 2 * z + 1 < fine[2];
+    for (size_t half = 0; half <= (size_t)two_z; ++half) {
+        float *sum = t->acc[k - 1][half];
+        make_row(t, k - 1, 2 * y, 2 * z + half, sum, false);
+        if (two_y)
+            make_row(t, k - 1, 2 * y + 1, 2 * z + half, sum, true);
+        for (size_t i = 0; !two_y && i <= c->state_count; ++i)
+            iso_double_row(sum + i * stride, fine[0]);
+    }
+    for (size_t i = 0; i <= c->state_count; ++i)
+        iso_mean_row(t->acc[k - 1][0] + i * stride, t->acc[k - 1][two_z] + i * stride, fine[0], own + i * coarse_stride);
+    store_coarse(t, k, y, z, own);
+    if (k < t->top)
+        add_row(t, k, own, acc, add);
+}
+
+static size_t tile_scratch_count(const iso_cascade *c)
+{
+    size_t count = emit_rows_count(c);
+    for (size_t k = 0; k < c->level_count; ++k)
+        count += 3 * (c->state_count + 1) * row_stride(c, k);
+    return count;
+}
+
+static tile make_tile(iso_cascade *c, const iso_planes *in, const iso_cascade_out *out, size_t base, size_t top,
+                      float *memory)
+{
+    tile t = {.c = c, .in = in, .out = out, .base = base, .top = top};
+    scratch s = {memory};
+    t.rows = take_emit_rows(c, &s);
+    for (size_t k = 0; k <= top; ++k) {
+        const size_t count = (c->state_count + 1) * row_stride(c, k);
+        t.acc[k][0] = take(&s, count);
+        t.acc[k][1] = take(&s, count);
+        t.own[k] = take(&s, count);
+        t.lo[k] = INFINITY;
+        t.hi[k] = -INFINITY;
+    }
+    return t;
+}
+
+/* Rows of level `top`, planes z0 .. z1 - 1, from level `base`. */
+static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_cascade_out *out, size_t base, size_t top,
+                            size_t z0, size_t z1, iso_error *err)
+{
+    const size_t rows = c->size[top][1], count = (z1 - z0) * rows, floats = tile_scratch_count(c);
+    float *memory = aligned_alloc(64, (size_t)c->threads * (floats * sizeof *memory + 63) / 64 * 64);
+    if (!memory)
+        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+#pragma omp parallel num_threads(c->threads)
+    {
+        const size_t per_thread = floats / 16 * 16;
+        tile t = make_tile(c, in, out, base, top, memory + (size_t)iso_thread_index() * per_thread);
+#pragma omp for schedule(dynamic, 4)
+        for (size_t i = 0; i < count; ++i)
+            make_row(&t, top, i % rows, z0 + i / rows, t.acc[top][0], false);
+#pragma omp critical(iso_cascade_range)
+        for (size_t k = base; k <= top; ++k) {
+            c->lo[k] = fminf(c->lo[k], t.lo[k]);
+            c->hi[k] = fmaxf(c->hi[k], t.hi[k]);
+        }
+    }
+    free(memory);
+    return ISO_OK;
+}
+
+/* ---- the whole ---- */
+
+size_t iso_cascade_level_count(const iso_geometry *g, const iso_pyramid_options *opt)
+{
+    iso_geometry at = *g;
+    size_t count = 1;
+    for (; count < opt->level_count && count < MAX_LEVELS; ++count) {
+        at = iso_geometry_coarser(&at);
+        if (iso_geometry_voxel_count(&at) == 1)
+            break;
+    }
+    return count;
+}
+
+double iso_cascade_scale(const iso_geometry *g, double range)
+{
+    iso_mat3 m = iso_geometry_gradient_to_world(g);
+    double largest = 0;
+    for (int i = 0; i < 9; ++i)
+        largest = fmax(largest, fabs(m.m[i / 3][i % 3]));
+    return range > 0 ? ldexp(1, -ilogb(range) - ilogb(largest)) : 1;
+}
+
+static void set_up(iso_cascade *c, const iso_geometry *g, double scale)
+{
+    const iso_pyramid_options *opt = &c->opt;
+    iso_geometry at = *g;
+    c->threads = iso_threads(opt->threads);
+    c->unscale = (float)(1 / scale);
+    c->matrix = iso_gradient_matrix_from(iso_mat3_scale(iso_geometry_gradient_to_world(g), scale));
+    c->level_count = iso_cascade_level_count(g, opt);
+    for (size_t k = 0; k < c->level_count; ++k) {
+        memcpy(c->size[k], at.size, sizeof at.size);
+        at = iso_geometry_coarser(&at);
+        c->lo[k] = INFINITY;
+        c->hi[k] = -INFINITY;
+    }
+    c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN;
+    c->state_count = opt->direction_filter == ISO_DIRECTION_EQ1 ? 0 : iso_state_count(opt->direction_filter);
+    c->tile_top = c->level_count - 1 < CARRY_LEVEL ? c->level_count - 1 : CARRY_LEVEL;
+    if (!c->scalar_means && c->state_count == 0)
+        c->tile_top = 0; /* only level 0's scalars are left */
+}
+
+iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_pyramid_options *opt, double scale,
+                              iso_cascade **out, iso_error *err)
+{
+    (void)type;
+    iso_status status = ISO_OK;
+    *out = NULL;
+    iso_cascade *c = calloc(1, sizeof *c);
+    if (!c)
+        return iso_fail(err, ISO_E_MEMORY, "pyramid: out of memory");
+    c->opt = *opt;
+    set_up(c, g, scale);
+    const size_t *top = c->size[c->tile_top];
+    if (c->tile_top > 0 && c->tile_top + 1 < c->level_count) {
+        c->carry = malloc(carry_row_floats(c) * top[1] * top[2] * sizeof *c->carry);
+        if (!c->carry)
+            status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the state of %zu x %zu x %zu voxels", top[0],
+                              top[1], top[2]);
+    }
+    if (status == ISO_OK)
+        status = wide_create(c, err);
+    if (status != ISO_OK) {
+        iso_cascade_destroy(c);
+        return status;
+    }
+    *out = c;
+    return ISO_OK;
+}
+
+void iso_cascade_destroy(iso_cascade *c)
+{
+    if (!c)
+        return;
+    wide_destroy(c);
+    free(c->carry);
+    free(c);
+}
+
+size_t iso_cascade_step(const iso_cascade *c)
+{
+    return (size_t)1 << c->tile_top;
+}
+
+size_t iso_cascade_reach(const iso_cascade *c)
+{
+    return iso_gradient_reach(c->opt.gradient.method);
+}
+
+float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats)
+{
+    *plane_floats = carry_row_floats(c) * c->size[c->tile_top][1];
+    return c->carry;
+}
+
+size_t iso_cascade_carry_level(const iso_cascade *c)
+{
+    return c->tile_top;
+}
+
+size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_count)
+{
+    size_t planes = (plane_count >> level) + 1 + (level > 0 && c->wide_count ? c->wide[0].slot_count + 1 : 0);
+    if (level > c->tile_top)
+        planes = c->size[level][2];
+    return planes < c->size[level][2] ? planes : c->size[level][2];
+}
+
+/* Through the filters: the planes of the next level that n planes complete. */
+static size_t wide_complete(const iso_cascade *c, size_t level, size_t z)
+{
+    for (size_t k = 0; k < level; ++k) {
+        if (z == c->size[k][2])
+            z = c->size[k + 1][2];
+        else
+            z = z > c->wide[0].taps.count / 2 ? (z - c->wide[0].taps.count / 2 + 1) / 2 : 0;
+    }
+    return z;
+}
+
+static size_t tile_complete(const iso_cascade *c, size_t level, size_t z)
+{
+    if (z == c->size[0][2])
+        return c->size[level][2];
+    return level > c->tile_top ? 0 : z >> level;
+}
+
+/* A plane of a level is complete when all of its files' rows are. */
+size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
+{
+    size_t near = level == 0 || c->scalar_means || c->state_count > 0 ? tile_complete(c, level, z) : SIZE_MAX;
+    size_t far = c->wide_count > 0 ? wide_complete(c, level, z) : SIZE_MAX;
+    return near < far ? near : far;
+}
+
+size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
+{
+    if (c->wide_count == 0 || z == 0)
+        return z;
+    const size_t radius = c->wide[0].taps.count / 2;
+    size_t need = iso_cascade_complete(c, c->level_count - 1, z);
+    for (size_t k = c->level_count - 1; k-- > 0;) {
+        size_t from = 2 * need > radius - 1 ? 2 * need - (radius - 1) : 0;
+        size_t missing = iso_cascade_complete(c, k, z);
+        need = from < missing ? from : missing;
+    }
+    return need / iso_cascade_step(c) * iso_cascade_step(c);
+}
+
+iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out,
+                            iso_error *err)
+{
+    const size_t step = iso_cascade_step(c), last = c->size[0][2];
+    iso_status status = run_tiles(c, in, out, 0, c->tile_top, z0 / step, (z1 + step - 1) / step, err);
+    if (status == ISO_OK && c->carry && z1 == last)
+        status = run_tiles(c, in, out, c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2], err);
+    return status == ISO_OK ? wide_feed(c, in, z0, z1, out, err) : status;
+}
+
+void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max)
+{
+    *min = c->lo[level];
+    *max = c->hi[level];
+}
+
+void iso_cascade_set_range(iso_cascade *c, size_t level, double min, double max)
+{
+    c->lo[level] = (float)min;
+    c->hi[level] = (float)max;
+}

@@ -1,0 +1,214 @@
+/* cascade_wide.c - filters wider than the own children, plane by plane: the
+ * normalised convolution of gradients-2017 Eq. 1, and the Gaussian of scalars,
+ * separable and decimated as they go. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "pyramid/cascade_kernel.h"
+
+/* Coarse rows that a thread filters at a time; their fine rows stay in its cache. */
+enum { BLOCK_ROWS = 16 };
+
+/* What one call of wide_feed works with. */
+typedef struct wide_run {
+    iso_cascade *c;
+    wide_channel *channel;
+    const iso_planes *in;
+    const iso_cascade_out *out;
+    float *memory;
+    size_t per_thread;
+} wide_run;
+
+static size_t slot_floats(const iso_cascade *c, const wide_channel *w, size_t coarse)
+{
+    return w->components * c->size[coarse][0] * c->size[coarse][1];
+}
+
+iso_status wide_create(iso_cascade *c, iso_error *err)
+{
+    const iso_taps taps = iso_taps_gauss(c->opt.gauss_radius, c->opt.gauss_sigma_voxels);
+    if (!c->scalar_means)
+        c->wide[c->wide_count++] = (wide_channel){.is_scalar = true, .components = 1, .taps = taps};
+    if (c->opt.direction_filter == ISO_DIRECTION_EQ1)
+        c->wide[c->wide_count++] = (wide_channel){.components = 4, .taps = taps};
+    for (size_t i = 0; i < c->wide_count; ++i) {
+        wide_channel *w = &c->wide[i];
+        w->slot_count = taps.count / 2 + 1;
+        for (size_t k = 0; k + 1 < c->level_count; ++k) {
+            w->slots[k] = calloc(w->slot_count * slot_floats(c, w, k + 1), sizeof(float));
+            if (!w->slots[k])
+                return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %zu planes of level %zu", w->slot_count, k + 1);
+        }
+    }
+    return ISO_OK;
+}
+
+void wide_destroy(iso_cascade *c)
+{
+    for (size_t i = 0; i < c->wide_count; ++i)
+        for (size_t k = 0; k + 1 < c->level_count; ++k)
+            free(c->wide[i].slots[k]);
+}
+
+static float *slot(const wide_run *r, size_t coarse, size_t plane)
+{
+    return r->channel->slots[coarse - 1] +
+           plane % r->channel->slot_count * slot_floats(r->c, r->channel, coarse);
+}
+
+/* Rows of one thread in a block. */
+typedef struct block {
+    emit_rows rows;
+    float *state, *padded, *narrow, *filtered;
+} block;
+
+static size_t block_scratch_count(const iso_cascade *c, const wide_channel *w)
+{
+    const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
+    return emit_rows_count(c) + w->components * n + n + w->taps.count + 16 +
+           (2 * BLOCK_ROWS + w->taps.count) * w->components * half + half + 64;
+}
+
+static block make_block(const wide_run *r)
+{
+    const iso_cascade *c = r->c;
+    const wide_channel *w = r->channel;
+    const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
+    scratch s = {r->memory + (size_t)iso_thread_index() * r->per_thread};
+    block b = {.rows = take_emit_rows(c, &s)};
+    b.state = take(&s, w->components * n);
+    b.padded = take(&s, n + w->taps.count);
+    b.narrow = take(&s, (2 * BLOCK_ROWS + w->taps.count) * w->components * half);
+    b.filtered = take(&s, half);
+    return b;
+}
+
+/* Component rows of the fine row (y, z) of level k, `*stride` apart. Rows of
+ * level 0 are made here, and stored when they are the block's own. */
+static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, size_t z, bool own, size_t *stride)
+{
+    const iso_cascade *c = r->c;
+    if (k > 0) {
+        *stride = c->size[k][0] * c->size[k][1];
+        return slot(r, k, z) + y * c->size[k][0];
+    }
+    *stride = row_stride(c, 0);
+    if (r->channel->is_scalar) {
+        iso_planes_row(r->in, y, z, b->state);
+        return b->state;
+    }
+    const bool packed = uses_packed(c) && own;
+    level0_gradients(c, r->in, y, z, &b->rows);
+    iso_state_from_gradients(ISO_DIRECTION_EQ1, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0], b->state, *stride,
+                             false, packed ? b->rows.packed : NULL);
+    if (own)
+        emit_level0(c, &r->out[0], y, z, &b->rows, packed);
+    return b->state;
+}
+
+/* Coarse rows j0 .. j1 - 1 of the fine plane z of level k: along x into
+ * b->narrow, along y into b->filtered, along z into the open planes. */
+static void filter_block(const wide_run *r, size_t k, size_t z, size_t j0, size_t j1)
+{
+    const wide_channel *w = r->channel;
+    const size_t *fine = r->c->size[k], *coarse = r->c->size[k + 1], taps = w->taps.count, radius = taps / 2;
+    const size_t first = iso_taps_source(&w->taps, j0, 0, fine[1]), last = iso_taps_source(&w->taps, j1 - 1, taps - 1, fine[1]);
+    const size_t open_first = z >= radius ? (z - radius + 1) / 2 : 0, reach = (z + radius - 1) / 2;
+    const size_t open_last = reach < coarse[2] ? reach : coarse[2] - 1;
+    block b = make_block(r);
+    for (size_t y = first; y <= last; ++y) {
+        size_t stride;
+        const float *row = fine_row(r, &b, k, y, z, y / 2 >= j0 && y / 2 < j1, &stride);
+        for (size_t i = 0; i < w->components; ++i)
+            iso_taps_row(&w->taps, row + i * stride, fine[0], b.padded,
+                         b.narrow + ((y - first) * w->components + i) * coarse[0]);
+    }
+    for (size_t j = j0; j < j1; ++j)
+        for (size_t i = 0; i < w->components; ++i) {
+            memset(b.filtered, 0, coarse[0] * sizeof(float));
+            for (size_t t = 0; t < taps; ++t)
+                iso_weigh_row(w->taps.weight[t],
+                              b.narrow + ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
+                              coarse[0], b.filtered);
+            for (size_t p = open_first; p <= open_last; ++p) {
+                float *to = slot(r, k + 1, p) + (i * coarse[1] + j) * coarse[0];
+                if (iso_taps_source(&w->taps, p, 0, fine[2]) == z)
+                    memset(to, 0, coarse[0] * sizeof(float));
+                for (size_t t = 0; t < taps; ++t)
+                    if (iso_taps_source(&w->taps, p, t, fine[2]) == z)
+                        iso_weigh_row(w->taps.weight[t], b.filtered, coarse[0], to);
+            }
+        }
+}
+
+/* The coarse plane is whole: what Eq. 1 still does to it, and storing it. */
+static void finish_plane(const wide_run *r, size_t k, size_t z)
+{
+    iso_cascade *c = r->c;
+    const iso_cascade_out *out = &r->out[k];
+    const size_t nx = c->size[k][0], ny = c->size[k][1];
+    float *plane = slot(r, k, z), lo = c->lo[k], hi = c->hi[k];
+#pragma omp parallel for schedule(static) num_threads(c->threads) reduction(min : lo) reduction(max : hi)
+    for (size_t y = 0; y < ny; ++y) {
+        float *row = plane + y * nx;
+        if (!r->channel->is_scalar) {
+            block b = make_block(r);
+            iso_eq1_finish(row, nx * ny, nx);
+            emit_coarse(c, out, k, y, z, row, nx * ny, &b.rows);
+        } else if (z >= out->first) {
+            iso_row_range(row, nx, &lo, &hi);
+            if (out->scalar)
+                memcpy(out->scalar + ((z - out->first) * ny + y) * nx, row, nx * sizeof *row);
+        }
+    }
+    c->lo[k] = lo;
+    c->hi[k] = hi;
+}
+
+static void store_level0_only(const wide_run *r, size_t z)
+{
+#pragma omp parallel for schedule(static) num_threads(r->c->threads)
+    for (size_t y = 0; y < r->c->size[0][1]; ++y) {
+        block b = make_block(r);
+        size_t stride;
+        fine_row(r, &b, 0, y, z, true, &stride);
+    }
+}
+
+static void feed_plane(const wide_run *r, size_t k, size_t z)
+{
+    const iso_cascade *c = r->c;
+    if (k + 1 == c->level_count) {
+        if (k == 0 && !r->channel->is_scalar)
+            store_level0_only(r, z);
+        return;
+    }
+    const size_t *fine = c->size[k], rows = c->size[k + 1][1], taps = r->channel->taps.count;
+    const size_t blocks = (rows + BLOCK_ROWS - 1) / BLOCK_ROWS;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(c->threads)
+    for (size_t i = 0; i < blocks; ++i)
+        filter_block(r, k, z, i * BLOCK_ROWS, (i + 1) * BLOCK_ROWS < rows ? (i + 1) * BLOCK_ROWS : rows);
+    for (size_t p = z >= taps / 2 ? (z - taps / 2 + 1) / 2 : 0; p < c->size[k + 1][2]; ++p) {
+        if (iso_taps_source(&r->channel->taps, p, taps - 1, fine[2]) != z)
+            break;
+        finish_plane(r, k + 1, p);
+        feed_plane(r, k + 1, p);
+    }
+}
+
+iso_status wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
+{
+    for (size_t i = 0; i < c->wide_count; ++i) {
+        wide_run r = {.c = c, .channel = &c->wide[i], .in = in, .out = out};
+        r.per_thread = (block_scratch_count(c, r.channel) + 15) / 16 * 16;
+        r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
+        if (!r.memory)
+            return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+        for (size_t z = z0; z < z1; ++z)
+            feed_plane(&r, 0, z);
+        free(r.memory);
+    }
+    return ISO_OK;
+}
