@@ -1,0 +1,408 @@
+#include "tf/adapt.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const weight_names[ISO_WEIGHT_COUNT] = {"gauss", "flat", "triangle", "mixed"};
+static const char *const average_names[ISO_AVERAGE_COUNT] = {"rgba", "opacity", "extinction", "transmittance"};
+
+const char *iso_adapt_weight_name(iso_adapt_weight w)
+{
+    return weight_names[w];
+}
+
+const char *iso_adapt_average_name(iso_adapt_average a)
+{
+    return average_names[a];
+}
+
+static iso_status find_name(const char *name, const char *const names[], int count, const char *what, int *found, iso_error *err)
+{
+    char list[128] = "";
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(names[i], name) == 0) {
+            *found = i;
+            return ISO_OK;
+        }
+        strcat(list, i ? ", " : "");
+        strcat(list, names[i]);
+    }
+    return iso_fail(err, ISO_E_USAGE, "unknown %s \"%s\", must be one of: %s", what, name, list);
+}
+
+iso_status iso_adapt_weight_from_name(const char *name, iso_adapt_weight *w, iso_error *err)
+{
+    int found = 0;
+    iso_status status = find_name(name, weight_names, ISO_WEIGHT_COUNT, "weight", &found, err);
+    if (status == ISO_OK)
+        *w = (iso_adapt_weight)found;
+    return status;
+}
+
+iso_status iso_adapt_average_from_name(const char *name, iso_adapt_average *a, iso_error *err)
+{
+    int found = 0;
+    iso_status status = find_name(name, average_names, ISO_AVERAGE_COUNT, "average", &found, err);
+    if (status == ISO_OK)
+        *a = (iso_adapt_average)found;
+    return status;
+}
+
+iso_adapt_options iso_adapt_defaults(void)
+{
+    return (iso_adapt_options){.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true};
+}
+
+/* ---- weights -------------------------------------------------------------------- */
+
+struct iso_adapter {
+    iso_adapt_average average;
+    iso_bins z, s;
+    size_t *row_start; /* s.count + 1 */
+    uint16_t *entry_z;
+    float *entry_weight; /* a row's sum to 1; rows without voxels are empty */
+};
+
+void iso_adapter_destroy(iso_adapter *a)
+{
+    if (!a)
+        return;
+    free(a->row_start);
+    free(a->entry_z);
+    free(a->entry_weight);
+    free(a);
+}
+
+size_t iso_adapter_entry_count(const iso_adapter *a)
+{
+    return a->s.count;
+}
+
+static double default_window(iso_adapt_weight w)
+{
+    return w == ISO_WEIGHT_GAUSS || w == ISO_WEIGHT_FLAT ? 3 : 2.5;
+}
+
+/* The weight at x deviations from the mean, inside the window. */
+static double weight_at(const iso_adapt_options *opt, double x)
+{
+    const double gauss = exp(-0.5 * x * x), triangle = fmax(0.4 * (1 - 0.4 * fabs(x)), 0);
+    const double gauss_area = 2.5066282746310002 * erf(2.5 / 1.4142135623730951); /* over [-2.5, 2.5] */
+    switch (opt->weight) {
+    case ISO_WEIGHT_GAUSS: return gauss;
+    case ISO_WEIGHT_TRIANGLE: return triangle;
+    case ISO_WEIGHT_MIXED:
+        return opt->mix_s * 0.2 + opt->mix_t * triangle + (1 - opt->mix_s - opt->mix_t) * gauss / gauss_area;
+    case ISO_WEIGHT_FLAT:
+    case ISO_WEIGHT_COUNT: break;
+    }
+    return 1;
+}
+
+typedef struct row_moments {
+    double count, mean, deviation; /* in bins of z */
+} row_moments;
+
+static row_moments measure_row(const iso_joint *j, size_t row)
+{
+    row_moments m = {0};
+    for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i) {
+        m.count += (double)j->entry_count_of[i];
+        m.mean += (double)j->entry_count_of[i] * j->entry_z[i];
+    }
+    if (m.count == 0)
+        return m;
+    m.mean /= m.count;
+    double square = 0;
+    for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i)
+        square += (double)j->entry_count_of[i] * (j->entry_z[i] - m.mean) * (j->entry_z[i] - m.mean);
+    /* Half a bin at least: a row of one entry has to stay inside its window. */
+    m.deviation = fmax(sqrt(square / m.count), 0.5);
+    return m;
+}
+
+/* Appends the row's weighted entries; the window is never empty, since some entry lies within one deviation. */
+static size_t weigh_row(iso_adapter *a, const iso_joint *j, const iso_adapt_options *opt, size_t row, size_t at)
+{
+    row_moments m = measure_row(j, row);
+    double window = opt->window > 0 ? opt->window : default_window(opt->weight), sum = 0;
+    size_t first = at;
+    for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i) {
+        double x = (j->entry_z[i] - m.mean) / m.deviation;
+        if (fabs(x) > window)
+            continue;
+        double w = weight_at(opt, x) * (double)j->entry_count_of[i];
+        a->entry_z[at] = j->entry_z[i];
+        a->entry_weight[at++] = (float)(w / m.count);
+        sum += w / m.count;
+    }
+    for (size_t i = first; i < at; ++i)
+        a->entry_weight[i] = (float)(a->entry_weight[i] / sum);
+    return at;
+}
+
+static iso_status check_options(const iso_adapt_options *opt, iso_error *err)
+{
+    if (!(opt->window == 0 || (opt->window >= 1 && opt->window <= 100)))
+        return iso_fail(err, ISO_E_RANGE, "adapt: window of %g deviations, must be 1 to 100", opt->window);
+    if (!(opt->mix_s >= 0 && opt->mix_t >= 0 && opt->mix_s + opt->mix_t <= 1))
+        return iso_fail(err, ISO_E_RANGE, "adapt: mixed weights %g and %g, must be at least 0 and together at most 1",
+                        opt->mix_s, opt->mix_t);
+    return ISO_OK;
+}
+
+iso_status iso_adapter_create(const iso_joint *j, const iso_adapt_options *opt, iso_adapter **adapter, iso_error *err)
+{
+    *adapter = NULL;
+    iso_status status = check_options(opt, err);
+    if (status != ISO_OK)
+        return status;
+    iso_adapter *a = calloc(1, sizeof *a);
+    if (a) {
+        *a = (iso_adapter){.average = opt->average, .z = j->z, .s = j->s};
+        a->row_start = calloc(j->s.count + 1, sizeof *a->row_start);
+        a->entry_z = malloc((j->entry_count + 1) * sizeof *a->entry_z);
+        a->entry_weight = malloc((j->entry_count + 1) * sizeof *a->entry_weight);
+    }
+    if (!a || !a->row_start || !a->entry_z || !a->entry_weight) {
+        iso_adapter_destroy(a);
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", j->entry_count);
+    }
+    for (size_t row = 0; row < j->s.count; ++row)
+        a->row_start[row + 1] = weigh_row(a, j, opt, row, a->row_start[row]);
+    *adapter = a;
+    return ISO_OK;
+}
+
+/* ---- Eq. 7 ------------------------------------------------------------------------ */
+
+/* What is summed along a row: colour times its weight, the weight, and the
+ * largest extinction, which no mean may exceed. */
+typedef struct weighted_tf {
+    double rgbw[4];
+    double plain[3]; /* for rows of no opacity */
+    double extinction;
+} weighted_tf;
+
+static double averaged_quantity(iso_adapt_average average, double extinction, double length_mm)
+{
+    return average == ISO_AVERAGE_EXTINCTION ? extinction : -expm1(-extinction * length_mm);
+}
+
+static void prepare(const iso_adapter *a, const iso_tf_table *tf, double length_mm, weighted_tf *out)
+{
+    for (size_t i = 0; i < a->z.count; ++i) {
+        double rgbs[4];
+        iso_tf_lookup(tf, a->z.lo + (double)i * a->z.step, rgbs);
+        double w = averaged_quantity(a->average, rgbs[3], length_mm), colour_weight = a->average == ISO_AVERAGE_RGBA ? 1 : w;
+        for (int c = 0; c < 3; ++c) {
+            out[i].plain[c] = rgbs[c];
+            out[i].rgbw[c] = colour_weight * rgbs[c];
+        }
+        out[i].rgbw[3] = w;
+        out[i].extinction = rgbs[3];
+    }
+}
+
+/* One row: colour and extinction. */
+static void average_row(const iso_adapter *a, const weighted_tf *tf, size_t row, double length_mm, double rgbs[4])
+{
+    double sum[4] = {0}, largest = 0;
+    for (size_t i = a->row_start[row]; i < a->row_start[row + 1]; ++i) {
+        const weighted_tf *t = &tf[a->entry_z[i]];
+        double w = a->entry_weight[i];
+        for (int c = 0; c < 4; ++c)
+            sum[c] += w * t->rgbw[c];
+        largest = t->extinction > largest ? t->extinction : largest;
+    }
+    double colour_sum = a->average == ISO_AVERAGE_RGBA ? 1 : sum[3];
+    for (int c = 0; c < 3; ++c)
+        rgbs[c] = colour_sum > 0 ? sum[c] / colour_sum : 0;
+    if (colour_sum <= 0)
+        for (size_t i = a->row_start[row]; i < a->row_start[row + 1]; ++i)
+            for (int c = 0; c < 3; ++c)
+                rgbs[c] += a->entry_weight[i] * tf[a->entry_z[i]].plain[c];
+    double extinction = a->average == ISO_AVERAGE_EXTINCTION ? sum[3] : sum[3] < 1 ? -log1p(-sum[3]) / length_mm : largest;
+    rgbs[3] = fmin(extinction, largest);
+}
+
+/* Rows between two filled ones, on premultiplied entries. */
+static void fill_between(iso_tf_table *t, size_t left, size_t right, double length_mm)
+{
+    const float *l = t->entries + 4 * left, *r = t->entries + 4 * right;
+    double al = -expm1(-(double)l[3] * length_mm), ar = -expm1(-(double)r[3] * length_mm);
+    for (size_t i = left + 1; i < right; ++i) {
+        double f = (double)(i - left) / (double)(right - left), opacity = (1 - f) * al + f * ar;
+        float *e = t->entries + 4 * i;
+        for (int c = 0; c < 3; ++c)
+            e[c] = (float)(opacity > 0 ? ((1 - f) * al * l[c] + f * ar * r[c]) / opacity : (1 - f) * l[c] + f * r[c]);
+        double extinction = opacity < 1 ? -log1p(-opacity) / length_mm : INFINITY;
+        e[3] = (float)fmin(extinction, fmax(l[3], r[3]));
+    }
+}
+
+static void fill_empty_rows(const iso_adapter *a, iso_tf_table *t, double length_mm)
+{
+    size_t last = SIZE_MAX;
+    for (size_t row = 0; row < a->s.count; ++row) {
+        if (a->row_start[row] == a->row_start[row + 1])
+            continue;
+        if (last == SIZE_MAX)
+            for (size_t i = 0; i < row; ++i)
+                memcpy(t->entries + 4 * i, t->entries + 4 * row, 4 * sizeof *t->entries);
+        else
+            fill_between(t, last, row, length_mm);
+        last = row;
+    }
+    for (size_t i = last + 1; last != SIZE_MAX && i < a->s.count; ++i)
+        memcpy(t->entries + 4 * i, t->entries + 4 * last, 4 * sizeof *t->entries);
+}
+
+iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, const iso_geometry *level0, size_t level,
+                              iso_tf_table *table, iso_error *err)
+{
+    double length_mm = iso_geometry_mean_spacing_mm(level0);
+    double row_length_mm = a->average == ISO_AVERAGE_TRANSMITTANCE ? length_mm * pow(2, 0.5 * (double)level) : length_mm;
+    weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
+    if (!prepared || table->count != a->s.count) {
+        free(prepared);
+        return prepared ? iso_fail(err, ISO_E_RANGE, "adapt: a table of %zu entries, %zu are needed", table->count, a->s.count)
+                        : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+    }
+    prepare(a, tf, row_length_mm, prepared);
+    bool any = a->row_start[a->s.count] > 0;
+    for (size_t row = 0; row < a->s.count; ++row) {
+        double rgbs[4] = {0};
+        if (any)
+            average_row(a, prepared, row, row_length_mm, rgbs);
+        else
+            iso_tf_lookup(tf, a->s.lo + (double)row * a->s.step, rgbs);
+        for (int c = 0; c < 4; ++c)
+            table->entries[4 * row + (size_t)c] = (float)rgbs[c];
+    }
+    fill_empty_rows(a, table, row_length_mm);
+    free(prepared);
+    return ISO_OK;
+}
+
+iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const iso_geometry *level0, size_t level,
+                             iso_tf_table *table, iso_error *err)
+{
+    *table = (iso_tf_table){.count = a->s.count, .lo = a->s.lo, .hi = a->s.lo + a->s.step * (double)(a->s.count - 1)};
+    table->entries = calloc(4 * table->count, sizeof *table->entries);
+    if (!table->entries) {
+        *table = (iso_tf_table){0};
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", a->s.count);
+    }
+    iso_status status = iso_adapter_update(a, tf, level0, level, table, err);
+    if (status != ISO_OK)
+        iso_tf_table_destroy(table);
+    return status;
+}
+
+/* ---- when to keep the original ------------------------------------------------------ */
+
+static void premultiplied(const iso_tf_table *tf, double value, double length_mm, double rgba[4])
+{
+    iso_tf_lookup(tf, value, rgba);
+    rgba[3] = -expm1(-rgba[3] * length_mm);
+    for (int c = 0; c < 3; ++c)
+        rgba[c] *= rgba[3];
+}
+
+static double square_distance(const double a[4], const double b[4])
+{
+    double sum = 0;
+    for (int c = 0; c < 4; ++c)
+        sum += (a[c] - b[c]) * (a[c] - b[c]);
+    return sum;
+}
+
+iso_adapt_judgement iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0)
+{
+    double length_mm = iso_geometry_mean_spacing_mm(level0), original_sum = 0, adapted_sum = 0;
+    for (size_t row = 0; row < j->s.count; ++row) {
+        double s = j->s.lo + (double)row * j->s.step, at_s[4], at_adapted[4];
+        premultiplied(tf, s, length_mm, at_s);
+        premultiplied(adapted, s, length_mm, at_adapted);
+        for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i) {
+            double at_z[4], count = (double)j->entry_count_of[i];
+            premultiplied(tf, j->z.lo + j->entry_z[i] * j->z.step, length_mm, at_z);
+            original_sum += count * square_distance(at_z, at_s);
+            adapted_sum += count * square_distance(at_z, at_adapted);
+        }
+    }
+    double n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
+    iso_adapt_judgement result = {.rms_original = sqrt(original_sum / n), .rms_adapted = sqrt(adapted_sum / n)};
+    result.use_original = !(result.rms_adapted < result.rms_original);
+    return result;
+}
+
+static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_error *err)
+{
+    *to = *from;
+    to->entries = malloc(4 * from->count * sizeof *to->entries);
+    if (!to->entries) {
+        *to = (iso_tf_table){0};
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", from->count);
+    }
+    memcpy(to->entries, from->entries, 4 * from->count * sizeof *to->entries);
+    return ISO_OK;
+}
+
+iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgement *judgement, iso_error *err)
+{
+    const iso_geometry *level0 = &p->levels[0].geometry;
+    iso_joint joint = {0};
+    iso_adapter *adapter = NULL;
+    iso_adapt_judgement verdict = {.use_original = true};
+    *table = (iso_tf_table){0};
+    if (level == 0) {
+        if (judgement)
+            *judgement = verdict;
+        return copy_table(tf, table, err);
+    }
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, opt->threads, &joint, err);
+    if (status == ISO_OK)
+        status = iso_adapter_create(&joint, opt, &adapter, err);
+    if (status == ISO_OK)
+        status = iso_adapter_apply(adapter, tf, level0, level, table, err);
+    if (status == ISO_OK)
+        verdict = iso_adapt_judge(&joint, tf, table, level0);
+    verdict.use_original = verdict.use_original && opt->fall_back;
+    if (status == ISO_OK && verdict.use_original) {
+        iso_tf_table_destroy(table);
+        status = copy_table(tf, table, err);
+    }
+    if (judgement)
+        *judgement = verdict;
+    iso_adapter_destroy(adapter);
+    iso_joint_destroy(&joint);
+    return status;
+}
+
+iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *err)
+{
+    float largest = 0;
+    for (size_t i = 0; i < table->count; ++i)
+        largest = fmaxf(largest, table->entries[4 * i + 3]);
+    /* Opacities are stated for 1 mm, or less where they would come close to the cap. */
+    double unit_mm = largest > 4 ? 4 / (double)largest : 1;
+    *tf = (iso_tf){.point_count = table->count, .range = {table->lo, table->hi}, .unit_distance = unit_mm, .table_size = table->count};
+    tf->points = malloc(table->count * sizeof *tf->points);
+    if (!tf->points) {
+        *tf = (iso_tf){0};
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu points", table->count);
+    }
+    for (size_t i = 0; i < table->count; ++i) {
+        const float *e = table->entries + 4 * i;
+        iso_tf_point *point = &tf->points[i];
+        point->value = table->lo + (double)i / (double)(table->count - 1) * (table->hi - table->lo);
+        for (int c = 0; c < 3; ++c)
+            point->rgb_linear[c] = e[c];
+        point->opacity = -expm1(-(double)e[3] * unit_mm);
+    }
+    return ISO_OK;
+}

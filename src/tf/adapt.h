@@ -1,0 +1,99 @@
+/* adapt.h - transfer functions that adapt to a level.
+ *
+ * Paper: adaptive-tf-2016, Eq. 7: entry s of TF_k is the mean of TF_0(z) along
+ * row s of the joint histogram (histogram.h), weighted by the counts and by a
+ * window about the row's mean:
+ *
+ *     TF_k(s) = 1/K sum_z TF_0(z) H_k(z, s) w((z - mean_s) / deviation_s)
+ *
+ * Weights (x in deviations of the row, which are floored at half a bin):
+ *     gauss      exp(-x^2 / 2) inside the window             the paper, window 3
+ *     flat       1 inside the window                         default, window 3
+ *     triangle   .4 (1 - .4 |x|)                             sec. 5, window 2.5
+ *     mixed      mix_s C + mix_t T + (1 - mix_s - mix_t) G, each of unit area
+ *                over [-2.5, 2.5]                            sec. 5, window 2.5
+ * What is averaged, with sigma the extinction and a = 1 - exp(-sigma length):
+ *     rgba          colour and a, each by itself             the paper
+ *     opacity       a; colour weighted by a                  default, length = level-0 spacing
+ *     extinction    sigma; colour weighted by sigma
+ *     transmittance as opacity over the length sqrt(h_0 h_k), h the spacings
+ * The result is extinction again, so no length is left in it; it never exceeds
+ * the largest of its row.
+ *
+ * Rows that no fine voxel falls into are filled linearly between their filled
+ * neighbours on premultiplied entries (beyond the outermost: its copy); a
+ * histogram without entries leaves the TF as it is. A row of one entry takes
+ * TF_0 there. A row without opacity keeps the mean colour and extinction 0.
+ *
+ * An adapted table has an entry a row, so its range is that of the values. A
+ * level whose voxels have one fine value each leaves the TF unchanged at them. */
+#ifndef ISO_TF_ADAPT_H
+#define ISO_TF_ADAPT_H
+
+#include "tf/histogram.h"
+#include "tf/tf.h"
+
+typedef enum iso_adapt_weight { ISO_WEIGHT_GAUSS, ISO_WEIGHT_FLAT, ISO_WEIGHT_TRIANGLE, ISO_WEIGHT_MIXED, ISO_WEIGHT_COUNT } iso_adapt_weight;
+typedef enum iso_adapt_average {
+    ISO_AVERAGE_RGBA,
+    ISO_AVERAGE_OPACITY,
+    ISO_AVERAGE_EXTINCTION,
+    ISO_AVERAGE_TRANSMITTANCE,
+    ISO_AVERAGE_COUNT
+} iso_adapt_average;
+
+const char *iso_adapt_weight_name(iso_adapt_weight w);
+const char *iso_adapt_average_name(iso_adapt_average a);
+iso_status iso_adapt_weight_from_name(const char *name, iso_adapt_weight *w, iso_error *err);
+iso_status iso_adapt_average_from_name(const char *name, iso_adapt_average *a, iso_error *err);
+
+typedef struct iso_adapt_options {
+    iso_adapt_weight weight;
+    iso_adapt_average average;
+    double window;       /* in deviations; 0: the weight's own */
+    double mix_s, mix_t; /* of mixed: each at least 0, together at most 1 */
+    int bits;            /* of the joint histogram: 8 to 16 */
+    bool fall_back;      /* keep the original TF where iso_adapt_judge() says so */
+    int threads;
+} iso_adapt_options;
+iso_adapt_options iso_adapt_defaults(void);
+
+/* The rows' weights, made once a level: an edit of the TF then costs one pass over them. */
+typedef struct iso_adapter iso_adapter;
+
+/* Copies what it needs of joint. ISO_E_RANGE: options outside their limits; ISO_E_MEMORY. */
+iso_status iso_adapter_create(const iso_joint *joint, const iso_adapt_options *opt, iso_adapter **adapter, iso_error *err);
+void iso_adapter_destroy(iso_adapter *adapter); /* accepts NULL */
+
+/* Entries of the tables that apply() fills. */
+size_t iso_adapter_entry_count(const iso_adapter *adapter);
+/* level0: its spacing is the length. level: whose histogram it is. *table is
+ * created; destroy it with iso_tf_table_destroy(). ISO_E_MEMORY. */
+iso_status iso_adapter_apply(const iso_adapter *adapter, const iso_tf_table *tf, const iso_geometry *level0,
+                             size_t level, iso_tf_table *table, iso_error *err);
+/* The same into a table that apply() made: nothing is allocated but a scratch row. */
+iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf, const iso_geometry *level0,
+                              size_t level, iso_tf_table *table, iso_error *err);
+
+/* How well a TF stands for TF_0 at the voxels: root mean square over all pairs
+ * of H_k of the differences of premultiplied colour and opacity over one
+ * level-0 voxel. Eq. 6's error; of figure 7. */
+typedef struct iso_adapt_judgement {
+    double rms_original, rms_adapted;
+    bool use_original;
+} iso_adapt_judgement;
+iso_adapt_judgement iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
+                                    const iso_geometry *level0);
+
+/* All of it for one level of a pyramid: what renderers and exporters call. dir:
+ * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
+ * of tf. judgement may be NULL. */
+iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgement *judgement,
+                           iso_error *err);
+
+/* A table as a TF file's content: a point an entry, an explicit range, so that
+ * tabulating it gives the same entries back within rounding. */
+iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *err);
+
+#endif

@@ -1,0 +1,362 @@
+#define _GNU_SOURCE
+#include "tf/histogram.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "tf/histogram_kernel.h"
+
+/* Fine voxels counted in one go by iso_joint_compute. */
+#define SLAB_VOXELS ((size_t)1 << 26)
+/* Up to this many pairs of bins are counted in tables, beyond it in hash maps. */
+#define DENSE_PAIRS ((size_t)1 << 24)
+
+void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s)
+{
+    bool whole = type != ISO_F32 && type != ISO_F64;
+    size_t count = (size_t)1 << bits, rows = count < ISO_JOINT_MAX_ROWS ? count : ISO_JOINT_MAX_ROWS;
+    double range = max > min ? max - min : 1;
+    /* 8-bit data keeps the bins 0 .. 255 that its numbers name */
+    double lo = type == ISO_U8 ? 0 : min;
+    if (type == ISO_U8)
+        range = max;
+    bool fits_z = whole && range <= (double)(count - 1), fits_s = whole && range <= (double)(rows - 1);
+    *z = (iso_bins){count, lo, fits_z ? 1 : range / (double)(count - 1)};
+    *s = (iso_bins){rows, lo, fits_s ? 1 : range / (double)(rows - 1)};
+}
+
+/* ---- counting ----------------------------------------------------------------- */
+
+/* Pairs to counts: open addressing, at most half full. Key 0 means free: keys are stored plus 1. */
+typedef struct pair_map {
+    uint32_t *keys;
+    uint64_t *counts;
+    size_t capacity, used;
+} pair_map;
+
+static bool map_add(pair_map *m, uint32_t key, uint64_t count);
+
+static bool map_grow(pair_map *m)
+{
+    pair_map bigger = {.capacity = m->capacity ? 2 * m->capacity : 1 << 16};
+    bigger.keys = calloc(bigger.capacity, sizeof *bigger.keys);
+    bigger.counts = malloc(bigger.capacity * sizeof *bigger.counts);
+    bool good = bigger.keys && bigger.counts;
+    for (size_t i = 0; good && i < m->capacity; ++i)
+        if (m->keys[i])
+            map_add(&bigger, m->keys[i] - 1, m->counts[i]);
+    if (good) {
+        pair_map old = *m;
+        *m = bigger;
+        bigger = old;
+    }
+    free(bigger.keys);
+    free(bigger.counts);
+    return good;
+}
+
+static bool map_add(pair_map *m, uint32_t key, uint64_t count)
+{
+    if (2 * m->used >= m->capacity && !map_grow(m))
+        return false;
+    size_t mask = m->capacity - 1, at = (key * (size_t)0x9e3779b97f4a7c15u >> 20) & mask;
+    while (m->keys[at] && m->keys[at] != key + 1)
+        at = (at + 1) & mask;
+    if (!m->keys[at]) {
+        m->keys[at] = key + 1;
+        m->counts[at] = 0;
+        ++m->used;
+    }
+    m->counts[at] += count;
+    return true;
+}
+
+static void map_free(pair_map *m)
+{
+    free(m->keys);
+    free(m->counts);
+    *m = (pair_map){0};
+}
+
+/* What one thread counts in one slab. */
+typedef struct counter {
+    uint32_t *tables; /* two dense ones: neighbours fall into different ones, so that an increment need not wait for the last */
+    pair_map map;
+    float *blended, *expanded;
+    uint32_t *z_bins, *s_bins;
+    bool failed;
+} counter;
+
+struct iso_joint_builder {
+    iso_bins z, s;
+    size_t fine[3], coarse[3], level;
+    int thread_count;
+    bool dense;
+    counter *counters; /* one a thread */
+    uint64_t *table;   /* the sums so far, or */
+    pair_map map;
+    uint64_t voxel_count;
+};
+
+static void free_counter(counter *c)
+{
+    free(c->tables);
+    map_free(&c->map);
+    free(c->blended);
+    free(c->expanded);
+    free(c->z_bins);
+    free(c->s_bins);
+}
+
+static bool make_counter(counter *c, const iso_joint_builder *b)
+{
+    size_t pairs = b->z.count * b->s.count;
+    c->blended = malloc(b->coarse[0] * sizeof *c->blended);
+    c->expanded = malloc(b->fine[0] * sizeof *c->expanded);
+    c->z_bins = malloc(b->fine[0] * sizeof *c->z_bins);
+    c->s_bins = malloc(b->fine[0] * sizeof *c->s_bins);
+    c->tables = b->dense ? calloc(2 * pairs, sizeof *c->tables) : NULL;
+    return c->blended && c->expanded && c->z_bins && c->s_bins && (c->tables || !b->dense);
+}
+
+void iso_joint_abandon(iso_joint_builder *b)
+{
+    if (!b)
+        return;
+    for (int t = 0; b->counters && t < b->thread_count; ++t)
+        free_counter(&b->counters[t]);
+    free(b->counters);
+    free(b->table);
+    map_free(&b->map);
+    free(b);
+}
+
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, const size_t fine_size[3], const size_t coarse_size[3],
+                           size_t level, int threads, iso_joint_builder **builder, iso_error *err)
+{
+    *builder = NULL;
+    if (level < 1 || level > 30)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
+    for (int a = 0; a < 3; ++a)
+        if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
+            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
+                            coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
+    iso_joint_builder *b = calloc(1, sizeof *b);
+    if (!b)
+        return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
+    *b = (iso_joint_builder){.z = *z, .s = *s, .level = level, .thread_count = iso_threads(threads)};
+    memcpy(b->fine, fine_size, sizeof b->fine);
+    memcpy(b->coarse, coarse_size, sizeof b->coarse);
+    size_t pairs = z->count * s->count;
+    b->dense = pairs <= DENSE_PAIRS;
+    if (b->dense && pairs > 1 << 20 && b->thread_count > 4)
+        b->thread_count = 4; /* tables of 128 MiB each */
+    b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
+    b->table = b->dense ? calloc(pairs, sizeof *b->table) : NULL;
+    bool good = b->counters && (b->table || !b->dense);
+    for (int t = 0; good && t < b->thread_count; ++t)
+        good = make_counter(&b->counters[t], b);
+    if (!good) {
+        iso_joint_abandon(b);
+        return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu x %zu bins", z->count, s->count);
+    }
+    *builder = b;
+    return ISO_OK;
+}
+
+void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *first, size_t *count)
+{
+    *first = iso_phase_at(z0, b->level, b->coarse[2]).left;
+    *count = iso_phase_at(z1 - 1, b->level, b->coarse[2]).right + 1 - *first;
+}
+
+static void count_row(const iso_joint_builder *b, counter *c)
+{
+    size_t n = b->fine[0], z_count = b->z.count;
+    if (!b->dense) {
+        for (size_t x = 0; x < n && !c->failed; ++x)
+            c->failed = !map_add(&c->map, (uint32_t)(c->s_bins[x] * z_count + c->z_bins[x]), 1);
+        return;
+    }
+    uint32_t *even = c->tables, *odd = c->tables + z_count * b->s.count;
+    size_t x = 0;
+    for (; x + 1 < n; x += 2) {
+        ++even[c->s_bins[x] * z_count + c->z_bins[x]];
+        ++odd[c->s_bins[x + 1] * z_count + c->z_bins[x + 1]];
+    }
+    if (x < n)
+        ++even[c->s_bins[x] * z_count + c->z_bins[x]];
+}
+
+static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
+                    const float *coarse, size_t coarse_z0)
+{
+    iso_phase py = iso_phase_at(y, b->level, b->coarse[1]), pz = iso_phase_at(z, b->level, b->coarse[2]);
+    size_t plane = b->coarse[0] * b->coarse[1];
+    const float *left = coarse + (pz.left - coarse_z0) * plane, *right = coarse + (pz.right - coarse_z0) * plane;
+    const float *const rows[4] = {left + py.left * b->coarse[0], left + py.right * b->coarse[0],
+                                  right + py.left * b->coarse[0], right + py.right * b->coarse[0]};
+    const float weights[4] = {pz.weight_left * py.weight_left, pz.weight_left * py.weight_right,
+                              pz.weight_right * py.weight_left, pz.weight_right * py.weight_right};
+    iso_blend_rows(rows, weights, b->coarse[0], c->blended);
+    iso_expand_row(c->blended, b->coarse[0], b->level, b->fine[0], c->expanded);
+    iso_nearest_bins(c->expanded, b->fine[0], (float)b->s.lo, (float)(1 / b->s.step), (uint32_t)b->s.count, c->s_bins);
+    iso_nearest_bins(fine_row, b->fine[0], (float)b->z.lo, (float)(1 / b->z.step), (uint32_t)b->z.count, c->z_bins);
+    count_row(b, c);
+}
+
+/* The threads' counts go to the sums. */
+static bool merge(iso_joint_builder *b)
+{
+    size_t pairs = b->z.count * b->s.count;
+    bool good = true;
+    for (int t = 0; t < b->thread_count; ++t) {
+        counter *c = &b->counters[t];
+        good = good && !c->failed;
+        for (size_t i = 0; good && i < c->map.capacity; ++i)
+            if (c->map.keys[i])
+                good = map_add(&b->map, c->map.keys[i] - 1, c->map.counts[i]);
+        map_free(&c->map);
+        for (size_t i = 0; b->dense && i < pairs; ++i)
+            b->table[i] += (uint64_t)c->tables[i] + c->tables[pairs + i];
+        if (b->dense)
+            memset(c->tables, 0, 2 * pairs * sizeof *c->tables);
+    }
+    return good;
+}
+
+iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse, iso_error *err)
+{
+    size_t ny = b->fine[1], nx = b->fine[0], first, count, part = (size_t)b->thread_count;
+    iso_joint_needs(b, z0, z1, &first, &count);
+#pragma omp parallel for schedule(static, 1) num_threads(b->thread_count)
+    for (size_t t = 0; t < part; ++t) {
+        size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
+        for (size_t r = row0; r < row1; ++r)
+            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, first);
+    }
+    b->voxel_count += (uint64_t)((z1 - z0) * ny * nx);
+    return merge(b) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
+}
+
+/* ---- rows ----------------------------------------------------------------------- */
+
+static iso_status make_rows(iso_joint *joint, const iso_bins *z, const iso_bins *s, size_t entry_count, iso_error *err)
+{
+    *joint = (iso_joint){.z = *z, .s = *s, .entry_count = entry_count};
+    joint->row_start = calloc(s->count + 1, sizeof *joint->row_start);
+    joint->entry_z = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_z);
+    joint->entry_count_of = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_count_of);
+    if (joint->row_start && joint->entry_z && joint->entry_count_of)
+        return ISO_OK;
+    iso_joint_destroy(joint);
+    return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", entry_count);
+}
+
+/* Entries arrive with keys s * z.count + z, ascending. */
+static void put_entry(iso_joint *joint, size_t at, size_t key, uint64_t count)
+{
+    joint->entry_z[at] = (uint16_t)(key % joint->z.count);
+    joint->entry_count_of[at] = count;
+    joint->voxel_count += count;
+    ++joint->row_start[key / joint->z.count + 1];
+}
+
+static void sum_rows(iso_joint *joint)
+{
+    for (size_t i = 0; i < joint->s.count; ++i)
+        joint->row_start[i + 1] += joint->row_start[i];
+}
+
+typedef struct pair {
+    uint32_t key;
+    uint64_t count;
+} pair;
+
+static int compare_pairs(const void *a, const void *b)
+{
+    uint32_t ka = ((const pair *)a)->key, kb = ((const pair *)b)->key;
+    return (ka > kb) - (ka < kb);
+}
+
+static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
+{
+    pair *pairs = malloc((b->map.used ? b->map.used : 1) * sizeof *pairs);
+    iso_status status = pairs ? make_rows(joint, &b->z, &b->s, b->map.used, err)
+                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", b->map.used);
+    if (status == ISO_OK) {
+        size_t used = 0;
+        for (size_t i = 0; i < b->map.capacity; ++i)
+            if (b->map.keys[i])
+                pairs[used++] = (pair){b->map.keys[i] - 1, b->map.counts[i]};
+        qsort(pairs, used, sizeof *pairs, compare_pairs);
+        for (size_t i = 0; i < used; ++i)
+            put_entry(joint, i, pairs[i].key, pairs[i].count);
+        sum_rows(joint);
+    }
+    free(pairs);
+    return status;
+}
+
+static iso_status rows_from_table(const uint64_t *table, const iso_bins *z, const iso_bins *s, iso_joint *joint, iso_error *err)
+{
+    size_t pairs = z->count * s->count, entries = 0;
+    for (size_t i = 0; i < pairs; ++i)
+        entries += table[i] > 0;
+    iso_status status = make_rows(joint, z, s, entries, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t i = 0, at = 0; i < pairs; ++i)
+        if (table[i] > 0)
+            put_entry(joint, at++, i, table[i]);
+    sum_rows(joint);
+    return ISO_OK;
+}
+
+iso_status iso_joint_end(iso_joint_builder *b, iso_joint *joint, iso_error *err)
+{
+    *joint = (iso_joint){0};
+    iso_status status = b->dense ? rows_from_table(b->table, &b->z, &b->s, joint, err) : rows_from_map(b, joint, err);
+    iso_joint_abandon(b);
+    return status;
+}
+
+void iso_joint_destroy(iso_joint *joint)
+{
+    if (!joint)
+        return;
+    free(joint->row_start);
+    free(joint->entry_z);
+    free(joint->entry_count_of);
+    *joint = (iso_joint){0};
+}
+
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, int threads, iso_joint *joint, iso_error *err)
+{
+    *joint = (iso_joint){0};
+    if (level < 1 || level >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to %zu", level, p->level_count - 1);
+    if (bits < 8 || bits > 16)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits, must be 8 to 16", bits);
+    const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
+    const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
+    iso_bins z, s;
+    iso_joint_builder *b;
+    iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
+    iso_status status = iso_joint_begin(&z, &s, n, m, level, threads, &b, err);
+    if (status != ISO_OK)
+        return status;
+    size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
+    for (size_t z0 = 0; status == ISO_OK && z0 < n[2]; z0 += slab) {
+        size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
+        iso_joint_needs(b, z0, z1, &first, &count);
+        status = iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1], err);
+    }
+    if (status == ISO_OK)
+        return iso_joint_end(b, joint, err);
+    iso_joint_abandon(b);
+    return status;
+}

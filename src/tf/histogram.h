@@ -1,0 +1,88 @@
+/* histogram.h - the joint histogram H_k(z, s) of a coarse level against level 0.
+ *
+ * Paper: adaptive-tf-2016 secs. 3 and 4. For every fine voxel, z is its value
+ * and s the value of level k at its centre, by trilinear lookup, as a renderer
+ * of level k sees it (at the coarse voxels themselves adaptation would be worse
+ * than none). It depends on the volume alone: no change of a TF touches it.
+ *
+ * Bins: z has 2^bits of them, s as many but at most 4096 (a row becomes an entry
+ * of a TF). Bin i stands at lo + i step and takes what is nearest to it.
+ * Integers whose range fits get step 1, so that each value has its own bin.
+ *
+ * The grid is cell-centred: voxel i of level k covers the fine voxels [i 2^k,
+ * (i + 1) 2^k), so trilinear weights take 2^k phases, the same in every voxel:
+ *
+ *     fine      | 0 | 1 | 2 | 3 |        weights of the two coarse neighbours at
+ *     level 1   |   0   |   1   |        k = 1: 1/4 3/4, 3/4 1/4, ...
+ *
+ * They are multiples of 2^-(k+1), hence exact in float, and so is s while its
+ * 3 (2k + 1) or so binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
+ * Counts are integers, so threads and slabs change nothing.
+ *
+ * Kept as rows of (z, count), z ascending; stored dense or sparse, whichever is
+ * smaller. */
+#ifndef ISO_TF_HISTOGRAM_H
+#define ISO_TF_HISTOGRAM_H
+
+#include <stdint.h>
+
+#include "base/progress.h"
+#include "pyramid/pyramid.h"
+
+#define ISO_JOINT_MAX_ROWS 4096
+
+typedef struct iso_bins {
+    size_t count;
+    double lo, step;
+} iso_bins;
+
+typedef struct iso_joint {
+    iso_bins z, s;
+    uint64_t voxel_count; /* the sum of all counts */
+    size_t entry_count;
+    size_t *row_start; /* s.count + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
+    uint16_t *entry_z; /* bins of z */
+    uint64_t *entry_count_of;
+} iso_joint;
+
+/* The bins for values in [min, max] of level 0. bits 8 to 16. */
+void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s);
+
+/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16).
+ * ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, int threads, iso_joint *joint, iso_error *err);
+void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
+
+/* ---- the same plane by plane, for volumes larger than memory ---------------- */
+
+typedef struct iso_joint_builder iso_joint_builder;
+
+/* fine_size: of level 0; coarse_size: of level `level`. */
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, const size_t fine_size[3], const size_t coarse_size[3],
+                           size_t level, int threads, iso_joint_builder **builder, iso_error *err);
+/* The coarse planes [*first, *first + *count) that the fine planes [z0, z1) look at. */
+void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
+/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(). At most 2^31 voxels at once. */
+iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
+                         iso_error *err);
+/* Frees the builder in every case. */
+iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
+void iso_joint_abandon(iso_joint_builder *builder);
+
+/* ---- beside the level -------------------------------------------------------- */
+
+/* DIR/level_K_jointBITS.nrrd, gzip: dense (z fastest, then s), or sparse, three
+ * numbers an entry: z, s, count. Bins stand in the file's geometry. */
+iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
+/* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s,
+                          uint64_t voxel_count, iso_joint *joint, iso_error *err);
+/* Loads what is stored in `dir`, else computes it and stores it there. dir may
+ * be NULL; a folder that cannot be written is no failure. */
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, int threads, iso_joint *joint,
+                            iso_error *err);
+
+/* Bytes of the smaller form before compression, for Table 1's figures. */
+double iso_joint_stored_bytes(const iso_joint *joint);
+
+#endif

@@ -1,0 +1,499 @@
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "tf/adapt.h"
+
+/* ---- joint histograms ---------------------------------------------------------- */
+
+static uint64_t next_random(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return *state >> 33;
+}
+
+static iso_pyramid random_pyramid(size_t nx, size_t ny, size_t nz, iso_type type, size_t levels)
+{
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){nx, ny, nz}, (double[]){1, 1.5, 2});
+    iso_volume v;
+    iso_pyramid p;
+    uint64_t random = 3;
+    assert_ok(iso_volume_create(&v, &g, type, "v", &err));
+    for (size_t i = 0; i < nx * ny * nz; ++i)
+        if (type == ISO_U8)
+            ((uint8_t *)v.data)[i] = (uint8_t)next_random(&random);
+        else
+            ((uint16_t *)v.data)[i] = (uint16_t)(next_random(&random) % 3000 + 500);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = levels;
+    assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
+    iso_volume_destroy(&v);
+    return p;
+}
+
+/* Trilinear lookup in double precision, clamped to the edge. */
+static double lookup(const iso_level *l, const double at[3])
+{
+    double sum = 0;
+    size_t i[3][2];
+    double w[3][2];
+    for (int a = 0; a < 3; ++a) {
+        double last = (double)l->geometry.size[a] - 1, x = fmin(fmax(at[a] - 0.5, 0), last);
+        i[a][0] = (size_t)x;
+        i[a][1] = i[a][0] + 1 < l->geometry.size[a] ? i[a][0] + 1 : i[a][0];
+        w[a][1] = x - floor(x), w[a][0] = 1 - w[a][1];
+    }
+    for (int c = 0; c < 8; ++c) {
+        int x = c & 1, y = c >> 1 & 1, z = c >> 2;
+        sum += w[0][x] * w[1][y] * w[2][z] *
+               (double)l->scalar[(i[2][z] * l->geometry.size[1] + i[1][y]) * l->geometry.size[0] + i[0][x]];
+    }
+    return sum;
+}
+
+static uint64_t count_of(const iso_joint *j, size_t s, size_t z)
+{
+    for (size_t i = j->row_start[s]; i < j->row_start[s + 1]; ++i)
+        if (j->entry_z[i] == z)
+            return j->entry_count_of[i];
+    return 0;
+}
+
+static void assert_equals_direct_sum(const iso_pyramid *p, size_t level, const iso_joint *j)
+{
+    const iso_level *fine = &p->levels[0];
+    const size_t *n = fine->geometry.size;
+    uint64_t *direct = calloc(j->s.count * j->z.count, sizeof *direct), total = 0;
+    double scale = 1.0 / (double)((size_t)1 << level);
+    for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
+        double at[3] = {((double)(i % n[0]) + 0.5) * scale, ((double)(i / n[0] % n[1]) + 0.5) * scale,
+                        ((double)(i / n[0] / n[1]) + 0.5) * scale};
+        size_t s = (size_t)((lookup(&p->levels[level], at) - j->s.lo) / j->s.step + 0.5);
+        size_t z = (size_t)(((double)fine->scalar[i] - j->z.lo) / j->z.step + 0.5);
+        ++direct[s * j->z.count + z];
+    }
+    for (size_t s = 0; s < j->s.count; ++s)
+        for (size_t z = 0; z < j->z.count; ++z)
+            total += count_of(j, s, z) != direct[s * j->z.count + z];
+    free(direct);
+    assert_int_equal(total, 0);
+    assert_int_equal(j->voxel_count, n[0] * n[1] * n[2]);
+}
+
+static void histograms_equal_a_direct_sum_of_trilinear_lookups(void **state)
+{
+    (void)state;
+    iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
+    for (size_t level = 1; level < p.level_count; ++level) {
+        iso_joint j;
+        assert_ok(iso_joint_compute(&p, level, 8, 2, &j, &err));
+        assert_equals_direct_sum(&p, level, &j);
+        iso_joint_destroy(&j);
+    }
+    iso_pyramid_destroy(&p);
+}
+
+static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
+{
+    (void)state;
+    iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
+    for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
+        iso_joint j;
+        assert_ok(iso_joint_compute(&p, 1, bits, 2, &j, &err));
+        assert_within(j.z.step, 1, 0); /* 3000 values fit */
+        assert_true(j.z.count == (size_t)1 << bits && j.s.count == 4096);
+        uint64_t sum = 0;
+        for (size_t s = 0; s < j.s.count; ++s)
+            for (size_t i = j.row_start[s]; i < j.row_start[s + 1]; ++i) {
+                assert_true(i == j.row_start[s] || j.entry_z[i] > j.entry_z[i - 1]);
+                sum += j.entry_count_of[i];
+            }
+        assert_int_equal(sum, 13 * 10 * 7);
+        if (bits == 12)
+            assert_equals_direct_sum(&p, 1, &j);
+        iso_joint_destroy(&j);
+    }
+    iso_pyramid_destroy(&p);
+}
+
+static void assert_same_joint(const iso_joint *a, const iso_joint *b)
+{
+    assert_int_equal(a->entry_count, b->entry_count);
+    assert_int_equal(a->voxel_count, b->voxel_count);
+    assert_memory_equal(a->row_start, b->row_start, (a->s.count + 1) * sizeof *a->row_start);
+    assert_memory_equal(a->entry_z, b->entry_z, a->entry_count * sizeof *a->entry_z);
+    assert_memory_equal(a->entry_count_of, b->entry_count_of, a->entry_count * sizeof *a->entry_count_of);
+}
+
+static void counts_do_not_depend_on_threads_or_slabs(void **state)
+{
+    (void)state;
+    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
+    iso_joint whole, other;
+    assert_ok(iso_joint_compute(&p, 2, 8, 1, &whole, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, 5, &other, &err));
+    assert_same_joint(&whole, &other);
+    iso_joint_destroy(&other);
+    iso_joint_builder *b;
+    assert_ok(iso_joint_begin(&whole.z, &whole.s, n, m, 2, 2, &b, &err));
+    for (size_t z = 0; z < n[2]; z += 3) {
+        size_t end = z + 3 < n[2] ? z + 3 : n[2], first, count;
+        iso_joint_needs(b, z, end, &first, &count);
+        assert_true(count <= 3 && first + count <= m[2]);
+        assert_ok(iso_joint_add(b, z, end, p.levels[0].scalar + z * n[0] * n[1], p.levels[2].scalar + first * m[0] * m[1], &err));
+    }
+    assert_ok(iso_joint_end(b, &other, &err));
+    assert_same_joint(&whole, &other);
+    iso_joint_destroy(&other);
+    iso_joint_destroy(&whole);
+    iso_pyramid_destroy(&p);
+}
+
+static void stored_histograms_come_back_and_foreign_ones_are_refused(void **state)
+{
+    (void)state;
+    char *dir = iso_make_temp_dir();
+    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
+        iso_joint j, back;
+        assert_ok(iso_joint_compute(&p, 1, bits, 1, &j, &err));
+        assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
+        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, j.voxel_count, &back, &err));
+        assert_same_joint(&j, &back);
+        iso_joint_destroy(&back);
+        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
+        iso_bins other = j.z;
+        other.step *= 1.01;
+        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, j.voxel_count, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, j.voxel_count, &back, &err), ISO_E_IO);
+        iso_joint_destroy(&j);
+    }
+    iso_pyramid_destroy(&p);
+    iso_remove_tree(dir);
+    free(dir);
+}
+
+/* ---- Eq. 7 -------------------------------------------------------------------------- */
+
+#define BINS 16
+
+typedef struct entry {
+    size_t s, z;
+    uint64_t count;
+} entry;
+
+/* A histogram of BINS x BINS bins of step 2 from 10; entries ascend. */
+static iso_joint make_joint(const entry *entries, size_t count)
+{
+    iso_joint j = {.z = {BINS, 10, 2}, .s = {BINS, 10, 2}, .entry_count = count};
+    j.row_start = calloc(BINS + 1, sizeof *j.row_start);
+    j.entry_z = malloc((count + 1) * sizeof *j.entry_z);
+    j.entry_count_of = malloc((count + 1) * sizeof *j.entry_count_of);
+    for (size_t i = 0; i < count; ++i) {
+        j.entry_z[i] = (uint16_t)entries[i].z;
+        j.entry_count_of[i] = entries[i].count;
+        j.voxel_count += entries[i].count;
+        ++j.row_start[entries[i].s + 1];
+    }
+    for (size_t s = 0; s < BINS; ++s)
+        j.row_start[s + 1] += j.row_start[s];
+    return j;
+}
+
+/* Colour and extinction that differ at every bin; transparent below bin 4. */
+static iso_tf_table make_tf(void)
+{
+    iso_tf_table t = {.count = BINS, .lo = 10, .hi = 10 + 2 * (BINS - 1)};
+    t.entries = malloc(4 * BINS * sizeof *t.entries);
+    for (size_t i = 0; i < BINS; ++i) {
+        float e[4] = {0.1f + 0.05f * (float)i, 1 - 0.06f * (float)i, i % 2 ? 0.25f : 0.75f, i < 4 ? 0 : 0.07f * (float)i};
+        memcpy(t.entries + 4 * i, e, sizeof e);
+    }
+    return t;
+}
+
+static iso_geometry spacing_of(double mm)
+{
+    return iso_geometry_axis_aligned((size_t[]){8, 8, 8}, (double[]){mm, mm, mm});
+}
+
+static iso_tf_table adapt(const iso_joint *j, const iso_tf_table *tf, iso_adapt_options opt, double spacing_mm, size_t level)
+{
+    iso_adapter *a;
+    iso_tf_table out;
+    iso_geometry g = spacing_of(spacing_mm);
+    assert_ok(iso_adapter_create(j, &opt, &a, &err));
+    assert_ok(iso_adapter_apply(a, tf, &g, level, &out, &err));
+    iso_adapter_destroy(a);
+    return out;
+}
+
+static void one_fine_value_a_row_leaves_the_tf_unchanged(void **state)
+{
+    (void)state;
+    entry diagonal[BINS];
+    for (size_t i = 0; i < BINS; ++i)
+        diagonal[i] = (entry){i, i, 5 + i};
+    iso_joint j = make_joint(diagonal, BINS);
+    iso_tf_table tf = make_tf();
+    for (int average = 0; average < ISO_AVERAGE_COUNT; ++average)
+        for (int weight = 0; weight < ISO_WEIGHT_COUNT; ++weight) {
+            iso_adapt_options opt = {.average = (iso_adapt_average)average, .weight = (iso_adapt_weight)weight, .mix_s = 0.3, .mix_t = 0.3};
+            iso_tf_table out = adapt(&j, &tf, opt, 1.5, 1);
+            assert_int_equal(out.count, BINS);
+            assert_within(out.hi, tf.hi, 1e-12);
+            for (size_t i = 0; i < 4 * BINS; ++i)
+                assert_within(out.entries[i], tf.entries[i], 2e-7); /* floats of weights and entries */
+            iso_tf_table_destroy(&out);
+        }
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+/* Row 7 mixes bins 6 (3 voxels) and 10 (1 voxel): mean 7, deviation sqrt(3), so x = -1/sqrt(3) and sqrt(3). */
+static const entry mixture[] = {{7, 6, 3}, {7, 10, 1}};
+
+static void two_values_average_as_eq_7_says(void **state)
+{
+    (void)state;
+    iso_joint j = make_joint(mixture, 2);
+    iso_tf_table tf = make_tf();
+    const double length = 1.5, x[2] = {-1 / sqrt(3), sqrt(3)}, share[2] = {0.75, 0.25};
+    const float *e[2] = {tf.entries + 4 * 6, tf.entries + 4 * 10};
+    for (int weight = 0; weight < ISO_WEIGHT_COUNT; ++weight) {
+        double w[2];
+        for (int i = 0; i < 2; ++i) {
+            double gauss = exp(-x[i] * x[i] / 2), triangle = 0.4 * (1 - 0.4 * fabs(x[i]));
+            double unit_gauss = gauss / (sqrt(2 * 3.14159265358979323846) * erf(2.5 / sqrt(2)));
+            w[i] = share[i] * (weight == ISO_WEIGHT_GAUSS      ? gauss
+                               : weight == ISO_WEIGHT_FLAT     ? 1
+                               : weight == ISO_WEIGHT_TRIANGLE ? triangle
+                                                               : 0.5 * 0.2 + 0.25 * triangle + 0.25 * unit_gauss);
+        }
+        double k = w[0] + w[1], u[2] = {w[0] / k, w[1] / k};
+        for (int average = 0; average < ISO_AVERAGE_COUNT; ++average) {
+            iso_adapt_options opt = {.average = (iso_adapt_average)average, .weight = (iso_adapt_weight)weight, .mix_s = 0.5, .mix_t = 0.25};
+            iso_tf_table out = adapt(&j, &tf, opt, length, 2);
+            double span = average == ISO_AVERAGE_TRANSMITTANCE ? length * 2 : length; /* h_0 sqrt(4) */
+            double a[2], extinction, colour[2] = {u[0], u[1]};
+            for (int i = 0; i < 2; ++i)
+                a[i] = average == ISO_AVERAGE_EXTINCTION ? (double)e[i][3] : 1 - exp(-(double)e[i][3] * span);
+            double mean = u[0] * a[0] + u[1] * a[1];
+            extinction = average == ISO_AVERAGE_EXTINCTION ? mean : -log(1 - mean) / span;
+            if (average != ISO_AVERAGE_RGBA)
+                colour[0] = u[0] * a[0] / mean, colour[1] = u[1] * a[1] / mean;
+            for (int c = 0; c < 3; ++c)
+                assert_within(out.entries[4 * 7 + c], colour[0] * (double)e[0][c] + colour[1] * (double)e[1][c], 3e-7); /* floats */
+            assert_within(out.entries[4 * 7 + 3], extinction, 3e-7);
+            iso_tf_table_destroy(&out);
+        }
+    }
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void transparent_entries_do_not_darken_the_colour(void **state)
+{
+    (void)state;
+    static const entry half[] = {{5, 1, 1}, {5, 9, 1}}; /* bin 1 is transparent */
+    iso_joint j = make_joint(half, 2);
+    iso_tf_table tf = make_tf();
+    memset(tf.entries + 4 * 1, 0, 3 * sizeof *tf.entries); /* and black */
+    iso_tf_table weighted = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    for (int c = 0; c < 3; ++c)
+        assert_within(weighted.entries[4 * 5 + c], (double)tf.entries[4 * 9 + c], 2e-7);
+    iso_tf_table plain = adapt(&j, &tf, (iso_adapt_options){.average = ISO_AVERAGE_RGBA, .weight = ISO_WEIGHT_GAUSS}, 1, 1);
+    for (int c = 0; c < 3; ++c) /* the fault that the paper's average has: half as bright */
+        assert_within(plain.entries[4 * 5 + c], 0.5 * (double)tf.entries[4 * 9 + c], 2e-7);
+    iso_tf_table_destroy(&plain);
+    iso_tf_table_destroy(&weighted);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void rows_of_no_opacity_keep_the_mean_colour(void **state)
+{
+    (void)state;
+    static const entry clear[] = {{2, 1, 1}, {2, 3, 1}};
+    iso_joint j = make_joint(clear, 2);
+    iso_tf_table tf = make_tf();
+    iso_tf_table out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    for (int c = 0; c < 3; ++c)
+        assert_within(out.entries[4 * 2 + c], 0.5 * ((double)tf.entries[4 * 1 + c] + (double)tf.entries[4 * 3 + c]), 2e-7);
+    assert_within(out.entries[4 * 2 + 3], 0, 0);
+    iso_tf_table_destroy(&out);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void empty_rows_are_filled_on_premultiplied_entries(void **state)
+{
+    (void)state;
+    static const entry two[] = {{4, 2, 1}, {8, 12, 1}}; /* row 4 transparent, row 8 not */
+    iso_joint j = make_joint(two, 2);
+    iso_tf_table tf = make_tf();
+    iso_tf_table out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    const double opacity = 1 - exp(-(double)tf.entries[4 * 12 + 3]);
+    for (size_t row = 5; row < 8; ++row) {
+        assert_within(1 - exp(-(double)out.entries[4 * row + 3]), opacity * (double)(row - 4) / 4, 3e-7);
+        for (int c = 0; c < 3; ++c) /* the transparent end gives no colour */
+            assert_within(out.entries[4 * row + (size_t)c], (double)tf.entries[4 * 12 + c], 3e-7);
+    }
+    assert_memory_equal(out.entries, out.entries + 4 * 4, 4 * sizeof(float)); /* below the first row: its copy */
+    assert_memory_equal(out.entries + 4 * 15, out.entries + 4 * 8, 4 * sizeof(float));
+    iso_tf_table_destroy(&out);
+    iso_joint_destroy(&j);
+    j = make_joint(NULL, 0);
+    out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    for (size_t i = 0; i < 4 * BINS; ++i)
+        assert_within(out.entries[i], (double)tf.entries[i], 2e-7);
+    iso_tf_table_destroy(&out);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void what_lies_beyond_the_window_is_left_out(void **state)
+{
+    (void)state;
+    static const entry outlier[] = {{5, 5, 999}, {5, 15, 1}}; /* the outlier is 32 deviations off */
+    iso_joint j = make_joint(outlier, 2);
+    iso_tf_table tf = make_tf();
+    iso_tf_table inside = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    assert_within(inside.entries[4 * 5 + 3], (double)tf.entries[4 * 5 + 3], 2e-7);
+    iso_adapt_options wide = iso_adapt_defaults();
+    wide.window = 100;
+    iso_tf_table all = adapt(&j, &tf, wide, 1, 1);
+    assert_more_than(all.entries[4 * 5 + 3], (double)tf.entries[4 * 5 + 3] + 1e-4);
+    iso_tf_table_destroy(&inside);
+    iso_tf_table_destroy(&all);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void opaque_rows_stay_finite(void **state)
+{
+    (void)state;
+    static const entry opaque[] = {{9, 9, 1}, {9, 10, 1}, {11, 11, 1}};
+    iso_joint j = make_joint(opaque, 3);
+    iso_tf_table tf = make_tf();
+    for (size_t i = 9; i < 12; ++i)
+        tf.entries[4 * i + 3] = 1e4f;
+    for (int average = 0; average < ISO_AVERAGE_COUNT; ++average) {
+        iso_tf_table out = adapt(&j, &tf, (iso_adapt_options){.average = (iso_adapt_average)average}, 3, 3);
+        for (size_t row = 0; row < BINS; ++row)
+            assert_true(isfinite(out.entries[4 * row + 3]) && out.entries[4 * row + 3] <= 1e4f);
+        assert_within(out.entries[4 * 9 + 3], 1e4, 1e-3);
+        iso_tf_table_destroy(&out);
+    }
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void options_outside_their_limits_are_refused(void **state)
+{
+    (void)state;
+    iso_joint j = make_joint(mixture, 2);
+    iso_adapter *a;
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.window = 0.5;
+    assert_status(iso_adapter_create(&j, &opt, &a, &err), ISO_E_RANGE);
+    opt = (iso_adapt_options){.weight = ISO_WEIGHT_MIXED, .mix_s = 0.7, .mix_t = 0.4};
+    assert_status(iso_adapter_create(&j, &opt, &a, &err), ISO_E_RANGE);
+    iso_joint_destroy(&j);
+    iso_adapt_weight w;
+    iso_adapt_average v;
+    assert_status(iso_adapt_weight_from_name("gaus", &w, &err), ISO_E_USAGE);
+    assert_status(iso_adapt_average_from_name("rgb", &v, &err), ISO_E_USAGE);
+}
+
+static void a_table_as_a_tf_file_gives_the_same_entries_back(void **state)
+{
+    (void)state;
+    iso_tf_table tf = make_tf(), back;
+    tf.entries[4 * 6 + 3] = 50; /* 1 mm of it would be opaque beyond the cap */
+    iso_tf file;
+    iso_geometry g = spacing_of(3);
+    assert_ok(iso_tf_from_table(&tf, &file, &err));
+    assert_ok(iso_tf_tabulate(&file, 0, 1, &g, &back, &err));
+    assert_int_equal(back.count, tf.count);
+    assert_within(back.lo, tf.lo, 0);
+    assert_within(back.hi, tf.hi, 0);
+    for (size_t i = 0; i < 4 * tf.count; ++i)
+        assert_within(back.entries[i], (double)tf.entries[i], 1e-5); /* a logarithm near opacity .98 */
+    iso_tf_destroy(&file);
+    iso_tf_table_destroy(&back);
+    iso_tf_table_destroy(&tf);
+}
+
+static void judgement_is_the_error_at_the_voxels(void **state)
+{
+    (void)state;
+    iso_joint j = make_joint(mixture, 2);
+    iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    iso_geometry g = spacing_of(1);
+    iso_adapt_judgement v = iso_adapt_judge(&j, &tf, &out, &g);
+    double sums[2] = {0};
+    for (int i = 0; i < 2; ++i)
+        for (int which = 0; which < 2; ++which) {
+            const float *fine = tf.entries + 4 * mixture[i].z, *coarse = (which ? out.entries : tf.entries) + 4 * 7;
+            double af = 1 - exp(-(double)fine[3]), ac = 1 - exp(-(double)coarse[3]), square = (af - ac) * (af - ac);
+            for (int c = 0; c < 3; ++c)
+                square += pow(af * (double)fine[c] - ac * (double)coarse[c], 2);
+            sums[which] += (double)mixture[i].count / 4 * square;
+        }
+    assert_within(v.rms_original, sqrt(sums[0]), 1e-9);
+    assert_within(v.rms_adapted, sqrt(sums[1]), 1e-9);
+    assert_more_than(v.rms_original, v.rms_adapted);
+    assert_false(v.use_original);
+    iso_tf_table_destroy(&out);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
+}
+
+static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **state)
+{
+    (void)state;
+    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    iso_tf_table tf = make_tf(), out;
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_adapt_judgement v;
+    assert_ok(iso_adapt_level(&p, NULL, 0, &tf, &opt, &out, &v, &err));
+    assert_true(v.use_original && out.count == tf.count);
+    assert_memory_equal(out.entries, tf.entries, 4 * BINS * sizeof(float));
+    iso_tf_table_destroy(&out);
+    assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+    assert_true(!v.use_original && out.count == 256);
+    iso_tf_table_destroy(&out);
+    assert_status(iso_adapt_level(&p, NULL, 3, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
+    opt.bits = 7;
+    assert_status(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
+    iso_tf_table_destroy(&tf);
+    iso_pyramid_destroy(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(histograms_equal_a_direct_sum_of_trilinear_lookups),
+        cmocka_unit_test(histograms_of_twelve_and_sixteen_bits_count_the_same),
+        cmocka_unit_test(counts_do_not_depend_on_threads_or_slabs),
+        cmocka_unit_test(stored_histograms_come_back_and_foreign_ones_are_refused),
+        cmocka_unit_test(one_fine_value_a_row_leaves_the_tf_unchanged),
+        cmocka_unit_test(two_values_average_as_eq_7_says),
+        cmocka_unit_test(transparent_entries_do_not_darken_the_colour),
+        cmocka_unit_test(rows_of_no_opacity_keep_the_mean_colour),
+        cmocka_unit_test(empty_rows_are_filled_on_premultiplied_entries),
+        cmocka_unit_test(what_lies_beyond_the_window_is_left_out),
+        cmocka_unit_test(opaque_rows_stay_finite),
+        cmocka_unit_test(options_outside_their_limits_are_refused),
+        cmocka_unit_test(a_table_as_a_tf_file_gives_the_same_entries_back),
+        cmocka_unit_test(judgement_is_the_error_at_the_voxels),
+        cmocka_unit_test(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
