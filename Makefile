@@ -94,5 +94,6 @@ $(build)/%.o: %.cc
 embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)
 
-.SECONDARY:
+# Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
+.SECONDARY: $(test_c:%.c=$(build)/%.o)
 -include $(lib_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

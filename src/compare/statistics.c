@@ -1,0 +1,215 @@
+#include "compare/statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- Student's distribution ----------------------------------------------- */
+
+/* The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by the method of
+ * Lentz in Thompson and Barnett's form; converges fast for x < (a + 1) / (a + b + 2). */
+static double beta_fraction(double a, double b, double x)
+{
+    const double tiny = 1e-300;
+    double c = 1, d = 1 - (a + b) * x / (a + 1);
+    d = 1 / (fabs(d) < tiny ? tiny : d);
+    double value = d;
+    for (int m = 1; m <= 300; ++m) {
+        double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
+        double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+        double step = 1;
+        for (int k = 0; k < 2; ++k) {
+            double term = k ? odd : even;
+            d = 1 + term * d;
+            c = 1 + term / c;
+            d = 1 / (fabs(d) < tiny ? tiny : d);
+            c = fabs(c) < tiny ? tiny : c;
+            value *= step = c * d;
+        }
+        if (fabs(step - 1) < 1e-15)
+            break;
+    }
+    return value;
+}
+
+/* The regularised incomplete beta function I_x(a, b). */
+static double incomplete_beta(double a, double b, double x)
+{
+    if (!(x > 0))
+        return x <= 0 ? 0 : NAN;
+    if (x >= 1)
+        return 1;
+    double front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log1p(-x));
+    if (x < (a + 1) / (a + b + 2))
+        return front * beta_fraction(a, b, x) / a;
+    return 1 - front * beta_fraction(b, a, 1 - x) / b;
+}
+
+double iso_student_two_sided(double t, double degrees_of_freedom)
+{
+    if (isinf(t))
+        return 0;
+    return incomplete_beta(degrees_of_freedom / 2, 0.5, degrees_of_freedom / (degrees_of_freedom + t * t));
+}
+
+/* ---- noise ------------------------------------------------------------------ */
+
+static bool is_finite(const iso_image *image)
+{
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        if (!isfinite(image->rgba[i]))
+            return false;
+    return true;
+}
+
+iso_status iso_samples_create(iso_samples *s, const iso_image *reference, iso_error *err)
+{
+    *s = (iso_samples){.width = reference->width, .height = reference->height, .reference = reference};
+    size_t count = 3 * s->width * s->height;
+    if (count == 0)
+        return iso_fail(err, ISO_E_RANGE, "statistics: the reference is empty");
+    if (!is_finite(reference))
+        return iso_fail(err, ISO_E_RANGE, "statistics: the reference has pixels that are not finite");
+    s->mean = calloc(count, sizeof *s->mean);
+    s->squares = calloc(count, sizeof *s->squares);
+    if (s->mean && s->squares)
+        return ISO_OK;
+    iso_samples_destroy(s);
+    return iso_fail(err, ISO_E_MEMORY, "statistics: no memory for %zu values", 2 * count);
+}
+
+void iso_samples_destroy(iso_samples *s)
+{
+    if (!s)
+        return;
+    free(s->mean);
+    free(s->squares);
+    *s = (iso_samples){0};
+}
+
+iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err)
+{
+    if (image->width != s->width || image->height != s->height)
+        return iso_fail(err, ISO_E_RANGE, "statistics: an image has %zux%zu pixels, the reference %zux%zu", image->width,
+                        image->height, s->width, s->height);
+    if (!is_finite(image))
+        return iso_fail(err, ISO_E_RANGE, "statistics: image %zu has pixels that are not finite", s->count);
+    double n = (double)++s->count, bias = 0;
+    size_t pixels = s->width * s->height;
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            double x = image->rgba[4 * i + c], *mean = &s->mean[3 * i + c];
+            double d = x - *mean;
+            *mean += d / n;
+            s->squares[3 * i + c] += d * (x - *mean);
+            bias += x - s->reference->rgba[4 * i + c];
+        }
+    bias /= 3 * (double)pixels;
+    double d = bias - s->bias_mean;
+    s->bias_mean += d / n;
+    s->bias_squares += d * (bias - s->bias_mean);
+    return ISO_OK;
+}
+
+/* p of a difference whose standard error is known: only what exceeds the tolerance counts. */
+static double p_value(double difference, double error, double tolerance, double degrees_of_freedom)
+{
+    double excess = fabs(difference) - tolerance;
+    if (!(excess > 0))
+        return 1;
+    return error > 0 ? iso_student_two_sided(excess / error, degrees_of_freedom) : 0;
+}
+
+iso_status iso_samples_test(const iso_samples *s, double significance, double tolerance, iso_noise_test *out,
+                            iso_error *err)
+{
+    if (s->count < 2)
+        return iso_fail(err, ISO_E_RANGE, "statistics: %zu images, at least 2 are needed", s->count);
+    if (!(significance > 0 && significance < 1))
+        return iso_fail(err, ISO_E_RANGE, "statistics: significance is %g, must be between 0 and 1", significance);
+    if (!(tolerance >= 0))
+        return iso_fail(err, ISO_E_RANGE, "statistics: tolerance is %g, must be at least 0", tolerance);
+    double n = (double)s->count, freedom = n - 1;
+    *out = (iso_noise_test){.tests = 3 * s->width * s->height, .smallest_p = 1};
+    /* Sidak (1967): independent tests keep the significance of all together. -expm1(log1p) keeps its digits. */
+    out->pixel_significance = -expm1(log1p(-significance) / (double)out->tests);
+    for (size_t i = 0; i < out->tests; ++i) {
+        double d = s->mean[i] - s->reference->rgba[4 * (i / 3) + i % 3];
+        double p = p_value(d, sqrt(s->squares[i] / freedom / n), tolerance, freedom);
+        out->mean_abs += fabs(d) / (double)out->tests;
+        out->rejected += p < out->pixel_significance;
+        if (p < out->smallest_p) {
+            out->smallest_p = p;
+            out->worst[0] = i / 3 % s->width;
+            out->worst[1] = i / 3 / s->width;
+        }
+    }
+    out->bias = s->bias_mean;
+    out->bias_error = sqrt(s->bias_squares / freedom / n);
+    out->biased = p_value(out->bias, out->bias_error, tolerance, freedom) < significance;
+    out->passed = out->rejected == 0 && !out->biased;
+    return ISO_OK;
+}
+
+/* ---- discretisation --------------------------------------------------------- */
+
+static iso_status check_pair(const iso_image *a, const iso_image *b, double ratio, iso_error *err)
+{
+    if (a->width * a->height == 0 || a->width != b->width || a->height != b->height)
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: images of %zux%zu and %zux%zu pixels", a->width, a->height,
+                        b->width, b->height);
+    if (!(ratio > 1 && ratio <= 1e6))
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: the steps' ratio is %g, must be above 1", ratio);
+    return ISO_OK;
+}
+
+iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
+                          iso_extrapolation *out, iso_error *err)
+{
+    iso_status status = check_pair(coarse, fine, ratio, err);
+    if (status == ISO_OK && !(order > 0 && order <= 16))
+        status = iso_fail(err, ISO_E_RANGE, "extrapolation: order is %g, must be above 0 and at most 16", order);
+    if (status == ISO_OK)
+        status = iso_image_create(limit, fine->width, fine->height, err);
+    if (status != ISO_OK)
+        return status;
+    double scale = 1 / (pow(ratio, order) - 1), squares = 0;
+    size_t count = 4 * fine->width * fine->height;
+    *out = (iso_extrapolation){0};
+    for (size_t i = 0; i < count; ++i) {
+        double step = scale * ((double)fine->rgba[i] - (double)coarse->rgba[i]);
+        limit->rgba[i] = (float)(fine->rgba[i] + step);
+        squares += isfinite(step) ? step * step : INFINITY;
+        out->error_bar_max = isfinite(step) ? fmax(out->error_bar_max, fabs(step)) : INFINITY;
+    }
+    out->error_bar = sqrt(squares / (double)count);
+    return ISO_OK;
+}
+
+static double rms_difference(const iso_image *a, const iso_image *b)
+{
+    double squares = 0;
+    size_t count = 4 * a->width * a->height;
+    for (size_t i = 0; i < count; ++i) {
+        double d = (double)a->rgba[i] - (double)b->rgba[i];
+        squares += d * d;
+    }
+    return sqrt(squares / (double)count);
+}
+
+iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
+                              iso_error *err)
+{
+    iso_status status = check_pair(a, b, ratio, err);
+    if (status == ISO_OK)
+        status = check_pair(b, c, ratio, err);
+    if (status != ISO_OK)
+        return status;
+    double coarse = rms_difference(a, b), fine = rms_difference(b, c);
+    *order = fine > 0 ? log(coarse / fine) / log(ratio) : NAN;
+    return ISO_OK;
+}
+
+bool iso_limits_agree(double rmse, double bar_a, double bar_b, double factor, double floor)
+{
+    return rmse <= factor * hypot(bar_a, bar_b) + floor;
+}

@@ -1,0 +1,292 @@
+/* Statistics: tables and closed forms of the distribution, extrapolation of known series, and faults with noise. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "compare/statistics.h"
+#include "tests/test.h"
+
+enum { width = 24, height = 17 };
+
+static double uniform01(uint64_t *state)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    return (double)(*state >> 11) / 9007199254740992.0;
+}
+
+static double normal(uint64_t *state)
+{
+    double u = uniform01(state), v = uniform01(state);
+    return sqrt(-2 * log(1 - u)) * cos(2 * acos(-1) * v);
+}
+
+static double truth(size_t x, size_t y, size_t c)
+{
+    return 0.5 + 0.3 * sin(0.4 * (double)x + (double)c) * cos(0.3 * (double)y);
+}
+
+/* shift: along x in pixels; gain, offset: faults; noise: standard deviation. */
+static iso_image rendered(double shift, double gain, double offset, double noise, uint64_t *state)
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, width, height, &err));
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x) {
+            float *p = image.rgba + 4 * (y * width + x);
+            for (size_t c = 0; c < 3; ++c) {
+                double clean = 0.5 + 0.3 * sin(0.4 * ((double)x + shift) + (double)c) * cos(0.3 * (double)y);
+                p[c] = (float)(gain * clean + offset + (noise > 0 ? noise * normal(state) : 0));
+            }
+            p[3] = 1;
+        }
+    return image;
+}
+
+static iso_noise_test run(size_t count, double shift, double gain, double offset, double noise, double tolerance,
+                          uint64_t seed)
+{
+    uint64_t state = seed * 0x9E3779B97F4A7C15u + 1;
+    iso_image reference = rendered(0, 1, 0, 0, &state);
+    iso_samples s;
+    iso_noise_test test;
+    assert_ok(iso_samples_create(&s, &reference, &err));
+    for (size_t i = 0; i < count; ++i) {
+        iso_image image = rendered(shift, gain, offset, noise, &state);
+        assert_ok(iso_samples_add(&s, &image, &err));
+        iso_image_destroy(&image);
+    }
+    assert_ok(iso_samples_test(&s, 0.001, tolerance, &test, &err));
+    iso_samples_destroy(&s);
+    iso_image_destroy(&reference);
+    return test;
+}
+
+static void student_equals_closed_forms_and_tables(void **state)
+{
+    (void)state;
+    const double pi = acos(-1);
+    for (double t = 0.1; t < 100; t *= 3) {
+        assert_within(iso_student_two_sided(t, 1), 1 - 2 * atan(t) / pi, 1e-13);
+        assert_within(iso_student_two_sided(t, 2), 1 - t / sqrt(2 + t * t), 1e-13);
+        assert_within(iso_student_two_sided(-t, 4), iso_student_two_sided(t, 4), 0);
+    }
+    assert_within(iso_student_two_sided(0, 7), 1, 1e-15);
+    assert_within(iso_student_two_sided(2.776445105, 4), 0.05, 1e-9); /* printed tables */
+    assert_within(iso_student_two_sided(3.169272673, 10), 0.01, 1e-9);
+    assert_within(iso_student_two_sided(1.959963985, 1e7), 0.05, 1e-6); /* the normal limit, 1 / freedom away */
+    /* Far out the tail falls as t^-freedom: halving t multiplies by 2^freedom. */
+    assert_within(iso_student_two_sided(1e6, 3) / iso_student_two_sided(2e6, 3), 8, 1e-6);
+}
+
+static void clean_noise_is_never_flagged_in_20_repetitions(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 20; ++seed) {
+        iso_noise_test t = run(6, 0, 1, 0, 0.02, 0, seed); /* a chance of 0.2 % a repetition at these fixed seeds */
+        if (!t.passed)
+            fail_msg("seed %d: %zu rejected, smallest p %g", (int)seed, t.rejected, t.smallest_p);
+        assert_int_equal(t.tests, 3 * width * height);
+    }
+}
+
+static void each_planted_fault_is_flagged(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+        assert_false(run(12, 0.5, 1, 0, 0.005, 0, seed).passed); /* half a pixel aside */
+        assert_false(run(12, 0, 0.95, 0, 0.02, 0, seed).passed); /* five percent too dark */
+        assert_true(run(12, 0, 1, 0.002, 0.02, 0, seed).biased); /* a bias of a tenth of the noise */
+        assert_false(run(12, 0, -1, 1, 0.02, 0, seed).passed);   /* light from the wrong side */
+    }
+}
+
+static void a_bias_within_the_tolerance_is_allowed(void **state)
+{
+    (void)state;
+    assert_true(run(12, 0, 1, 0.002, 0.02, 0.004, 3).passed);
+    assert_false(run(12, 0, 1, 0.002, 0.02, 0.001, 3).passed);
+}
+
+static void without_noise_the_tolerance_decides(void **state)
+{
+    (void)state;
+    assert_true(run(2, 0, 1, 0, 0, 0, 1).passed);
+    iso_noise_test t = run(2, 0, 1, 0.001, 0, 0, 1);
+    assert_false(t.passed);
+    assert_int_equal(t.rejected, 3 * width * height);
+    assert_within(t.bias, 0.001, 1e-7); /* float images */
+    assert_true(run(2, 0, 1, 0.001, 0, 0.0011, 1).passed);
+}
+
+static void sidak_keeps_the_significance_of_all_tests(void **state)
+{
+    (void)state;
+    iso_noise_test t = run(3, 0, 1, 0, 0.02, 0, 9);
+    assert_within(1 - pow(1 - t.pixel_significance, (double)t.tests), 0.001, 1e-12);
+    assert_at_most(t.pixel_significance, 0.001 / (double)t.tests * 1.001);
+}
+
+static void mean_and_bias_are_those_of_the_images(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    iso_image reference = rendered(0, 1, 0, 0, &random), a = rendered(0, 1, 0.01, 0, &random),
+              b = rendered(0, 1, 0.03, 0, &random);
+    iso_samples s;
+    iso_noise_test t;
+    assert_ok(iso_samples_create(&s, &reference, &err));
+    assert_ok(iso_samples_add(&s, &a, &err));
+    assert_ok(iso_samples_add(&s, &b, &err));
+    assert_ok(iso_samples_test(&s, 0.01, 0, &t, &err));
+    assert_within(s.mean[0], truth(0, 0, 0) + 0.02, 1e-7); /* float images */
+    assert_within(t.bias, 0.02, 1e-7);
+    assert_within(t.bias_error, 0.01, 1e-7); /* deviation .0141, over the root of 2 */
+    iso_samples_destroy(&s);
+    iso_image_destroy(&reference);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+static void bad_samples_are_refused(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    iso_image reference = rendered(0, 1, 0, 0, &random), bad = rendered(0, 1, 0, 0, &random), small, none = {0};
+    iso_samples s;
+    iso_noise_test t;
+    assert_ok(iso_image_create(&small, 3, 3, &err));
+    assert_status(iso_samples_create(&s, &none, &err), ISO_E_RANGE);
+    assert_ok(iso_samples_create(&s, &reference, &err));
+    assert_status(iso_samples_test(&s, 0.01, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_add(&s, &small, &err), ISO_E_RANGE);
+    bad.rgba[5] = NAN;
+    assert_status(iso_samples_add(&s, &bad, &err), ISO_E_RANGE);
+    assert_ok(iso_samples_add(&s, &reference, &err));
+    assert_ok(iso_samples_add(&s, &reference, &err));
+    assert_int_equal(s.count, 2);
+    assert_status(iso_samples_test(&s, 0, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, 0.01, NAN, &t, &err), ISO_E_RANGE);
+    iso_samples_destroy(&s);
+    iso_image_destroy(&reference);
+    iso_image_destroy(&bad);
+    iso_image_destroy(&small);
+}
+
+/* limit + c(x, y) h^order */
+static iso_image at_step(double h, double order)
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, width, height, &err));
+    for (size_t i = 0; i < 4 * (size_t)width * height; ++i) {
+        double limit = truth(i / 4 % width, i / 4 / width, i % 4), c = 0.3 * cos(0.1 * (double)i);
+        image.rgba[i] = (float)(limit + c * pow(h, order));
+    }
+    return image;
+}
+
+static void richardson_finds_the_limit_and_the_bar_of_a_power_law(void **state)
+{
+    (void)state;
+    for (double order = 1; order <= 4; ++order) {
+        iso_image coarse = at_step(0.5, order), fine = at_step(0.25, order), exact = at_step(0, 1), limit;
+        iso_extrapolation out;
+        assert_ok(iso_richardson(&coarse, &fine, 2, order, &limit, &out, &err));
+        double squares = 0, largest = 0;
+        for (size_t i = 0; i < 4 * (size_t)width * height; ++i) {
+            assert_within(limit.rgba[i], exact.rgba[i], 4e-7); /* three float roundings, doubled by extrapolation */
+            double d = fabs((double)fine.rgba[i] - (double)exact.rgba[i]);
+            squares += d * d;
+            largest = fmax(largest, d);
+        }
+        assert_within(out.error_bar, sqrt(squares / (4 * width * height)), 2e-7);
+        assert_within(out.error_bar_max, largest, 4e-7);
+        iso_image_destroy(&coarse);
+        iso_image_destroy(&fine);
+        iso_image_destroy(&exact);
+        iso_image_destroy(&limit);
+    }
+}
+
+static void the_order_is_observed_and_a_wrong_one_shows(void **state)
+{
+    (void)state;
+    for (double order = 1; order <= 3; ++order) {
+        iso_image a = at_step(0.5, order), b = at_step(0.25, order), c = at_step(0.125, order);
+        double observed;
+        assert_ok(iso_observed_order(&a, &b, &c, 2, &observed, &err));
+        assert_within(observed, order, 1e-4); /* float images against differences of .001 */
+        iso_image_destroy(&a);
+        iso_image_destroy(&b);
+        iso_image_destroy(&c);
+    }
+    iso_image a = at_step(0.5, 1);
+    double observed;
+    assert_ok(iso_observed_order(&a, &a, &a, 2, &observed, &err));
+    assert_true(isnan(observed));
+    iso_image_destroy(&a);
+}
+
+static void limits_with_a_planted_fault_do_not_agree(void **state)
+{
+    (void)state;
+    iso_image c1 = at_step(0.1, 2), f1 = at_step(0.05, 2), c2 = at_step(0.08, 1), f2 = at_step(0.04, 1), l1, l2;
+    iso_extrapolation e1, e2;
+    assert_ok(iso_richardson(&c1, &f1, 2, 2, &l1, &e1, &err));
+    assert_ok(iso_richardson(&c2, &f2, 2, 1, &l2, &e2, &err));
+    double clean = 0, shifted = 0;
+    for (size_t i = 0; i < 4 * (size_t)width * height; ++i) {
+        size_t beside = i + 4 < 4 * (size_t)width * height ? i + 4 : i;
+        clean += pow(l1.rgba[i] - l2.rgba[i], 2);
+        shifted += pow(l1.rgba[i] - 0.5 * (l2.rgba[i] + l2.rgba[beside]), 2);
+    }
+    clean = sqrt(clean / (4 * width * height));
+    shifted = sqrt(shifted / (4 * width * height));
+    assert_true(iso_limits_agree(clean, e1.error_bar, e2.error_bar, 1, 0));
+    assert_false(iso_limits_agree(shifted, e1.error_bar, e2.error_bar, 1, 0)); /* half a pixel */
+    assert_false(iso_limits_agree(NAN, e1.error_bar, e2.error_bar, 1, 0));
+    assert_false(iso_limits_agree(1, NAN, 1, 1, 0));
+    iso_image *const all[] = {&c1, &f1, &c2, &f2, &l1, &l2};
+    for (int i = 0; i < 6; ++i)
+        iso_image_destroy(all[i]);
+}
+
+static void bad_extrapolations_are_refused(void **state)
+{
+    (void)state;
+    iso_image a = at_step(0.5, 1), small, limit = {0};
+    iso_extrapolation out;
+    double order;
+    assert_ok(iso_image_create(&small, 3, 3, &err));
+    assert_status(iso_richardson(&a, &small, 2, 1, &limit, &out, &err), ISO_E_RANGE);
+    assert_status(iso_richardson(&a, &a, 1, 1, &limit, &out, &err), ISO_E_RANGE);
+    assert_status(iso_richardson(&a, &a, 2, 0, &limit, &out, &err), ISO_E_RANGE);
+    assert_status(iso_richardson(&a, &a, NAN, 1, &limit, &out, &err), ISO_E_RANGE);
+    assert_status(iso_observed_order(&a, &a, &small, 2, &order, &err), ISO_E_RANGE);
+    a.rgba[9] = NAN;
+    assert_ok(iso_richardson(&a, &a, 2, 1, &limit, &out, &err));
+    assert_true(isinf(out.error_bar) && isinf(out.error_bar_max));
+    iso_image_destroy(&limit);
+    iso_image_destroy(&a);
+    iso_image_destroy(&small);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(student_equals_closed_forms_and_tables),
+        cmocka_unit_test(clean_noise_is_never_flagged_in_20_repetitions),
+        cmocka_unit_test(each_planted_fault_is_flagged),
+        cmocka_unit_test(a_bias_within_the_tolerance_is_allowed),
+        cmocka_unit_test(without_noise_the_tolerance_decides),
+        cmocka_unit_test(sidak_keeps_the_significance_of_all_tests),
+        cmocka_unit_test(mean_and_bias_are_those_of_the_images),
+        cmocka_unit_test(bad_samples_are_refused),
+        cmocka_unit_test(richardson_finds_the_limit_and_the_bar_of_a_power_law),
+        cmocka_unit_test(the_order_is_observed_and_a_wrong_one_shows),
+        cmocka_unit_test(limits_with_a_planted_fault_do_not_agree),
+        cmocka_unit_test(bad_extrapolations_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
