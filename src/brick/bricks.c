@@ -1,0 +1,260 @@
+#include "brick/bricks.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+
+/* ---- the nodes of every level ------------------------------------------------ */
+
+/* Nodes along an axis at a level: bricks share their faces. */
+static size_t node_count(const iso_node_levels *n, size_t level, int axis)
+{
+    return n->count[axis] * (n->brick_voxels >> level) + 1;
+}
+
+static size_t all_nodes(const iso_node_levels *n, size_t level)
+{
+    return node_count(n, level, 0) * node_count(n, level, 1) * node_count(n, level, 2);
+}
+
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+
+/* Scalar and moments (m^2 d, 3 values; m^2 is their length, so S starts as |N|). Gradients are taken in ranges a
+ * voxel, so that their squares neither overflow nor vanish. */
+static void fill_level0(iso_node_levels *n, const float *scalar, const float *gradients, float *moment_sums, int threads)
+{
+    double range = n->max - n->min;
+    float unit = (float)(range > 0 ? iso_geometry_min_spacing_mm(&n->geometry) / range : 1);
+    const size_t *size = n->geometry.size, nx = node_count(n, 0, 0), ny = node_count(n, 0, 1), nz = node_count(n, 0, 2);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t z = 0; z < nz; ++z)
+        for (size_t y = 0; y < ny; ++y)
+            for (size_t x = 0; x < nx; ++x) {
+                size_t v = least(x, size[0] - 1) +
+                           size[0] * (least(y, size[1] - 1) + size[1] * least(z, size[2] - 1));
+                size_t i = x + nx * (y + ny * z);
+                float *node = n->nodes[0] + ISO_NODE_CHANNELS * i;
+                node[0] = scalar[v];
+                node[1] = node[2] = node[3] = 0;
+                if (!gradients)
+                    continue;
+                const float *from = gradients + 3 * v, g[3] = {unit * from[0], unit * from[1], unit * from[2]};
+                float m = sqrtf(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+                for (int a = 0; a < 3; ++a)
+                    node[1 + a] = m * g[a];
+                moment_sums[i] = m * m;
+            }
+}
+
+/* One coarse node: [1 2 1]^3 / 64 round its place, continued by the edge, of the channels and of the moments' sum. */
+static void filter_node(const size_t size[3], const float *fine, const float *fine_sums, const size_t at[3], float *node,
+                        float *sum)
+{
+    float total[ISO_NODE_CHANNELS] = {0}, s = 0;
+    for (int o = 0; o < 27; ++o) {
+        const int d[3] = {o % 3 - 1, o / 3 % 3 - 1, o / 9 - 1};
+        size_t p[3];
+        float weight = 1;
+        for (int a = 0; a < 3; ++a) {
+            size_t c = 2 * at[a];
+            p[a] = d[a] < 0 ? (c > 0 ? c - 1 : 0) : d[a] > 0 ? least(c + 1, size[a] - 1) : c;
+            weight *= d[a] ? 0.25f : 0.5f;
+        }
+        size_t i = p[0] + size[0] * (p[1] + size[1] * p[2]);
+        for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+            total[c] += weight * fine[ISO_NODE_CHANNELS * i + (size_t)c];
+        if (fine_sums)
+            s += weight * fine_sums[i];
+    }
+    memcpy(node, total, sizeof total);
+    if (fine_sums)
+        *sum = s;
+}
+
+static void filter_level(iso_node_levels *n, size_t level, const float *fine_sums, float *sums, int threads)
+{
+    const size_t fine[3] = {node_count(n, level - 1, 0), node_count(n, level - 1, 1), node_count(n, level - 1, 2)};
+    const size_t nx = node_count(n, level, 0), ny = node_count(n, level, 1), nz = node_count(n, level, 2);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t z = 0; z < nz; ++z)
+        for (size_t y = 0; y < ny; ++y)
+            for (size_t x = 0; x < nx; ++x) {
+                size_t i = x + nx * (y + ny * z);
+                filter_node(fine, n->nodes[level - 1], fine_sums, (const size_t[3]){x, y, z},
+                            n->nodes[level] + ISO_NODE_CHANNELS * i, sums + (fine_sums ? i : 0));
+            }
+}
+
+/* Moments to directions, once every level has been made from them. */
+static void moments_to_directions(float *nodes, const float *sums, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        float *d = nodes + ISO_NODE_CHANNELS * i + 1;
+        double norm = sqrt((double)d[0] * d[0] + (double)d[1] * d[1] + (double)d[2] * d[2]);
+        double length = sums[i] > 0 ? norm / (double)sums[i] : 0;
+        double scale = norm > 0 ? length * length / norm : 0;
+        for (int a = 0; a < 3; ++a)
+            d[a] = (float)(d[a] * scale);
+    }
+}
+
+static iso_status gradients_of(const iso_level *level, int threads, float **gradients, iso_error *err)
+{
+    iso_volume v = {.geometry = level->geometry, .type = ISO_F32, .data = level->scalar};
+    iso_gradient_options opt = iso_gradient_defaults();
+    opt.threads = threads;
+    size_t count = iso_geometry_voxel_count(&level->geometry);
+    *gradients = malloc(3 * count * sizeof **gradients);
+    if (!*gradients)
+        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the gradients of %zu voxels", count);
+    return iso_gradient_compute(&v, &opt, *gradients, err);
+}
+
+static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
+{
+    if (brick_voxels < 2 || brick_voxels > 64 || (brick_voxels & (brick_voxels - 1)))
+        return iso_fail(err, ISO_E_RANGE, "bricks of %zu voxels, must be a power of two from 2 to 64", brick_voxels);
+    if (level_count < 1 || level_count > ISO_BRICK_MAX_LEVELS || brick_voxels >> (level_count - 1) == 0)
+        return iso_fail(err, ISO_E_RANGE, "%zu levels in bricks of %zu voxels, at most log2 of the side and one",
+                        level_count, brick_voxels);
+    return ISO_OK;
+}
+
+static void fill_levels(iso_node_levels *n, const iso_level *level0, const float *gradients, float **sums, int threads)
+{
+    fill_level0(n, level0->scalar, gradients, sums[0], threads);
+    for (size_t l = 1; l < n->level_count; ++l)
+        filter_level(n, l, gradients ? sums[l - 1] : NULL, sums[l], threads);
+    for (size_t l = 0; gradients && l < n->level_count; ++l)
+        moments_to_directions(n->nodes[l], sums[l], all_nodes(n, l));
+}
+
+iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                  bool with_directions, int threads, iso_error *err)
+{
+    *n = (iso_node_levels){.geometry = level0->geometry, .min = level0->min, .max = level0->max,
+                           .brick_voxels = brick_voxels, .level_count = level_count};
+    iso_status status = check(brick_voxels, level_count, err);
+    if (status != ISO_OK)
+        return status;
+    for (int a = 0; a < 3; ++a) {
+        size_t cells = level0->geometry.size[a] - 1;
+        n->count[a] = cells > 0 ? (cells + brick_voxels - 1) / brick_voxels : 1;
+    }
+    float *sums[ISO_BRICK_MAX_LEVELS] = {NULL}, *gradients = NULL, unused;
+    for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
+        n->nodes[l] = malloc(ISO_NODE_CHANNELS * all_nodes(n, l) * sizeof **n->nodes);
+        sums[l] = with_directions ? malloc(all_nodes(n, l) * sizeof **sums) : &unused;
+        if (!n->nodes[l] || !sums[l])
+            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
+    }
+    if (status == ISO_OK && with_directions)
+        status = gradients_of(level0, threads, &gradients, err);
+    if (status == ISO_OK)
+        fill_levels(n, level0, gradients, sums, iso_threads(threads));
+    free(gradients);
+    for (size_t l = 0; with_directions && l < level_count; ++l)
+        free(sums[l]);
+    if (status != ISO_OK)
+        iso_node_levels_destroy(n);
+    return status;
+}
+
+void iso_node_levels_destroy(iso_node_levels *n)
+{
+    if (!n)
+        return;
+    for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
+        free(n->nodes[l]);
+    *n = (iso_node_levels){0};
+}
+
+/* ---- the field ---------------------------------------------------------------- */
+
+/* The coarsest brick whose closed box holds node p of level 0 (p in whole nodes), if it is coarser than `level`. All
+ * of the same level agree there, so the first one found will do. */
+static bool coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t first[3], last[3];
+    bool found = false;
+    for (int a = 0; a < 3; ++a) {
+        size_t b = p[a] / n->brick_voxels;
+        last[a] = least(b, n->count[a] - 1);
+        first[a] = p[a] % n->brick_voxels == 0 && b > 0 ? b - 1 : last[a];
+    }
+    for (size_t z = first[2]; z <= last[2]; ++z)
+        for (size_t y = first[1]; y <= last[1]; ++y)
+            for (size_t x = first[0]; x <= last[0]; ++x) {
+                const size_t candidate[3] = {x, y, z};
+                size_t there = f->levels[iso_brick_index(n, candidate)];
+                if (there <= level)
+                    continue;
+                level = there;
+                memcpy(brick, candidate, sizeof candidate);
+                found = true;
+            }
+    return found;
+}
+
+void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3], double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, p[3], coarser[3];
+    bool on_face = false;
+    for (int a = 0; a < 3; ++a) {
+        p[a] = brick[a] * n->brick_voxels + (node[a] << level);
+        on_face = on_face || node[a] == 0 || node[a] == cells;
+    }
+    if (on_face && f->faces == ISO_FACES_BAKED && coarsest_at(f, p, level, coarser)) {
+        iso_brick_sample_in(f, coarser, (const double[3]){(double)p[0], (double)p[1], (double)p[2]}, out);
+        return;
+    }
+    size_t nx = node_count(n, level, 0), ny = node_count(n, level, 1);
+    size_t i = (p[0] >> level) + nx * ((p[1] >> level) + ny * (p[2] >> level));
+    for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
+        out[c] = (double)n->nodes[level][ISO_NODE_CHANNELS * i + c];
+}
+
+void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],
+                         double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, lo[3];
+    double part[3];
+    for (int a = 0; a < 3; ++a) {
+        double u = ldexp(q[a] - (double)(brick[a] * n->brick_voxels), -(int)level);
+        u = u > 0 ? (u < (double)cells ? u : (double)cells) : 0;
+        lo[a] = least((size_t)u, cells - 1);
+        part[a] = u - (double)lo[a];
+    }
+    memset(out, 0, ISO_NODE_CHANNELS * sizeof *out);
+    for (int c = 0; c < 8; ++c) {
+        double weight = 1, value[ISO_NODE_CHANNELS];
+        size_t node[3];
+        for (int a = 0; a < 3; ++a) {
+            weight *= c >> a & 1 ? part[a] : 1 - part[a];
+            node[a] = lo[a] + (size_t)(c >> a & 1);
+        }
+        if (weight == 0)
+            continue;
+        iso_brick_node(f, brick, node, value);
+        for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
+            out[k] += weight * value[k];
+    }
+}
+
+void iso_brick_sample(const iso_brick_field *f, iso_vec3 index, double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    double q[3] = {index.x - 0.5, index.y - 0.5, index.z - 0.5};
+    size_t brick[3];
+    for (int a = 0; a < 3; ++a) {
+        double last = (double)(n->geometry.size[a] - 1);
+        q[a] = q[a] > 0 ? (q[a] < last ? q[a] : last) : 0;
+        brick[a] = least((size_t)(q[a] / (double)n->brick_voxels), n->count[a] - 1);
+    }
+    iso_brick_sample_in(f, brick, q, out);
+}

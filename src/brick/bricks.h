@@ -1,0 +1,85 @@
+/* bricks.h - mixed resolution without seams: bricks whose faces pass through samples.
+ *
+ * Nodes are the voxel centres of level 0: node q stands at index q + 1/2. Brick b
+ * of n voxels a side spans the nodes n b .. n (b + 1), the faces' shared by its
+ * neighbours. Level l has its nodes at every 2^l-th node of level 0, made by the
+ * filter [1 2 1]^3 / 64 from level to level, so that a brick holds (n / 2^l + 1)^3:
+ *
+ *     level 0   o-o-o-o-o-o-o-o-o       n = 8: 9 nodes
+ *     level 1   o---o---o---o---o              5
+ *     level 2   o-------o-------o              3
+ *               face            face
+ *
+ * Every brick is drawn at a level of its own, by one trilinear fetch among its
+ * own nodes. The rule that makes this continuous is a rule for nodes alone: a node
+ * that lies in the closed box of a coarser brick takes the value that the coarsest
+ * such brick has there (baked face nodes). Then two bricks that share a face, an
+ * edge or a corner hold the same values on it: the finer one samples a function
+ * that is (bi)linear in the coarser one's cells at subdivisions of these cells, and
+ * linear interpolation reproduces it. Interior nodes keep their values. This is in
+ * place of the warped coordinates of mixed-resolution-2008, whose samples lie
+ * inside the bricks, and costs the shader nothing.
+ *
+ * The volume is continued by its edge to whole bricks; positions are clamped to
+ * the nodes that it has. Four channels a node: the scalar, and the direction d
+ * (world axes) of the moments N = sum w m^2 d, S = sum w m^2 of the gradients
+ * m d of level 0: d = N/|N| L^2, L = |N| / S, as in pyramid.h with the weights w
+ * of the filter. Directions are baked like the scalar, and not normalised before
+ * they are interpolated. */
+#ifndef ISO_BRICKS_H
+#define ISO_BRICKS_H
+
+#include "pyramid/pyramid.h"
+
+#define ISO_BRICK_MAX_LEVELS 7
+#define ISO_NODE_CHANNELS 4
+
+typedef struct iso_node_levels {
+    iso_geometry geometry; /* of level 0 */
+    double min, max;       /* of its scalar */
+    size_t brick_voxels;   /* n, a power of two */
+    size_t count[3];       /* bricks along x, y, z */
+    size_t level_count;
+    float *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest */
+} iso_node_levels;
+
+/* ISO_E_RANGE: brick_voxels that is no power of two from 2 to 64, or more levels
+ * than it has; ISO_E_MEMORY. with_directions: else they are zero. */
+iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                  bool with_directions, int threads, iso_error *err);
+void iso_node_levels_destroy(iso_node_levels *n); /* accepts empty and NULL */
+
+static inline size_t iso_brick_count(const iso_node_levels *n) { return n->count[0] * n->count[1] * n->count[2]; }
+static inline size_t iso_brick_index(const iso_node_levels *n, const size_t brick[3])
+{
+    return brick[0] + n->count[0] * (brick[1] + n->count[1] * brick[2]);
+}
+/* Nodes along a side of a brick at a level. */
+static inline size_t iso_brick_side(const iso_node_levels *n, size_t level) { return (n->brick_voxels >> level) + 1; }
+
+/* Which nodes the bricks hold. */
+typedef enum iso_brick_faces {
+    ISO_FACES_BAKED, /* the rule above */
+    ISO_FACES_OWN    /* each brick its own level's: discontinuous, for comparison */
+} iso_brick_faces;
+
+/* A field of bricks: the level of each, by iso_brick_index(). */
+typedef struct iso_brick_field {
+    const iso_node_levels *nodes;
+    const uint8_t *levels;
+    iso_brick_faces faces;
+} iso_brick_field;
+
+/* The value of a brick's node (0 .. n / 2^l along each axis, l the brick's level). */
+void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
+                    double out[ISO_NODE_CHANNELS]);
+
+/* The function of one brick at node coordinates q in its closed box: on a face this
+ * is the limit from that brick's side. */
+void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],
+                         double out[ISO_NODE_CHANNELS]);
+
+/* The field at index coordinates (index = q + 1/2), clamped to the volume's nodes. */
+void iso_brick_sample(const iso_brick_field *f, iso_vec3 index, double out[ISO_NODE_CHANNELS]);
+
+#endif

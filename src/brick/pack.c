@@ -1,0 +1,161 @@
+#include "brick/pack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "brick/occupancy.h"
+
+static bool is_visible(const uint8_t *visible, size_t brick) { return !visible || visible[brick]; }
+
+/* Visible bricks of each level; returns the coarsest level in use. */
+static size_t count_by_level(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible,
+                             size_t by_level[ISO_BRICK_MAX_LEVELS])
+{
+    size_t coarsest = 0;
+    memset(by_level, 0, ISO_BRICK_MAX_LEVELS * sizeof *by_level);
+    for (size_t i = 0; i < iso_brick_count(n); ++i)
+        if (is_visible(visible, i)) {
+            ++by_level[levels[i]];
+            coarsest = levels[i] > coarsest ? levels[i] : coarsest;
+        }
+    return coarsest;
+}
+
+size_t iso_brick_pack_slots(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible, size_t *slot_side)
+{
+    size_t by_level[ISO_BRICK_MAX_LEVELS], coarsest = count_by_level(n, levels, visible, by_level), needed = 0;
+    *slot_side = n->brick_voxels + ((size_t)1 << coarsest);
+    for (size_t l = ISO_BRICK_MAX_LEVELS; l-- > 0;)
+        needed = by_level[l] + (needed + 7) / 8;
+    return needed;
+}
+
+/* Free parts of slots: at each level those of the last split, taken in order of index. */
+typedef struct free_parts {
+    size_t next_slot, slot_side;
+    struct {
+        size_t slot, offset[3];
+        int next; /* octant, 8: none left */
+    } split[ISO_BRICK_MAX_LEVELS];
+} free_parts;
+
+/* A part for a brick of this level: a whole slot, or the next octant of a part of the level above. */
+static void take_part(free_parts *parts, size_t level, size_t *slot, size_t offset[3])
+{
+    if (level == 0) {
+        *slot = parts->next_slot++;
+        offset[0] = offset[1] = offset[2] = 0;
+        return;
+    }
+    if (parts->split[level].next == 8) {
+        take_part(parts, level - 1, &parts->split[level].slot, parts->split[level].offset);
+        parts->split[level].next = 0;
+    }
+    int octant = parts->split[level].next++;
+    *slot = parts->split[level].slot;
+    for (int a = 0; a < 3; ++a)
+        offset[a] = parts->split[level].offset[a] + (octant >> a & 1 ? parts->slot_side >> level : 0);
+}
+
+/* Near a cube, so that no axis is long. */
+static void arrange(iso_brick_pack *pack)
+{
+    size_t count = pack->slot_count > 0 ? pack->slot_count : 1;
+    pack->slots[0] = (size_t)ceil(cbrt((double)count) - 1e-9);
+    size_t rows = (count + pack->slots[0] - 1) / pack->slots[0];
+    pack->slots[1] = (size_t)ceil(sqrt((double)rows) - 1e-9);
+    pack->slots[2] = (rows + pack->slots[1] - 1) / pack->slots[1];
+    for (int a = 0; a < 3; ++a)
+        pack->size[a] = pack->slots[a] * pack->slot_side;
+}
+
+static void place(iso_brick_pack *pack, const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible)
+{
+    free_parts parts = {.slot_side = pack->slot_side};
+    for (int l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
+        parts.split[l].next = 8;
+    for (size_t l = 0; l < n->level_count; ++l)
+        for (size_t i = 0; i < iso_brick_count(n); ++i) {
+            if (levels[i] != l || !is_visible(visible, i))
+                continue;
+            size_t slot, offset[3], side = iso_brick_side(n, l);
+            take_part(&parts, l, &slot, offset);
+            const size_t at[3] = {slot % pack->slots[0], slot / pack->slots[0] % pack->slots[1],
+                                  slot / (pack->slots[0] * pack->slots[1])};
+            for (int a = 0; a < 3; ++a)
+                pack->layout[4 * i + (size_t)a] = (float)(at[a] * pack->slot_side + offset[a]);
+            pack->layout[4 * i + 3] = ldexpf(1, -(int)l);
+            ++pack->brick_count;
+            pack->node_count += side * side * side;
+        }
+}
+
+iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n, const uint8_t *levels,
+                                 const uint8_t *visible, size_t max_side, size_t max_slots, iso_error *err)
+{
+    *pack = (iso_brick_pack){0};
+    pack->slot_count = iso_brick_pack_slots(n, levels, visible, &pack->slot_side);
+    arrange(pack);
+    if (max_slots > 0 && pack->slot_count > max_slots)
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu slots of %zu^3 are needed, the cache holds %zu",
+                        pack->slot_count, pack->slot_side, max_slots);
+    for (int a = 0; a < 3; ++a)
+        if (pack->size[a] > max_side)
+            return iso_fail(err, ISO_E_RANGE, "bricks: a cache texture of %zu x %zu x %zu is needed, at most %zu a side",
+                            pack->size[0], pack->size[1], pack->size[2], max_side);
+    pack->layout = calloc(iso_brick_count(n), 4 * sizeof *pack->layout);
+    if (!pack->layout)
+        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the layout of %zu bricks", iso_brick_count(n));
+    place(pack, n, levels, visible);
+    return ISO_OK;
+}
+
+void iso_brick_pack_destroy(iso_brick_pack *pack)
+{
+    if (!pack)
+        return;
+    free(pack->layout);
+    *pack = (iso_brick_pack){0};
+}
+
+void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out)
+{
+    size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    for (size_t z = 0; z < side; ++z)
+        for (size_t y = 0; y < side; ++y)
+            for (size_t x = 0; x < side; ++x) {
+                double value[ISO_NODE_CHANNELS];
+                iso_brick_node(f, brick, (const size_t[3]){x, y, z}, value);
+                for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+                    *out++ = (float)value[c];
+            }
+}
+
+/* The range of what a brick shows: all of it is between its nodes' values. */
+static bool shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+{
+    size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    double min = INFINITY, max = -INFINITY;
+    for (size_t i = 0; i < side * side * side; ++i) {
+        double value[ISO_NODE_CHANNELS];
+        iso_brick_node(f, brick, (const size_t[3]){i % side, i / side % side, i / (side * side)}, value);
+        min = fmin(min, value[0]);
+        max = fmax(max, value[0]);
+    }
+    return iso_tf_shows(tf, min, max);
+}
+
+double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int threads, uint8_t *restrict visible)
+{
+    const iso_node_levels *n = f->nodes;
+    size_t count = iso_brick_count(n), shown = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(+ : shown)
+    for (size_t i = 0; i < count; ++i) {
+        const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+        visible[i] = shows(f, tf, brick);
+        shown += visible[i];
+    }
+    return (double)shown / (double)count;
+}

@@ -1,0 +1,342 @@
+/* Mixed resolution has no seams: all bricks that hold a point agree on it, in every configuration. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "brick/pack.h"
+
+/* Values are floats, weights and sums double: a few roundings of numbers up to 1. */
+#define CONTINUOUS 1e-12
+
+static uint64_t random_state;
+static double random_unit(void) /* splitmix64 (Steele et al. 2014) */
+{
+    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+/* White noise: nothing is smooth, every wrong value shows. */
+static iso_node_levels noise_levels(const size_t size[3], size_t brick_voxels, size_t level_count, bool directions)
+{
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 0.8, 1.7}), .min = 0, .max = 1};
+    size_t count = iso_geometry_voxel_count(&level.geometry);
+    iso_node_levels n;
+    level.scalar = malloc(count * sizeof *level.scalar);
+    assert_non_null(level.scalar);
+    for (size_t i = 0; i < count; ++i)
+        level.scalar[i] = (float)random_unit();
+    assert_ok(iso_node_levels_create(&n, &level, brick_voxels, level_count, directions, 0, &err));
+    free(level.scalar);
+    return n;
+}
+
+/* The largest difference between the limits at q from all bricks whose closed boxes hold it. */
+static double jump_at(const iso_brick_field *f, const double q[3])
+{
+    const iso_node_levels *n = f->nodes;
+    double min[ISO_NODE_CHANNELS], max[ISO_NODE_CHANNELS], jump = 0;
+    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+        min[c] = INFINITY, max[c] = -INFINITY;
+    for (size_t i = 0; i < iso_brick_count(n); ++i) {
+        const size_t b[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+        bool inside = true;
+        for (int a = 0; a < 3; ++a) {
+            double u = q[a] - (double)(b[a] * n->brick_voxels);
+            inside = inside && u >= 0 && u <= (double)n->brick_voxels;
+        }
+        double value[ISO_NODE_CHANNELS];
+        if (!inside)
+            continue;
+        iso_brick_sample_in(f, b, q, value);
+        for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+            min[c] = fmin(min[c], value[c]), max[c] = fmax(max[c], value[c]);
+    }
+    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+        if (!(max[c] - min[c] <= jump))
+            jump = max[c] - min[c];
+    return jump;
+}
+
+/* A point on a face (1 fixed axis), edge (2) or corner (3) between bricks; half of them near edges of cells. */
+static void point_between_bricks(const iso_node_levels *n, double q[3])
+{
+    int fixed = 1 + (int)(7 * random_unit()); /* bits: not 0 */
+    for (int a = 0; a < 3; ++a) {
+        double length = (double)(n->count[a] * n->brick_voxels);
+        if (fixed >> a & 1 && n->count[a] > 1)
+            q[a] = (double)(n->brick_voxels * (1 + (size_t)((double)(n->count[a] - 1) * random_unit())));
+        else
+            q[a] = random_unit() < 0.5 ? length * random_unit() : floor(length * random_unit()) + 1e-3 * random_unit();
+    }
+}
+
+static double worst_jump(const iso_brick_field *f, int points)
+{
+    double worst = 0;
+    for (int i = 0; i < points; ++i) {
+        double q[3];
+        point_between_bricks(f->nodes, q);
+        double jump = jump_at(f, q);
+        if (!(jump <= worst))
+            worst = jump;
+    }
+    return worst;
+}
+
+/* Every choice of levels for the eight bricks round a corner: all faces, edges and corners there are. */
+static void check_every_configuration(size_t brick_voxels, size_t level_count, int points)
+{
+    const size_t side = 2 * brick_voxels + 1, size[3] = {side, side, side};
+    iso_node_levels n = noise_levels(size, brick_voxels, level_count, false);
+    size_t configurations = (size_t)lrint(pow((double)level_count, 8));
+    for (size_t k = 0; k < configurations; ++k) {
+        uint8_t levels[8];
+        bool mixed = false;
+        for (size_t i = 0, rest = k; i < 8; ++i, rest /= level_count) {
+            levels[i] = (uint8_t)(rest % level_count);
+            mixed = mixed || levels[i] != levels[0];
+        }
+        iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+        double jump = worst_jump(&f, points);
+        if (!(jump <= CONTINUOUS))
+            fail_msg("levels %d%d%d%d%d%d%d%d: jump of %g", levels[0], levels[1], levels[2], levels[3], levels[4],
+                     levels[5], levels[6], levels[7], jump);
+        f.faces = ISO_FACES_OWN;
+        if (mixed && level_count == 2)
+            assert_more_than(worst_jump(&f, 2 * points), 0.02);
+    }
+    iso_node_levels_destroy(&n);
+}
+
+static void every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not(void **state)
+{
+    (void)state;
+    random_state = 1;
+    check_every_configuration(8, 2, 60);
+}
+
+static void every_configuration_of_three_levels_is_continuous(void **state)
+{
+    (void)state;
+    random_state = 2;
+    check_every_configuration(4, 3, 16);
+}
+
+static void random_layouts_of_four_levels_are_continuous_in_scalar_and_direction(void **state)
+{
+    (void)state;
+    random_state = 3;
+    static const size_t size[3] = {25, 33, 18}; /* the last axis ends inside a brick */
+    iso_node_levels n = noise_levels(size, 8, 4, true);
+    int rejected = 0;
+    for (int layout = 0; layout < 1000; ++layout) {
+        uint8_t levels[3 * 4 * 3];
+        for (size_t i = 0; i < iso_brick_count(&n); ++i)
+            levels[i] = (uint8_t)(4 * random_unit());
+        iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+        double jump = worst_jump(&f, 12);
+        if (!(jump <= CONTINUOUS))
+            fail_msg("seed 3, layout %d: jump of %g", layout, jump);
+        f.faces = ISO_FACES_OWN;
+        rejected += worst_jump(&f, 12) > 0.02;
+    }
+    assert_int_equal(rejected, 1000);
+    iso_node_levels_destroy(&n);
+}
+
+/* Power of the test itself: at one known point the baked face has no jump, the brick's own nodes have one. */
+static void a_face_of_own_nodes_is_found_out(void **state)
+{
+    (void)state;
+    random_state = 4;
+    static const size_t size[3] = {17, 17, 17};
+    iso_node_levels n = noise_levels(size, 8, 2, false);
+    uint8_t levels[8] = {0, 1, 1, 1, 1, 1, 1, 1};
+    iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+    const double q[3] = {8, 3, 3};
+    assert_at_most(jump_at(&f, q), CONTINUOUS);
+    f.faces = ISO_FACES_OWN;
+    assert_more_than(jump_at(&f, q), 1e-3);
+    iso_node_levels_destroy(&n);
+}
+
+static void interior_of_a_fine_brick_is_the_volume_itself(void **state)
+{
+    (void)state;
+    random_state = 5;
+    static const size_t size[3] = {17, 14, 17};
+    iso_node_levels n = noise_levels(size, 8, 3, false);
+    uint8_t levels[8] = {2, 1, 2, 1, 1, 2, 2, 0};
+    iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+    for (size_t z = 9; z < 16; ++z)
+        for (size_t x = 9; x < 16; ++x) {
+            double value[ISO_NODE_CHANNELS];
+            iso_brick_sample(&f, iso_v3((double)x + 0.5, 11.5, (double)z + 0.5), value);
+            assert_within(value[0], (double)n.nodes[0][ISO_NODE_CHANNELS * (x + 17 * (11 + 17 * z))], 0);
+        }
+    iso_node_levels_destroy(&n);
+}
+
+/* [1 2 1] keeps what is linear, and so do all interpolations: any layout shows the ramp. */
+static void any_layout_reproduces_a_ramp_away_from_the_continued_edge(void **state)
+{
+    (void)state;
+    random_state = 6;
+    static const size_t size[3] = {33, 33, 33};
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .min = 0, .max = 224};
+    iso_node_levels n;
+    level.scalar = malloc(33 * 33 * 33 * sizeof *level.scalar);
+    assert_non_null(level.scalar);
+    for (size_t i = 0; i < 33 * 33 * 33; ++i)
+        level.scalar[i] = (float)(i % 33 + 2 * (i / 33 % 33) + 4 * (i / 1089));
+    assert_ok(iso_node_levels_create(&n, &level, 8, 3, true, 0, &err));
+    for (int trial = 0; trial < 400; ++trial) {
+        uint8_t levels[64];
+        for (size_t i = 0; i < 64; ++i)
+            levels[i] = (uint8_t)(3 * random_unit());
+        iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+        /* Level 2 reaches 3 nodes around its own; its cell two of them 4 further. */
+        double p[3], value[ISO_NODE_CHANNELS];
+        for (int a = 0; a < 3; ++a)
+            p[a] = 8 + 16 * random_unit();
+        iso_brick_sample(&f, iso_v3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5), value);
+        assert_within(value[0], p[0] + 2 * p[1] + 4 * p[2], 1e-4); /* floats up to 224 */
+        assert_within(value[1], 1 / sqrt(21), 1e-6);
+        assert_within(value[3], 4 / sqrt(21), 1e-6);
+    }
+    iso_node_levels_destroy(&n);
+    free(level.scalar);
+}
+
+/* ---- packing ------------------------------------------------------------------ */
+
+/* What a GPU does: layout texel, local position, texels; in double, on the baked floats. */
+static double fetch(const iso_node_levels *n, const iso_brick_pack *pack, const float *cache, const double q[3])
+{
+    size_t b[3], i = 0;
+    for (int a = 2; a >= 0; --a) {
+        b[a] = (size_t)(q[a] / (double)n->brick_voxels);
+        b[a] = b[a] < n->count[a] ? b[a] : n->count[a] - 1;
+        i = i * n->count[a] + b[a];
+    }
+    const float *layout = pack->layout + 4 * i;
+    double value = 0, t[3];
+    for (int a = 0; a < 3; ++a)
+        t[a] = (double)layout[a] + (q[a] - (double)(b[a] * n->brick_voxels)) * (double)layout[3];
+    for (int c = 0; c < 8; ++c) {
+        double weight = 1;
+        size_t texel[3];
+        for (int a = 0; a < 3; ++a) {
+            double part = t[a] - floor(t[a]);
+            weight *= c >> a & 1 ? part : 1 - part;
+            texel[a] = (size_t)t[a] + (size_t)(c >> a & 1);
+        }
+        if (weight > 0)
+            value += weight * (double)cache[texel[0] + pack->size[0] * (texel[1] + pack->size[1] * texel[2])];
+    }
+    return value;
+}
+
+static void packed_bricks_do_not_overlap_and_give_the_field(void **state)
+{
+    (void)state;
+    random_state = 7;
+    static const size_t size[3] = {33, 41, 20};
+    iso_node_levels n = noise_levels(size, 8, 4, false);
+    size_t count = iso_brick_count(&n);
+    uint8_t levels[4 * 5 * 3];
+    for (size_t i = 0; i < count; ++i)
+        levels[i] = (uint8_t)(4 * random_unit());
+    iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
+    iso_brick_pack pack;
+    assert_ok(iso_brick_pack_create(&pack, &n, levels, NULL, 2048, 0, &err));
+    assert_int_equal(pack.slot_side, 16);
+    assert_int_equal(pack.brick_count, count);
+    size_t texels = pack.size[0] * pack.size[1] * pack.size[2];
+    float *cache = malloc(texels * sizeof *cache);
+    assert_non_null(cache);
+    for (size_t i = 0; i < texels; ++i)
+        cache[i] = NAN;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t b[3] = {i % n.count[0], i / n.count[0] % n.count[1], i / (n.count[0] * n.count[1])};
+        size_t side = iso_brick_side(&n, levels[i]);
+        float baked[9 * 9 * 9 * ISO_NODE_CHANNELS];
+        iso_brick_bake(&f, b, baked);
+        for (size_t k = 0; k < side * side * side; ++k) {
+            size_t x = (size_t)pack.layout[4 * i] + k % side, y = (size_t)pack.layout[4 * i + 1] + k / side % side;
+            size_t z = (size_t)pack.layout[4 * i + 2] + k / (side * side);
+            float *texel = cache + x + pack.size[0] * (y + pack.size[1] * z);
+            assert_true(isnan(*texel)); /* no other brick is there */
+            *texel = baked[ISO_NODE_CHANNELS * k];
+        }
+    }
+    for (int i = 0; i < 5000; ++i) {
+        double q[3], value[ISO_NODE_CHANNELS];
+        for (int a = 0; a < 3; ++a)
+            q[a] = (double)(size[a] - 1) * random_unit();
+        iso_brick_sample(&f, iso_v3(q[0] + 0.5, q[1] + 0.5, q[2] + 0.5), value);
+        assert_within(fetch(&n, &pack, cache, q), value[0], 1e-7); /* baked values are rounded to float */
+    }
+    free(cache);
+    iso_brick_pack_destroy(&pack);
+    iso_node_levels_destroy(&n);
+}
+
+static void eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none(void **state)
+{
+    (void)state;
+    static const size_t size[3] = {129, 129, 33};
+    iso_node_levels n = noise_levels(size, 32, 2, false);
+    uint8_t levels[16], visible[16];
+    memset(levels, 1, sizeof levels);
+    memset(visible, 1, sizeof visible);
+    size_t side;
+    assert_int_equal(iso_brick_pack_slots(&n, levels, NULL, &side), 2);
+    assert_int_equal(side, 34);
+    levels[3] = 0;
+    assert_int_equal(iso_brick_pack_slots(&n, levels, NULL, &side), 3);
+    visible[3] = 0;
+    assert_int_equal(iso_brick_pack_slots(&n, levels, visible, &side), 2);
+    iso_brick_pack pack;
+    assert_ok(iso_brick_pack_create(&pack, &n, levels, visible, 2048, 2, &err));
+    assert_int_equal(pack.brick_count, 15);
+    assert_within((double)pack.layout[4 * 3 + 3], 0, 0);
+    iso_brick_pack_destroy(&pack);
+    assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, 2048, 2, &err), ISO_E_RANGE);
+    assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, 60, 0, &err), ISO_E_RANGE);
+    iso_node_levels_destroy(&n);
+}
+
+static void bad_bricks_are_refused(void **state)
+{
+    (void)state;
+    float scalar = 0;
+    iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){1, 1, 1}, (const double[3]){1, 1, 1}),
+                       .scalar = &scalar, .max = 1};
+    iso_node_levels n;
+    assert_status(iso_node_levels_create(&n, &level, 24, 1, false, 1, &err), ISO_E_RANGE);
+    assert_status(iso_node_levels_create(&n, &level, 128, 1, false, 1, &err), ISO_E_RANGE);
+    assert_status(iso_node_levels_create(&n, &level, 4, 4, false, 1, &err), ISO_E_RANGE);
+    assert_status(iso_node_levels_create(&n, &level, 4, 3, true, 1, &err), ISO_OK); /* one voxel is a volume */
+    iso_node_levels_destroy(&n);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not),
+        cmocka_unit_test(every_configuration_of_three_levels_is_continuous),
+        cmocka_unit_test(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction),
+        cmocka_unit_test(a_face_of_own_nodes_is_found_out),
+        cmocka_unit_test(interior_of_a_fine_brick_is_the_volume_itself),
+        cmocka_unit_test(any_layout_reproduces_a_ramp_away_from_the_continued_edge),
+        cmocka_unit_test(packed_bricks_do_not_overlap_and_give_the_field),
+        cmocka_unit_test(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none),
+        cmocka_unit_test(bad_bricks_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
