@@ -14,7 +14,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
 CXX := g++
-warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Werror
+warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi -Werror
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
@@ -90,6 +90,9 @@ $(build)/%.o: %.c
 $(build)/%.o: %.cc
 	@mkdir -p $(@D)
 	$(call say,CXX)$(CXX) $(CXXFLAGS) -c -o $@ $<
+# The shaders' decoders in C: 0.5 is a float there, as in GLSL.
+$(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
+$(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
 # Objects that embed text files (base/embed.h) follow them.
 embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)

@@ -93,7 +93,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         size_t n = (size_t)count;
         float *directions = malloc(6 * n * sizeof *directions);
-        uint8_t *bytes = malloc(3 * n);
+        uint8_t *bytes = malloc(6 * n);
         if (!directions || !bytes) {
             status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", n);
         } else {

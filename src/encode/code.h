@@ -9,10 +9,20 @@
  * The decoders and the normal are written once, in code_decode.h, which C (in
  * double) and GLSL both include.
  *
- *   snorm     e = d rounded to 1/127. Decode: d = e. Linear, so every renderer
- *             that filters vectors agrees; keeps the length. The default.
- *   region48  gradients-2017 section 4: cube-dots of 48 triangular regions,
- *             Eq. 2 with lambda = 0.61. Direction only; odd lattice. */
+ *   fit       signed; the code near d whose direction is best, at almost its
+ *             length. Linear as snorm is, at half its error.
+ *   snorm     signed; d rounded to 1/127. Decode: d = e.
+ *   shell     signed; the nearest direction among lengths in [0.95, 1].
+ *   free      signed; the nearest direction at any length.
+ *   cube      unsigned; the cube-dot, rounded.
+ *   region48  unsigned; gradients-2017 section 4: cube-dots of 48 triangular
+ *             regions, Eq. 2 with lambda = 0.61.
+ *   oct24     12 + 12 bits of the octahedral map; for nearest fetches.
+ *   half      three half floats, 6 bytes.
+ *
+ * Linear codes (decode(e) = e) agree in every renderer that filters vectors;
+ * those that keep the length carry coherence. The others hold directions alone.
+ * doc/gradients.md has the errors of each at voxels and between them. */
 #ifndef ISO_CODE_H
 #define ISO_CODE_H
 
@@ -22,11 +32,23 @@
 
 #include "base/status.h"
 
-typedef enum iso_code { ISO_CODE_SNORM, ISO_CODE_REGION48, ISO_CODE_COUNT } iso_code;
+typedef enum iso_code {
+    ISO_CODE_SNORM,
+    ISO_CODE_FIT,
+    ISO_CODE_SHELL,
+    ISO_CODE_FREE,
+    ISO_CODE_CUBE,
+    ISO_CODE_REGION48,
+    ISO_CODE_OCT24,
+    ISO_CODE_HALF,
+    ISO_CODE_COUNT
+} iso_code;
 
 typedef struct iso_code_info {
     const char *name;
     const char *help;
+    size_t bytes;      /* a direction */
+    bool is_textured;  /* 3 bytes that a texture may filter: what pyramids store */
     bool is_signed;    /* SNORM8 lattice, else UNORM8 read as 2t - 1 */
     bool keeps_length; /* d's length survives */
     bool is_linear;    /* decode(e) = e, so that filtering decoded vectors is the same */
@@ -36,16 +58,17 @@ typedef struct iso_code_info {
 const iso_code_info *iso_code_describe(iso_code code);
 iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err);
 
-/* count finite directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to 3 bytes each. */
+/* count finite directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to info.bytes each. */
 void iso_code_encode(iso_code code, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* The lattice vector that 3 bytes stand for: what a nearest fetch returns. */
-void iso_code_lattice(iso_code code, const uint8_t bytes[3], double e[3]);
+/* The lattice vector that the bytes stand for: what a nearest fetch returns.
+ * oct24: (x, y, 0) of the octahedral map. */
+void iso_code_lattice(iso_code code, const uint8_t *bytes, double e[3]);
 
 /* A (filtered) lattice vector to the direction d, |d| <= 1 or a little above. */
 void iso_code_decode(iso_code code, const double e[3], double d[3]);
 
-/* Voxel by voxel: bytes to decoded directions. */
+/* Voxel by voxel, in single precision: bytes to decoded directions. */
 void iso_code_decode_all(iso_code code, const uint8_t *restrict bytes, float *restrict directions, size_t count);
 
 /* n = d / sqrt(|d|^2 + eps^2) */

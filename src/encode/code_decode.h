@@ -31,18 +31,21 @@
 /* Decoders; several codes may share one (iso_code_info.decoder). */
 #define ISO_DECODER_LINEAR 0
 #define ISO_DECODER_REGION48 1
+#define ISO_DECODER_UNIT 2
+#define ISO_DECODER_OCT 3
 
 /* gradients-2017 section 4.1, Figure 10: the best lambda of Eq. 2. */
 #define ISO_REGION48_LAMBDA 0.61
 
-/* A length of e at which no direction is left: the eight codes around the
- * centre of the unsigned lattice, of which (128,128,128) is kept for
- * "undefined". Encoders emit no other vector shorter than 1/3 (its odd
- * multiples have the same direction), so that with the slope below |d| = 1 at
- * every defined voxel and falls to 0 only where filtering meets undefined
- * voxels or opposite directions. */
-#define ISO_UNSIGNED_ZERO_LENGTH 0.006793 /* sqrt(3) / 255, rounded up */
-#define ISO_UNSIGNED_LENGTH_SLOPE 4.0
+/* Codes that keep the direction alone have |d| = 1 at every defined voxel, and
+ * |d| falls to 0 only where filtering meets undefined voxels or opposite
+ * directions: |d| = slope (|e| - zero), at most 1. "zero" is the length of the
+ * eight codes round the centre of the unsigned lattice, one of which,
+ * (128,128,128), stands for "undefined" (0,0,0 does on the signed one).
+ * Encoders emit no other vector shorter than 1/3: its multiples, odd ones on
+ * the unsigned lattice, have the same direction. */
+#define ISO_TRUST_ZERO 0.006793 /* sqrt(3) / 255, rounded up */
+#define ISO_TRUST_SLOPE 4.0
 
 #define ISO_MIN(a, b) ((a) < (b) ? (a) : (b))
 #define ISO_MAX(a, b) ((a) < (b) ? (b) : (a))
@@ -52,11 +55,18 @@ ISO_FUNCTION ISO_REAL iso_decode_length(ISO_VEC3 v)
     return ISO_SQRT(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-/* |d| for a vector of length r on the unsigned lattice. */
+/* |d| for |e| of a code of directions alone. */
 ISO_FUNCTION ISO_REAL iso_decode_trust(ISO_REAL r)
 {
-    ISO_REAL t = ISO_UNSIGNED_LENGTH_SLOPE * (r - ISO_UNSIGNED_ZERO_LENGTH);
+    ISO_REAL t = ISO_TRUST_SLOPE * (r - ISO_TRUST_ZERO);
     return ISO_MAX(0.0, ISO_MIN(1.0, t));
+}
+
+ISO_FUNCTION ISO_VEC3 iso_decode_unit(ISO_VEC3 e)
+{
+    ISO_REAL length = iso_decode_length(e);
+    ISO_REAL scale = iso_decode_trust(length) / ISO_MAX(length, 1.0e-9);
+    return ISO_MAKE_VEC3(e.x * scale, e.y * scale, e.z * scale);
 }
 
 /* Gives each component of e, by its rank among |components| (high >= middle >=
@@ -75,12 +85,9 @@ ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REA
  * is only a scale of the vector, which the last step undoes anyway. */
 ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
 {
-    ISO_REAL length = iso_decode_length(e);
-    ISO_REAL trust = iso_decode_trust(length);
-    if (trust <= 0.0)
-        return ISO_MAKE_VEC3(0.0, 0.0, 0.0);
+    ISO_REAL trust = iso_decode_trust(iso_decode_length(e));
     ISO_REAL x = ISO_ABS(e.x), y = ISO_ABS(e.y), z = ISO_ABS(e.z);
-    ISO_REAL high = ISO_MAX(x, ISO_MAX(y, z));
+    ISO_REAL high = ISO_MAX(1.0e-9, ISO_MAX(x, ISO_MAX(y, z)));
     ISO_REAL low = ISO_MIN(x, ISO_MIN(y, z));
     ISO_REAL middle = ISO_MAX(ISO_MIN(x, y), ISO_MIN(ISO_MAX(x, y), z));
     ISO_REAL u = 1.0 - middle / high, v = (middle - low) / high, w = low / high;
@@ -94,9 +101,25 @@ ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
                          iso_decode_pick(e.z, high, low, ranked));
 }
 
+/* Octahedral map: (x, y) of e; the lower half of the octahedron |x| + |y| + |z| = 1
+ * is folded outwards. For nearest fetches only, a filter across a fold is wrong.
+ * The corner (-1,-1) stands for "undefined" (the other three corners decode to
+ * the same -z). */
+ISO_FUNCTION ISO_VEC3 iso_decode_oct(ISO_VEC3 e)
+{
+    ISO_REAL ax = ISO_ABS(e.x), ay = ISO_ABS(e.y), z = 1.0 - ax - ay;
+    ISO_REAL fold = ISO_MAX(-z, 0.0);
+    ISO_REAL x = (e.x < 0.0 ? -1.0 : 1.0) * (ax - fold), y = (e.y < 0.0 ? -1.0 : 1.0) * (ay - fold);
+    ISO_REAL scale = (e.x + e.y > -1.9999 ? 1.0 : 0.0) / ISO_SQRT(x * x + y * y + z * z);
+    return ISO_MAKE_VEC3(x * scale, y * scale, z * scale);
+}
+
 ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
 {
-    return decoder == ISO_DECODER_REGION48 ? iso_decode_region48(e) : e;
+    return decoder == ISO_DECODER_REGION48 ? iso_decode_region48(e)
+           : decoder == ISO_DECODER_UNIT   ? iso_decode_unit(e)
+           : decoder == ISO_DECODER_OCT    ? iso_decode_oct(e)
+                                           : e;
 }
 
 ISO_FUNCTION ISO_VEC3 iso_shading_normal(ISO_VEC3 d)

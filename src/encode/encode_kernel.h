@@ -1,12 +1,32 @@
 /* encode_kernel.h - the encoders, one a code. They cannot fail, allocate or
- * print. directions: 3 finite floats each; bytes: 3 each. */
+ * print. directions: 3 finite floats each; bytes: 3 each, 6 for half. */
 #ifndef ISO_ENCODE_KERNEL_H
 #define ISO_ENCODE_KERNEL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-void iso_encode_snorm(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-void iso_encode_region48(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+/* NAME runs AVX2 where the machine has it, NAME_baseline never; same bytes. */
+#define ISO_ENCODER_LIST(X) \
+    X(iso_encode_snorm)     \
+    X(iso_encode_fit)       \
+    X(iso_encode_shell)     \
+    X(iso_encode_free)      \
+    X(iso_encode_cube)      \
+    X(iso_encode_region48)  \
+    X(iso_encode_oct24)
+
+#define ISO_ENCODER_DECLARE(name)                                                              \
+    void name(const float *restrict directions, uint8_t *restrict bytes, size_t count);        \
+    void name##_baseline(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
+#undef ISO_ENCODER_DECLARE
+
+void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+
+/* What fit and region48 search for, over every lattice point that could win, in
+ * double precision: slow, the yardstick of the two above. */
+void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
 #endif

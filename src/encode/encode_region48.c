@@ -1,88 +1,134 @@
-/* encode_region48.c - gradients-2017 section 4.3: transform T, then a search
- * along the transformed direction for the lattice point that decodes nearest.
+/* encode_region48.c - gradients-2017 section 4.3, transform and search, eight
+ * directions at a time: the transform by Newton in place of a table, the search
+ * over every length that adds directions.
  *
- * T inverts Eq. 2. In place of three quadratic equations and a table it is one
- * monotone equation: the decoded barycentrics U sum to 1 and are f(u_i) / S with
- * S = sum f(u_i), so u_i(S) = f^-1(S U_i) and sum u_i(S) = 1 has one root. */
-#include <math.h>
-
-#include "encode/decode_double.h"
+ * At a length a (the largest component, odd) the candidate's cube-dot (b, c) / a
+ * lies (ry, rz) from the transformed direction's, at most 1/87. f of Eq. 2 is
+ * quadratic, and where the candidate decodes to follows from (ry, rz) to second
+ * order without decoding it; the third order changes a distance by 1e-4. */
 #include "encode/encode_kernel.h"
+#include "encode/simd.h"
 
-static double inverse_f(double y)
+#define LAMBDA 0.61f /* ISO_REGION48_LAMBDA; tests compare with the decoder */
+#define KAPPA (1 - LAMBDA)
+
+/* The lengths a = 255, 253 .. 87: three times a shorter vector is on the lattice
+ * too. 1 / (a / 2) of each, four in a line. */
+enum { LENGTHS = 85 };
+#define P1(a) 2.0f / (a)
+#define P4(a) P1(a), P1((a) - 2), P1((a) - 4), P1((a) - 6)
+#define P16(a) P4(a), P4((a) - 8), P4((a) - 16), P4((a) - 24)
+static const float per_half[LENGTHS] = {P16(255), P16(223), P16(191), P16(159), P16(127), P4(95), P1(87)};
+#undef P16
+#undef P4
+#undef P1
+
+/* f^-1(y), and through *slope its derivative */
+ISO_INLINE v8f inverse_f(v8f y, v8f *slope)
 {
-    const double l = ISO_REGION48_LAMBDA, k = 1 - l;
-    return 2 * y / (k + sqrt(k * k + 4 * l * y));
+    v8f root = v8_sqrt(KAPPA * KAPPA + 4 * LAMBDA * y);
+    *slope = 1.0f / root;
+    return 2.0f * y / (root + KAPPA);
 }
 
-/* Barycentrics before the decoder from those behind it. */
-static iso_vec3 transform(iso_vec3 U)
+/* Barycentrics before the decoder from those behind it, in place: the S with
+ * sum f^-1(S U_i) = 1 (encode_exact.c). Returns S. */
+ISO_INLINE v8f transform(v8f *u, v8f *v, v8f *w)
 {
-    double lo = 0, hi = 1; /* f(t) <= t, so S <= 1 */
-    for (int i = 0; i < 40; ++i) {
-        double s = 0.5 * (lo + hi);
-        if (inverse_f(s * U.x) + inverse_f(s * U.y) + inverse_f(s * U.z) < 1)
-            lo = s;
-        else
-            hi = s;
+    v8f s = KAPPA + LAMBDA * (*u * *u + *v * *v + *w * *w), a, b, c;
+    for (int i = 0; i < 4; ++i) {
+        v8f sum = inverse_f(s * *u, &a) + inverse_f(s * *v, &b) + inverse_f(s * *w, &c);
+        s -= (sum - 1.0f) / (*u * a + *v * b + *w * c);
     }
-    return iso_v3(inverse_f(hi * U.x), inverse_f(hi * U.y), inverse_f(hi * U.z));
+    *u = inverse_f(s * *u, &a), *v = inverse_f(s * *v, &b), *w = inverse_f(s * *w, &c);
+    return s;
 }
 
-static double nearest_odd(double x)
+/* The direction to meet, as its transformed cube-dot (y, z), and where a
+ * candidate off by (ry, rz) decodes to, in the tangent plane of the direction:
+ *     p_k = ry (y[k] + yy[k] ry + yz[k] rz) + rz (z[k] + zz[k] rz),  k = 0, 1 */
+typedef struct target {
+    v8f at_y, at_z;
+    v8f y[2], z[2], yy[2], yz[2], zz[2];
+} target;
+
+/* The decoded vector moves by dU, dV, dW along (1,0,0), (1,1,0), (1,1,1), with
+ *     dU = -fu ry + L ry^2, dV = fv (ry - rz) + L (ry - rz)^2, dW = fw rz + L rz^2.
+ * u, v, w: what unit changes of U, V, W do across the direction (component k of
+ * the tangent plane); the same along it divides, to first order. */
+ISO_INLINE void expand(target *t, int k, v8f u, v8f v, v8f w, v8f fu, v8f fv, v8f fw, v8f along_y, v8f along_z)
 {
-    return 2 * floor(0.5 * x) + 1;
+    v8f y = v * fv - u * fu, z = w * fw - v * fv;
+    t->y[k] = y;
+    t->z[k] = z;
+    t->yy[k] = LAMBDA * (u + v) - y * along_y;
+    t->yz[k] = -2 * LAMBDA * v - y * along_z - z * along_y;
+    t->zz[k] = LAMBDA * (v + w) - z * along_z;
 }
 
-/* Odd (a, b, c), a >= b >= c > 0, whose decoded direction is nearest to the
- * sorted unit vector d. Lengths below 1/3 add no direction: three times the
- * vector is on the lattice too. */
-static iso_vec3 search(iso_vec3 d)
+/* high >= middle >= low: |components| of a unit vector */
+ISO_INLINE target prepare(v8f high, v8f middle, v8f low)
 {
-    iso_vec3 t = transform(iso_v3((d.x - d.y) / d.x, (d.y - d.z) / d.x, d.z / d.x));
-    iso_vec3 best = {0, 0, 0};
-    double best_distance = INFINITY;
-    for (double a = 255; a > 85; a -= 2) {
-        iso_vec3 e = {a, nearest_odd(a * (t.y + t.z)), nearest_odd(a * t.z)};
-        iso_vec3 off = iso_sub(iso_normalize(iso_decode_region48(e)), d);
-        double distance = iso_dot(off, off);
-        if (distance < best_distance) {
-            best_distance = distance;
-            best = e;
-        }
+    target t;
+    v8f per_high = 1.0f / high;
+    v8f u = (high - middle) * per_high, v = (middle - low) * per_high, w = low * per_high;
+    v8f s = transform(&u, &v, &w);
+    t.at_y = v + w, t.at_z = w;
+    v8f fu = KAPPA + 2 * LAMBDA * u, fv = KAPPA + 2 * LAMBDA * v, fw = KAPPA + 2 * LAMBDA * w;
+    /* Across: (-middle, high, 0) / q and (-low high, -low middle, q^2) / q. All in
+     * units of the decoded vector's length, s / high. */
+    v8f q = v8_sqrt(high * high + middle * middle), unit = high / s, per_q = unit / q;
+    v8f u_along = high * unit, v_along = (high + middle) * unit, w_along = (high + middle + low) * unit;
+    v8f along_y = v_along * fv - u_along * fu, along_z = w_along * fw - v_along * fv;
+    v8f v0 = (high - middle) * per_q, v1 = -low * (high + middle) * per_q;
+    expand(&t, 0, -middle * per_q, v0, v0, fu, fv, fw, along_y, along_z);
+    expand(&t, 1, -low * high * per_q, v1, v1 + q * unit, fu, fv, fw, along_y, along_z);
+    return t;
+}
+
+/* The squared distance of the candidate at length a = 2 half. */
+ISO_INLINE v8f distance(const target *t, v8f half, float inverse)
+{
+    v8f y = half * t->at_y - 0.5f, z = half * t->at_z - 0.5f; /* odd b = 2 j + 1 */
+    v8f ry = (v8_round(y) - y) * inverse, rz = (v8_round(z) - z) * inverse;
+    v8f p = ry * (t->y[0] + t->yy[0] * ry + t->yz[0] * rz) + rz * (t->z[0] + t->zz[0] * rz);
+    v8f q = ry * (t->y[1] + t->yy[1] * ry + t->yz[1] * rz) + rz * (t->z[1] + t->zz[1] * rz);
+    return p * p + q * q;
+}
+
+/* The byte of a component: its rank's j, with its sign. */
+ISO_INLINE v8f to_byte(v8f component, v8f high, v8f low, const v8f j[3])
+{
+    v8f size = v8_abs(component);
+    v8f value = v8_select(size >= high, j[0], v8_select(size <= low, j[2], j[1]));
+    return v8_select(component < 0.0f, 127.0f - value, 128.0f + value);
+}
+
+ISO_INLINE void region48_lanes(float *px, float *py, float *pz)
+{
+    v8f x = v8_load(px), y = v8_load(py), z = v8_load(pz);
+    v8f norm = 1.0f / v8_sqrt(v8_max(x * x + y * y + z * z, v8_set(1e-30f)));
+    x *= norm, y *= norm, z *= norm;
+    v8f ax = v8_abs(x), ay = v8_abs(y), az = v8_abs(z);
+    v8f high = v8_max(ax, v8_max(ay, az)), low = v8_min(ax, v8_min(ay, az));
+    v8f middle = v8_max(v8_min(ax, ay), v8_min(v8_max(ax, ay), az));
+    v8i undefined = high <= 0.0f;
+    target t = prepare(v8_max(high, v8_set(1e-9f)), middle, low);
+    v8f best = v8_set(INFINITY), best_half = v8_set(0.5f);
+    v8f half = v8_set(127.5f);
+    for (int k = 0; k < LENGTHS; ++k, half -= 1.0f) {
+        v8f d = distance(&t, half, per_half[k]);
+        v8i better = d < best;
+        best = v8_select(better, d, best);
+        best_half = v8_select(better, half, best_half);
     }
-    return best;
+    v8f j[3] = {best_half - 0.5f, v8_round(best_half * t.at_y - 0.5f), v8_round(best_half * t.at_z - 0.5f)};
+    v8f centre = v8_set(128);
+    v8_store(px, v8_select(undefined, centre, to_byte(x, high, low, j)));
+    v8_store(py, v8_select(undefined, centre, to_byte(y, high, low, j)));
+    v8_store(pz, v8_select(undefined, centre, to_byte(z, high, low, j)));
 }
 
-static uint8_t to_byte(double odd)
-{
-    return (uint8_t)((odd + 255) / 2);
-}
-
-static void encode_one(const float *direction, uint8_t *bytes)
-{
-    double v[3] = {direction[0], direction[1], direction[2]};
-    int order[3] = {0, 1, 2}; /* largest |component| first */
-    if (fabs(v[order[0]]) < fabs(v[order[1]]))
-        order[0] = 1, order[1] = 0;
-    if (fabs(v[order[1]]) < fabs(v[2])) {
-        order[2] = order[1], order[1] = 2;
-        if (fabs(v[order[0]]) < fabs(v[2]))
-            order[1] = order[0], order[0] = 2;
-    }
-    iso_vec3 sorted = {fabs(v[order[0]]), fabs(v[order[1]]), fabs(v[order[2]])};
-    if (!(sorted.x > 0)) {
-        bytes[0] = bytes[1] = bytes[2] = 128;
-        return;
-    }
-    iso_vec3 e = search(iso_normalize(sorted));
-    double ranked[3] = {e.x, e.y, e.z};
-    for (int a = 0; a < 3; ++a)
-        bytes[order[a]] = to_byte(v[order[a]] < 0 ? -ranked[a] : ranked[a]);
-}
-
-void iso_encode_region48(const float *restrict directions, uint8_t *restrict bytes, size_t count)
-{
-    for (size_t i = 0; i < count; ++i)
-        encode_one(directions + 3 * i, bytes + 3 * i);
-}
+/* This file is compiled with fused products (Makefile): the search gains a third
+ * by them, and bytes differ only where two candidates are equally near to 1e-5. */
+ISO_SIMD_ENCODER_FOR(iso_encode_region48, region48_lanes, "avx2,fma", "fma")

@@ -62,6 +62,9 @@ static iso_status check_options(const iso_pyramid_options *opt, iso_error *err)
         return iso_fail(err, ISO_E_RANGE, "Gaussian radius: %zu voxels, must be 1 to %zu", opt->gauss_radius, max_radius);
     if (!(opt->gauss_sigma_voxels >= 0.1 && opt->gauss_sigma_voxels <= 100))
         return iso_fail(err, ISO_E_RANGE, "Gaussian sigma: %g voxels, must be 0.1 to 100", opt->gauss_sigma_voxels);
+    if (!iso_code_describe(opt->code)->is_textured)
+        return iso_fail(err, ISO_E_RANGE, "code %s: not for pyramids, whose codes are 3 bytes that a texture can filter",
+                        iso_code_describe(opt->code)->name);
     return ISO_OK;
 }
 

@@ -1,0 +1,10 @@
+/* decode_kernel.h - lattice vectors to directions in single precision. */
+#ifndef ISO_DECODE_KERNEL_H
+#define ISO_DECODE_KERNEL_H
+
+#include <stddef.h>
+
+/* decoder: ISO_DECODER_*; 3 floats each. */
+void iso_decode_floats(int decoder, const float *restrict lattice, float *restrict directions, size_t count);
+
+#endif
