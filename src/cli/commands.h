@@ -8,4 +8,5 @@
     X(render) \
     X(export) \
     X(compare) \
+    X(chart) \
     X(bench)
