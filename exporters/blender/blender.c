@@ -185,12 +185,19 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
     return iso_vdb_save(&p, 0, 1, path, &vdb, NULL, err);
 }
 
+typedef struct listener {
+    const iso_progress *progress;
+    char refusal[256]; /* why calibration failed */
+} listener;
+
 static void take_line(void *user, const char *line)
 {
+    listener *l = user;
     double fraction;
     char stage[64];
     if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
-        iso_progress_report(user, stage, fraction);
+        iso_progress_report(l->progress, stage, fraction);
+    sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
 }
 
 /* Writes script, description and calibration volume into the folder and runs them. Takes `about`. */
@@ -214,8 +221,11 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
         snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
         const char *argv[] = {blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads,
                               "-P", script, "--", description, NULL};
-        iso_process_options options = {.directory = folder, .line = take_line, .user = (void *)progress};
+        listener l = {.progress = progress};
+        iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
         status = iso_process_run(argv, &options, err);
+        if (status != ISO_OK && l.refusal[0])
+            status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
     }
     json_decref(about);
     free(calibration);

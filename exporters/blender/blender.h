@@ -8,7 +8,7 @@
  *
  * Before each scene Blender renders a tiny known volume and looks where it is:
  * versions differ by half a voxel in where they put a grid. A build that puts it
- * anywhere else is refused (ISO_E_PROGRAM, "calibration: ..."). */
+ * anywhere else is refused: ISO_E_UNTRUSTED. */
 #ifndef ISO_EXPORT_BLENDER_H
 #define ISO_EXPORT_BLENDER_H
 

@@ -364,6 +364,11 @@ def render(scene, path):
 # ---- calibration -----------------------------------------------------------------------------------------------
 
 
+def refuse(why):
+    print("isoshade: calibration failed:", why, flush=True)
+    sys.exit(8)
+
+
 def emission_centroid(path):
     """Centroid of the red channel, in fractions of the picture from its middle."""
     image = bpy.data.images.load(path)
@@ -372,7 +377,7 @@ def emission_centroid(path):
     bpy.data.images.remove(image)
     total = pixels.sum()
     if not total > 0:
-        raise RuntimeError("calibration: Cycles renders nothing of a known volume")
+        refuse("Cycles renders nothing of a known volume")
     x = (pixels.sum(0) * (numpy.arange(width) + 0.5)).sum() / total / width - 0.5
     y = (pixels.sum(1) * (numpy.arange(height) + 0.5)).sum() / total / height - 0.5
     return x, y
@@ -413,7 +418,7 @@ def calibrate(about):
     bpy.data.objects.remove(thing)
     shift = 0.5 if found[0] > 0.25 else 0.0
     if max(abs(f - shift) for f in found) > 0.02:
-        raise RuntimeError(f"calibration: voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
+        refuse(f"voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
     return shift
 
 
