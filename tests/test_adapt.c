@@ -436,7 +436,7 @@ static void judgement_is_the_error_at_the_voxels(void **state)
     iso_joint j = make_joint(mixture, 2);
     iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     iso_geometry g = spacing_of(1);
-    iso_adapt_judgement v = iso_adapt_judge(&j, &tf, &out, &g);
+    iso_adapt_judgement v = iso_adapt_judge(&j, &tf, &out, &g, 1);
     double sums[2] = {0};
     for (int i = 0; i < 2; ++i)
         for (int which = 0; which < 2; ++which) {

@@ -7,8 +7,9 @@
 #include "cli/cli.h"
 
 #define ISO_BENCH_LIST(X) \
-    X(encode)         \
-    X(build)          \
+    X(build) \
+    X(consistency) \
+    X(encode) \
     X(render)
 
 #endif

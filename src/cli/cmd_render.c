@@ -4,12 +4,14 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/adapted.h"
 #include "cli/cli.h"
 #include "cli/renderers.h"
 #include "cli/subject.h"
 
 typedef struct render_arguments {
     iso_cli_input input;
+    iso_cli_adapted adapted;
     char *scene, *with, *output, *png, *size, *source, *quadrature;
     int level, intervals, planes, samples, seed;
     double step;
@@ -112,6 +114,8 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
+        status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
+    if (status == ISO_OK)
         status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
     if (status == ISO_OK)
         status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
@@ -130,6 +134,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     render_arguments a = {.with = "gl"};
     iso_cli_input_defaults(&a.input);
+    iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
@@ -145,6 +150,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
+        ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };

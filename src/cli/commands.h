@@ -5,8 +5,8 @@
     X(make) \
     X(validate) \
     X(build) \
+    X(tf) \
     X(render) \
     X(export) \
     X(compare) \
-    X(chart) \
     X(bench)

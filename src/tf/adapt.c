@@ -319,9 +319,10 @@ static double square_distance(const double a[4], const double b[4])
     return sum;
 }
 
-iso_adapt_judgement iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0)
+static void rms_errors(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, double length_mm,
+                       double *rms_original, double *rms_adapted)
 {
-    double length_mm = iso_geometry_mean_spacing_mm(level0), original_sum = 0, adapted_sum = 0;
+    double original_sum = 0, adapted_sum = 0, n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
     for (size_t row = 0; row < j->s.count; ++row) {
         double s = j->s.lo + (double)row * j->s.step, at_s[4], at_adapted[4];
         premultiplied(tf, s, length_mm, at_s);
@@ -333,10 +334,19 @@ iso_adapt_judgement iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, 
             adapted_sum += count * square_distance(at_z, at_adapted);
         }
     }
-    double n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
-    iso_adapt_judgement result = {.rms_original = sqrt(original_sum / n), .rms_adapted = sqrt(adapted_sum / n)};
-    result.use_original = !(result.rms_adapted < result.rms_original);
-    return result;
+    *rms_original = sqrt(original_sum / n);
+    *rms_adapted = sqrt(adapted_sum / n);
+}
+
+iso_adapt_judgement iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted,
+                                    const iso_geometry *level0, size_t level)
+{
+    iso_adapt_judgement r;
+    double length_mm = iso_geometry_mean_spacing_mm(level0);
+    rms_errors(j, tf, adapted, length_mm, &r.rms_original, &r.rms_adapted);
+    rms_errors(j, tf, adapted, ldexp(length_mm, (int)level), &r.deep_rms_original, &r.deep_rms_adapted);
+    r.use_original = !(r.rms_adapted < r.rms_original);
+    return r;
 }
 
 static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_error *err)
@@ -370,7 +380,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
     if (status == ISO_OK)
         status = iso_adapter_apply(adapter, tf, level0, level, table, err);
     if (status == ISO_OK)
-        verdict = iso_adapt_judge(&joint, tf, table, level0);
+        verdict = iso_adapt_judge(&joint, tf, table, level0, level);
     verdict.use_original = verdict.use_original && opt->fall_back;
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);

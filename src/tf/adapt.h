@@ -76,14 +76,17 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
                               size_t level, iso_tf_table *table, iso_error *err);
 
 /* How well a TF stands for TF_0 at the voxels: root mean square over all pairs
- * of H_k of the differences of premultiplied colour and opacity over one
- * level-0 voxel. Eq. 6's error; of figure 7. */
+ * of H_k of the differences of premultiplied colour and opacity, over the length
+ * of one level-0 voxel (the error of Eq. 6 and Figure 7), and over that of one
+ * voxel of the level. The second sees what the first does not: a faint fringe
+ * that adds up along a ray to a surface which is not there. */
 typedef struct iso_adapt_judgement {
-    double rms_original, rms_adapted;
+    double rms_original, rms_adapted;           /* over a level-0 voxel */
+    double deep_rms_original, deep_rms_adapted; /* over a voxel of the level */
     bool use_original;
 } iso_adapt_judgement;
 iso_adapt_judgement iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
-                                    const iso_geometry *level0);
+                                    const iso_geometry *level0, size_t level);
 
 /* All of it for one level of a pyramid: what renderers and exporters call. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy

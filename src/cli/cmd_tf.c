@@ -1,0 +1,303 @@
+/* cmd_tf.c - transfer functions: adapt to levels, convert, show. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "cli/adapted.h"
+#include "cli/cli.h"
+#include "cli/subject.h"
+
+typedef struct tf_arguments {
+    iso_cli_input input;
+    iso_cli_adapted adapted;
+    char *tf, *output, *volume;
+    int level, level_count;
+    const iso_cli *cli;
+} tf_arguments;
+
+/* ---- adapt ----------------------------------------------------------------------- */
+
+/* FILE for one level, NAME_level_K.tf.json for all; to be freed. */
+static char *adapted_path(const tf_arguments *a, size_t level)
+{
+    char *path = NULL;
+    if (a->level > 0)
+        return strdup(a->output);
+    size_t length = strlen(a->output);
+    if (iso_path_ends_with(a->output, ".tf.json"))
+        length -= strlen(".tf.json");
+    return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
+}
+
+static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level, json_t *levels, iso_error *err)
+{
+    const char *input = a->cli->arguments[1];
+    iso_adapt_options opt;
+    iso_adapt_judgement v;
+    iso_tf_table table = {0};
+    iso_tf file = {0};
+    char *path = adapted_path(a, level);
+    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_adapt_level(p, iso_pyramid_is_one(input) ? input : NULL, level, tf, &opt, &table, &v, err);
+    if (status == ISO_OK)
+        status = iso_tf_from_table(&table, &file, err);
+    if (status == ISO_OK)
+        status = iso_tf_save(&file, path, err);
+    if (status == ISO_OK) {
+        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
+                                                (int)table.count, "rms_original", v.rms_original, "rms_adapted", v.rms_adapted,
+                                                "deep_rms_original", v.deep_rms_original, "deep_rms_adapted", v.deep_rms_adapted,
+                                                "kept_original", v.use_original));
+        if (!a->cli->json)
+            printf("level %zu  %s  error at the voxels %.5f, adapted %.5f%s\n", level, path, v.rms_original, v.rms_adapted,
+                   v.use_original ? "  original kept" : "");
+    }
+    iso_tf_destroy(&file);
+    iso_tf_table_destroy(&table);
+    free(path);
+    return status;
+}
+
+static iso_status adapt(const tf_arguments *a, iso_error *err)
+{
+    const iso_cli *cli = a->cli;
+    iso_progress progress = iso_cli_progress(cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid p = {0};
+    iso_tf tf = {0};
+    iso_tf_table table = {0};
+    json_t *levels = json_array();
+    if (cli->argument_count != 2 || !a->tf || !a->output) {
+        json_decref(levels);
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT");
+    }
+    build.threads = cli->threads;
+    build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
+    iso_status status = iso_tf_load(a->tf, &tf, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(cli->arguments[1], &a->input, &build, &progress, &p, err);
+    if (status == ISO_OK && (size_t)a->level >= p.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1], a->level, p.level_count - 1);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
+    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
+        if (a->level == 0 || (size_t)a->level == k)
+            status = adapt_one(a, &p, &table, k, levels, err);
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set(root, "levels", levels);
+        iso_cli_print_json(root);
+    }
+    json_decref(levels);
+    iso_tf_table_destroy(&table);
+    iso_tf_destroy(&tf);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+/* ---- convert and show -------------------------------------------------------------- */
+
+/* A TF file's table, for a volume where one is given, else for the range [0, 1] and voxels of 1 mm. */
+static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table, double *unit_mm, iso_error *err)
+{
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
+    double lo = 0, hi = 1;
+    iso_status status = iso_tf_load(path, tf, err);
+    if (status == ISO_OK && a->volume) {
+        iso_volume v;
+        status = iso_cli_load_volume(a->volume, &a->input, &v, err);
+        if (status == ISO_OK) {
+            iso_volume_stats stats = iso_volume_measure(&v);
+            lo = stats.min, hi = stats.max, g = v.geometry;
+            iso_volume_destroy(&v);
+        }
+    }
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(tf, lo, hi, &g, table, err);
+    if (status == ISO_OK)
+        *unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(&g) : 1);
+    return status;
+}
+
+static void write_rows(FILE *file, const iso_tf_table *t, double unit_mm, const char *separator)
+{
+    for (size_t i = 0; i < t->count; ++i) {
+        const float *e = t->entries + 4 * i;
+        double values[] = {t->lo + (t->hi - t->lo) * (double)i / (double)(t->count - 1), e[0], e[1], e[2], e[3], -expm1(-(double)e[3] * unit_mm)};
+        for (int c = 0; c < 6; ++c)
+            fprintf(file, "%s%.9g", c ? separator : "", values[c]);
+        fputc('\n', file);
+    }
+}
+
+static iso_status save_csv(const iso_tf_table *t, double unit_mm, const char *path, iso_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    if (!memory)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    fprintf(memory, "value,r_linear,g_linear,b_linear,extinction_per_mm,opacity_of_%.9g_mm\n", unit_mm);
+    write_rows(memory, t, unit_mm, ",");
+    fclose(memory);
+    iso_status status = iso_file_write(path, text, size, err);
+    free(text);
+    return status;
+}
+
+static iso_status convert(const tf_arguments *a, iso_error *err)
+{
+    iso_tf tf = {0}, out = {0};
+    iso_tf_table table = {0};
+    double unit_mm = 1;
+    if (a->cli->argument_count != 2 || !a->output)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE.tf.json -o OUT.csv|OUT.tf.json");
+    bool csv = iso_path_ends_with(a->output, ".csv");
+    if (!csv && !iso_path_ends_with(a->output, ".tf.json"))
+        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with .csv or .tf.json", a->output);
+    iso_status status = load_table(a, a->cli->arguments[1], &tf, &table, &unit_mm, err);
+    if (status == ISO_OK && csv)
+        status = save_csv(&table, unit_mm, a->output, err);
+    if (status == ISO_OK && !csv)
+        status = iso_tf_from_table(&table, &out, err);
+    if (status == ISO_OK && !csv)
+        status = iso_tf_save(&out, a->output, err);
+    iso_tf_destroy(&out);
+    iso_tf_destroy(&tf);
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
+static int srgb_byte(double linear)
+{
+    double v = fmin(fmax(linear, 0), 1);
+    return (int)lrint(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055));
+}
+
+/* A panel a TF: opacity over value, filled with the colours; after Figure 4 of adaptive-tf-2016. */
+static iso_status write_script(const tf_arguments *a, const char *dir, const char *picture, iso_error *err)
+{
+    size_t count = a->cli->argument_count - 1;
+    char *path = iso_path_join(dir, "tf.gp");
+    FILE *gp = path ? fopen(path, "w") : NULL;
+    iso_status status = gp ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
+    if (gp)
+        fprintf(gp, "set terminal %s size 800,%zu%s font 'sans,11'\nset output '%s'\nset multiplot layout %zu,1\nset key off\n"
+                    "set yrange [0:1]\nset tics out nomirror\nset border 3\nset lmargin 9\nset rmargin 3\n",
+                iso_path_ends_with(a->output, ".svg") ? "svg" : "pngcairo", 60 + 180 * count, iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "",
+                picture, count);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        iso_tf tf = {0};
+        iso_tf_table t = {0};
+        double unit_mm = 1;
+        const char *name = a->cli->arguments[1 + i];
+        status = load_table(a, name, &tf, &t, &unit_mm, err);
+        if (status == ISO_OK) {
+            fprintf(gp, "$data%zu << EOD\n", i);
+            for (size_t e = 0; e < t.count; ++e)
+                fprintf(gp, "%.9g %.6g %d\n", t.lo + (t.hi - t.lo) * (double)e / (double)(t.count - 1),
+                        -expm1(-(double)t.entries[4 * e + 3] * unit_mm),
+                        srgb_byte(t.entries[4 * e]) << 16 | srgb_byte(t.entries[4 * e + 1]) << 8 | srgb_byte(t.entries[4 * e + 2]));
+            fprintf(gp, "EOD\nset title '%s' noenhanced offset 0,-0.7\nset ylabel 'opacity of %.3g mm'\nset xrange [%.9g:%.9g]\n"
+                        "set boxwidth %.9g absolute\nplot $data%zu using 1:2:3 with boxes fs solid noborder lc rgb variable, "
+                        "'' using 1:2 with lines lc rgb '#404040' lw 1.2\n",
+                    iso_path_base(name), unit_mm, t.lo, t.hi, (t.hi - t.lo) / (double)(t.count - 1), i);
+        }
+        iso_tf_destroy(&tf);
+        iso_tf_table_destroy(&t);
+    }
+    if (gp && (fprintf(gp, "unset multiplot\n") < 0 || fclose(gp) != 0) && status == ISO_OK)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
+    free(path);
+    return status;
+}
+
+static iso_status show(const tf_arguments *a, iso_error *err)
+{
+    char *gnuplot = NULL, *dir = NULL, *script = NULL;
+    iso_output out = {0};
+    if (a->cli->argument_count < 2 || !a->output)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf show FILE.tf.json... -o OUT.png|OUT.svg");
+    for (size_t i = 1; i < a->cli->argument_count; ++i)
+        if (strpbrk(a->cli->arguments[i], "'\n"))
+            return iso_fail(err, ISO_E_USAGE, "%s: a quote in the name cannot be drawn", a->cli->arguments[i]);
+    if (!iso_path_ends_with(a->output, ".png") && !iso_path_ends_with(a->output, ".svg"))
+        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with .png or .svg", a->output);
+    iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
+    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
+        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    if (status == ISO_OK)
+        status = iso_output_begin(&out, a->output, err);
+    if (status == ISO_OK)
+        status = write_script(a, dir, out.temp_path, err);
+    if (status == ISO_OK && !(script = iso_path_join(dir, "tf.gp")))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        const iso_process_options process = {.timeout_seconds = 60};
+        status = iso_process_run((const char *[]){gnuplot, script, NULL}, &process, err);
+    }
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    if (dir)
+        iso_remove_tree(dir);
+    free(dir);
+    free(script);
+    free(gnuplot);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    tf_arguments a = {.level_count = 4};
+    iso_cli_input_defaults(&a.input);
+    iso_cli_adapted_defaults(&a.adapted);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0", "FILE.tf.json"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone; else each, to NAME_level_K.tf.json", "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
+        {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
+        ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 16, &next, err);
+    a.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_check_range("--level", a.level, 0, 30, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_check_range("--levels", a.level_count, 2, 30, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN) {
+        const char *what = cli.arguments[0];
+        status = strcmp(what, "adapt") == 0     ? adapt(&a, err)
+                 : strcmp(what, "convert") == 0 ? convert(&a, err)
+                 : strcmp(what, "show") == 0    ? show(&a, err)
+                                                : iso_fail(err, ISO_E_USAGE, "unknown action \"%s\", must be one of: adapt, convert, show", what);
+    }
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_tf = {
+    .name = "tf",
+    .summary = "adapt transfer functions to levels, convert and show them",
+    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE.tf.json -o OUT | show FILE.tf.json... -o PICTURE",
+    .details = "adapt    writes the transfer function of each coarse level: what level 0 shows where the level has a value.\n"
+               "         Joint histograms are kept in the pyramid. render and export do the same with --adapt.\n"
+               "convert  to .csv (value, linear colour, extinction, opacity) or to .tf.json with an entry a point.\n"
+               "show     a picture by gnuplot, .png or .svg, a panel a transfer function.",
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
+                "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
+                "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
+    .run = run,
+};

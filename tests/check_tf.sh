@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# The command tf, and adapted transfer functions in render and export.
+set -u
+here=$(cd "$(dirname "$0")/.." && pwd)
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+not_ok() { echo "not ok $1: $2"; failed=1; }
+check() { # name, command ...
+    local name=$1
+    shift
+    if "$@" >out 2>err; then echo "ok $name"; else not_ok "$name" "$(cat err)"; fi
+}
+refuse() { # name, exit code, words, command ...
+    local name=$1 wanted=$2 words=$3 code
+    shift 3
+    "$ISOSHADE" "$@" >out 2>err
+    code=$?
+    if [ $code != "$wanted" ]; then not_ok "$name" "exit code $code, wanted $wanted: $(cat err)"
+    elif [ "$(wc -l <err)" != 1 ] || ! grep -qF -- "$words" err; then not_ok "$name" "stderr: $(cat err)"
+    else echo "ok $name"; fi
+}
+tf=$here/refscenes/shells.tf.json scene=$here/refscenes/shells.scene.json
+"$ISOSHADE" make shells --size 40x44x36 --type uint8 -o shells.nrrd -q || exit 1
+"$ISOSHADE" build shells.nrrd -o shells.iso --levels 3 -q >/dev/null || exit 1
+
+check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells -q
+[ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && echo "ok adapted_files_are_there" || not_ok adapted_files_are_there "$(ls)"
+[ -s shells.iso/level_1_joint8.nrrd ] && echo "ok histograms_are_kept_in_the_pyramid" || not_ok histograms_are_kept_in_the_pyramid "$(ls shells.iso)"
+check kept_histograms_give_the_same_tf bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o again.tf.json -q && cmp again.tf.json shells_level_1.tf.json' "$tf"
+check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
+check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
+# A scene that names the adapted file and --adapt are the same picture.
+sed "s/\"shells.tf.json\"/\"shells_level_1.tf.json\"/" "$scene" >adapted.scene.json
+cp "$tf" shells.tf.json
+cp "$scene" own.scene.json
+render() { "$ISOSHADE" render shells.iso --level 1 --size 64 --with reference --quadrature midpoint -q "$@" >/dev/null; }
+if render --scene own.scene.json --adapt --always -o a.exr && render --scene adapted.scene.json -o b.exr && render --scene own.scene.json -o c.exr; then
+    "$ISOSHADE" compare a.exr b.exr --json >ab.json; "$ISOSHADE" compare a.exr c.exr --json >ac.json
+    same=$(sed -n 's/.*"max_abs": \([^,]*\).*/\1/p' ab.json | head -1) other=$(sed -n 's/.*"max_abs": \([^,]*\).*/\1/p' ac.json | head -1)
+    # nine digits of opacity in the file; a table that was not adapted differs by tenths
+    awk -v a="$same" -v b="$other" 'BEGIN { exit !(a + 0 <= 1e-5 && b + 0 > 0.01) }' && echo "ok adapted_file_and_switch_agree" ||
+        not_ok adapted_file_and_switch_agree "max_abs $same, against the original $other"
+else
+    not_ok adapted_file_and_switch_agree "render failed"
+fi
+check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
+head -c 4 tf.png 2>/dev/null | grep -q PNG && echo "ok picture_is_png" || not_ok picture_is_png "$(head -c 20 tf.png)"
+check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
+check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
+[ "$(wc -l <tf.csv)" = 257 ] && echo "ok csv_has_a_line_an_entry" || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
+check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
+
+refuse unknown_action 2 'must be one of: adapt, convert, show' tf blend "$tf" -o x
+refuse adapt_without_tf 2 'wanted: isoshade tf adapt' tf adapt shells.iso -o x
+refuse missing_tf 3 'absent.tf.json' tf adapt shells.iso --tf absent.tf.json -o x
+refuse level_too_high 5 'level 7' tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json
+refuse unknown_weight 2 '--weight' tf adapt shells.iso --tf "$tf" --weight gaus -o x
+refuse bits_too_many 2 '--bits is 17' tf adapt shells.iso --tf "$tf" --bits 17 -o x
+refuse window_too_small 2 '--window is 0.2' tf adapt shells.iso --tf "$tf" --window 0.2 -o x
+refuse show_needs_an_ending 2 'must end with .png or .svg' tf show "$tf" -o x.jpg
+refuse convert_needs_an_ending 2 'must end with .csv' tf convert "$tf" -o x.txt
+ISOSHADE_GNUPLOT=/nowhere refuse gnuplot_missing 7 'ISOSHADE_GNUPLOT' tf show "$tf" -o y.png
+[ ! -e y.png ] && [ ! -e x ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$(ls)"
+exit $failed
