@@ -1,3 +1,4 @@
+#define _GNU_SOURCE
 #include "blender/blender.h"
 
 #include <math.h>
@@ -126,6 +127,7 @@ static json_t *describe_lights(const iso_view *view)
     return lights;
 }
 
+/* vdb is the path that Blender sees: absolute, or relative to the .blend by a leading "//". */
 static json_t *describe_level(const iso_level *level, size_t k, size_t row, const char *vdb,
                               const iso_blender_options *opt)
 {
@@ -134,11 +136,12 @@ static json_t *describe_level(const iso_level *level, size_t k, size_t row, cons
                      vec_json(iso_mul(level->geometry.index_to_world, iso_v3(1, 1, 1))));
 }
 
-static iso_status check_options(const iso_pyramid *p, size_t level, const iso_blender_options *opt, iso_error *err)
+static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_blender_options *opt,
+                                iso_error *err)
 {
-    if (level >= p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "blender: level %zu, the pyramid has levels 0 to %zu", level,
-                        p->level_count - 1);
+    if (count == 0 || level >= p->level_count || count > p->level_count - level)
+        return iso_fail(err, ISO_E_RANGE, "blender: levels %zu to %zu, the pyramid has levels 0 to %zu", level,
+                        level + count - 1, p->level_count - 1);
     const iso_geometry *g = &p->levels[level].geometry;
     double steps = 2.5 * iso_geometry_box_radius_mm(g) / (opt->step_voxels * iso_geometry_min_spacing_mm(g));
     if (!(opt->step_voxels > 0) || !(steps <= MAX_STEPS))
@@ -152,13 +155,13 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_bl
 static json_t *describe_scene(const iso_view *view, const iso_geometry *g, const char *name,
                               const iso_blender_options *opt)
 {
-    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf}", "schema", "isoshade.blender/1",
+    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf sf}", "schema", "isoshade.blender/1",
                               "name", name, "samples", opt->samples, "seed", opt->seed, "max_steps", MAX_STEPS, "image",
                               (json_int_t)view->width, (json_int_t)view->height, "background",
                               iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, g),
                               "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
                               view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
-                              "eps", ISO_DIRECTION_EPS);
+                              "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels);
     if (about)
         describe_box(about, g);
     return about;
@@ -182,12 +185,19 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
     return iso_vdb_save(&p, 0, 1, path, &vdb, NULL, err);
 }
 
+typedef struct listener {
+    const iso_progress *progress;
+    char refusal[256]; /* why calibration failed */
+} listener;
+
 static void take_line(void *user, const char *line)
 {
+    listener *l = user;
     double fraction;
     char stage[64];
     if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
-        iso_progress_report(user, stage, fraction);
+        iso_progress_report(l->progress, stage, fraction);
+    sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
 }
 
 /* Writes script, description and calibration volume into the folder and runs them. Takes `about`. */
@@ -211,8 +221,11 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
         snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
         const char *argv[] = {blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads,
                               "-P", script, "--", description, NULL};
-        iso_process_options options = {.directory = folder, .line = take_line, .user = (void *)progress};
+        listener l = {.progress = progress};
+        iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
         status = iso_process_run(argv, &options, err);
+        if (status != ISO_OK && l.refusal[0])
+            status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
     }
     json_decref(about);
     free(calibration);
@@ -226,7 +239,7 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
     *image = (iso_image){0};
-    iso_status status = check_options(p, level, opt, err);
+    iso_status status = check_options(p, level, 1, opt, err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
@@ -259,4 +272,106 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
     free(vdb);
     free(folder);
     return status;
+}
+
+/* ---- export ---- */
+
+/* One file a level, all with the same grid names, so that one material reads them. */
+static char *vdb_path(const char *blend_path, size_t k, size_t count)
+{
+    size_t stem = strlen(blend_path) - strlen(".blend"), size = stem + 40;
+    char *path = malloc(size);
+    if (path && count == 1)
+        snprintf(path, size, "%.*s.vdb", (int)stem, blend_path);
+    else if (path)
+        snprintf(path, size, "%.*s_level_%zu.vdb", (int)stem, blend_path, k);
+    return path;
+}
+
+static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const char *blend_path, iso_output *out,
+                             const iso_progress *progress, iso_error *err)
+{
+    char *path = vdb_path(blend_path, k, count);
+    iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
+    iso_vdb_options options = iso_vdb_defaults();
+    options.pad_voxels = 1;
+    if (status == ISO_OK)
+        status = iso_vdb_save(p, k, 1, out->temp_path, &options, progress, err);
+    free(path);
+    return status;
+}
+
+static json_t *describe_export(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
+                               const iso_tf_table *tables, const char *blend_path, const iso_blender_options *opt)
+{
+    const char *base = iso_path_base(blend_path);
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)fmin((double)(strlen(base) - strlen(".blend")), 50), base);
+    json_t *about = describe_scene(view, &p->levels[first].geometry, name, opt);
+    json_t *levels = json_array();
+    for (size_t k = first; k < first + count; ++k) {
+        char *path = vdb_path(blend_path, k, count), relative[300];
+        snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
+        json_array_append_new(levels, describe_level(&p->levels[k], k, tables ? k - first : 0, relative, opt));
+        free(path);
+    }
+    json_object_set_new(about, "levels", levels);
+    json_object_set_new(about, "tf", tables ? describe_tf(tables, count) : describe_tf(&view->tf, 1));
+    json_object_set_new(about, "film_transparent", json_false());
+    json_object_set_new(about, "source", json_string(p->source ? p->source : ""));
+    return about;
+}
+
+static iso_status check_tables(const iso_tf_table *tables, size_t count, iso_error *err)
+{
+    for (size_t k = 1; tables && k < count; ++k)
+        if (tables[k].count != tables[0].count || tables[k].lo != tables[0].lo || tables[k].hi != tables[0].hi)
+            return iso_fail(err, ISO_E_RANGE, "blender: a level's table has %zu entries over [%g, %g], another %zu over [%g, %g]",
+                            tables[k].count, tables[k].lo, tables[k].hi, tables[0].count, tables[0].lo, tables[0].hi);
+    return ISO_OK;
+}
+
+iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
+                                     const iso_tf_table *tables, const char *blend_path,
+                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = check_options(p, first, count, opt, err);
+    if (status == ISO_OK)
+        status = check_tables(tables, count, err);
+    if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
+        status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir();
+    iso_output *outs = calloc(count + 1, sizeof *outs); /* the grids, then the .blend */
+    if (!folder || !outs)
+        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = write_grid(p, first + i, count, blend_path, &outs[i], progress, err);
+    if (status == ISO_OK)
+        status = iso_output_begin(&outs[count], blend_path, err);
+    char *target = status == ISO_OK ? realpath(outs[count].temp_path, NULL) : NULL;
+    if (status == ISO_OK && !target)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
+    if (status == ISO_OK) {
+        json_t *about = describe_export(p, first, count, view, tables, blend_path, opt);
+        json_object_set_new(about, "save", json_string(target));
+        status = run_blender(about, folder, opt, progress, err);
+    }
+    for (size_t i = 0; i <= count && status == ISO_OK; ++i)
+        status = iso_output_commit(&outs[i], err);
+    for (size_t i = 0; outs && i <= count; ++i)
+        iso_output_abandon(&outs[i]);
+    if (folder)
+        iso_remove_tree(folder);
+    free(target);
+    free(outs);
+    free(folder);
+    return status;
+}
+
+iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
+                              const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    return iso_blender_export_levels(p, level, 1, view, NULL, blend_path, opt, progress, err);
 }

@@ -8,7 +8,7 @@
  *
  * Before each scene Blender renders a tiny known volume and looks where it is:
  * versions differ by half a voxel in where they put a grid. A build that puts it
- * anywhere else is refused (ISO_E_PROGRAM, "calibration: ..."). */
+ * anywhere else is refused: ISO_E_UNTRUSTED. */
 #ifndef ISO_EXPORT_BLENDER_H
 #define ISO_EXPORT_BLENDER_H
 
@@ -28,9 +28,18 @@ iso_blender_options iso_blender_defaults(void);
 /* Version of the program found, such as "3.4.1". ISO_E_MISSING. */
 iso_status iso_blender_version(char *version, size_t size, iso_error *err);
 
-/* NAME.blend and NAME.vdb beside it. */
+/* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved.
+ * ISO_E_USAGE when blend_path does not end in .blend. */
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+
+/* Levels [first, first + count) in one NAME.blend, with a NAME_level_K.vdb each.
+ * A property "level" of the object NAME chooses the one that is seen; material,
+ * shading and lights are shared, and the colour map has a row a level: tables
+ * holds `count` of equal size and range, or is NULL (the view's for all). */
+iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
+                                     const iso_tf_table *tables, const char *blend_path,
+                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,

@@ -11,10 +11,8 @@ Positions are taken in the space of the frame, an object that stands for the vol
 it moves box, grids and normals together.
 """
 import json
-import math
 import os
 import sys
-import tempfile
 
 import bpy
 import numpy
@@ -99,7 +97,7 @@ class Group:
         return self.tree
 
 
-def color_table(tf, path):
+def color_table(tf):
     """The TF as an image: one column an entry, one row a level; packed, exact in 32-bit float."""
     count, rows = tf["count"], len(tf["tables"])
     image = bpy.data.images.new("isoshade transfer function", count, rows, alpha=True, float_buffer=True, is_data=True)
@@ -122,7 +120,7 @@ def transfer_function_group(tf):
     x = group.math('MULTIPLY_ADD', u, (count - 1) / count, 0.5 / count, label="between texel centres")
     y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="a row a level")
     where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
-    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=color_table(tf, ""), interpolation='Linear',
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=color_table(tf), interpolation='Linear',
                        extension='EXTEND', projection='FLAT').outputs
     return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
 
@@ -366,6 +364,11 @@ def render(scene, path):
 # ---- calibration -----------------------------------------------------------------------------------------------
 
 
+def refuse(why):
+    print("isoshade: calibration failed:", why, flush=True)
+    sys.exit(8)
+
+
 def emission_centroid(path):
     """Centroid of the red channel, in fractions of the picture from its middle."""
     image = bpy.data.images.load(path)
@@ -374,7 +377,7 @@ def emission_centroid(path):
     bpy.data.images.remove(image)
     total = pixels.sum()
     if not total > 0:
-        raise RuntimeError("calibration: Cycles renders nothing of a known volume")
+        refuse("Cycles renders nothing of a known volume")
     x = (pixels.sum(0) * (numpy.arange(width) + 0.5)).sum() / total / width - 0.5
     y = (pixels.sum(1) * (numpy.arange(height) + 0.5)).sum() / total / height - 0.5
     return x, y
@@ -415,11 +418,43 @@ def calibrate(about):
     bpy.data.objects.remove(thing)
     shift = 0.5 if found[0] > 0.25 else 0.0
     if max(abs(f - shift) for f in found) > 0.02:
-        raise RuntimeError(f"calibration: voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
-    return shift, found
+        refuse(f"voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
+    return shift
 
 
 # ---- the scene -------------------------------------------------------------------------------------------------
+
+
+def switch_by_property(frame, thing, level):
+    """Shows the level that the frame's property names; the expression is simple enough to run without Python."""
+    for target in ("hide_render", "hide_viewport"):
+        driver = thing.driver_add(target).driver
+        driver.type = 'SCRIPTED'
+        chosen = driver.variables.new()
+        chosen.name = "level"
+        chosen.targets[0].id = frame
+        chosen.targets[0].data_path = '["level"]'
+        driver.expression = f"level != {level}"
+
+
+def add_levels(about, shift, frame, look, collection):
+    levels = about["levels"]
+    if len(levels) > 1:
+        frame["level"] = levels[0]["level"]
+        frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
+                                               description="The level of the pyramid that is shown")
+    for level in levels:
+        name = about["name"] if len(levels) == 1 else f"{about['name']} level {level['level']}"
+        thing = volume_object(f"{name} volume", level["vdb"], collection)
+        thing.parent = frame
+        thing.location = [-shift * h for h in level["voxel_diagonal"]]
+        thing.data.render.step_size = level["step"]
+        thing.data.materials.append(look)
+        thing["isoshade_level"] = level["level"]
+        thing["isoshade_row"] = float(level["row"])
+        thing["isoshade_step"] = float(level["step"])
+        if len(levels) > 1:
+            switch_by_property(frame, thing, level["level"])
 
 
 def build(about, shift):
@@ -430,28 +465,79 @@ def build(about, shift):
     scene.unit_settings.scale_length = 0.001  # a Blender unit is a millimetre
     scene.unit_settings.length_unit = 'MILLIMETERS'
     frame = frame_object(about, scene.collection)
-    look = material(about, frame)
-    for level in about["levels"]:
-        thing = volume_object(f"{about['name']} level {level['level']}", level["vdb"], scene.collection)
-        thing.parent = frame
-        thing.location = [-shift * h for h in level["voxel_diagonal"]]
-        thing.data.render.step_size = level["step"]
-        thing.data.materials.append(look)
-        thing["isoshade_row"] = float(level["row"])
-        thing["isoshade_step"] = float(level["step"])
-        thing["isoshade_level"] = level["level"]
+    add_levels(about, shift, frame, material(about, frame), scene.collection)
     scene.camera = camera_object(about, scene.collection)
     return scene
+
+
+# ---- what a person finds who opens the file --------------------------------------------------------------------
+
+README = """{name}, exported by isoshade{source}
+
+The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
+{levels}Material "{name}", group "isoshade": ambient, diffuse, specular, power; lights by direction (towards the light)
+and intensity; Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
+packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
+differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
+
+A unit is a millimetre. Cycles renders {samples} sample(s) at a step of {step:.4g} mm; a longer step is faster, a shorter one
+more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
+turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
+moved back by that. Other versions of Blender may differ; export again with the one that you use.
+"""
+
+
+def explain(about, shift):
+    ramp = about["tf"]["ramp"]
+    several = 'Its property "level" chooses the level of the pyramid that is seen.\n' if len(about["levels"]) > 1 else ""
+    text = bpy.data.texts.new("README")
+    text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
+                             levels=several, stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
+                             alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
+                             blender=bpy.app.version_string, shift=shift))
+    scene = bpy.context.scene
+    scene["isoshade_source"] = about["source"]
+    scene["isoshade_voxel_shift"] = shift
+    scene["isoshade_ramp_color_loss"] = ramp["color_loss"]
+    scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
+
+
+def arrange_windows(about):
+    """Every 3-D view looks through the camera, rendered, and sees as far as the volume."""
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == 'VIEW_3D':
+                view = area.spaces.active
+                view.shading.type = 'RENDERED'
+                view.clip_end = 10 * about["camera"]["clip_end"]
+                view.region_3d.view_perspective = 'CAMERA'
+
+
+def save(about, shift):
+    scene = bpy.context.scene
+    # The window may take steps of half a voxel, whatever the final picture takes.
+    scene.cycles.volume_preview_step_rate = max(1.0, 0.5 / about["step_voxels"])
+    scene.cycles.preview_samples = 16
+    scene.cycles.use_preview_denoising = False
+    scene.render.filepath = "//" + about["name"] + "_"
+    explain(about, shift)
+    arrange_windows(about)
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=True, relative_remap=False)
 
 
 def main():
     with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
         about = json.load(file)
-    shift, found = calibrate(about["calibration"])
-    print("isoshade: voxels are moved by", found, flush=True)
+    print("isoshade: progress 0.1 Blender", flush=True)
+    shift = calibrate(about["calibration"])
+    print("isoshade: progress 0.3 Blender", flush=True)
     scene = build(about, shift)
-    if about.get("render"):
+    if "render" in about:
         render(scene, about["render"])
+    if "save" in about:
+        save(about, shift)
+    print("isoshade: progress 1 Blender", flush=True)
 
 
 main()

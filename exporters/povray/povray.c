@@ -99,7 +99,7 @@ static iso_df3_coding direction_coding(unsigned bits)
 static bool is_byte_lattice(iso_code code)
 {
     const iso_code_info *info = iso_code_describe(code);
-    return info->is_signed && info->is_linear;
+    return info->is_textured && info->is_signed && info->is_linear;
 }
 
 /* Letters, digits, "-" and "_": nothing that needs a quote in POV-Ray's files or in a shell. */

@@ -233,9 +233,43 @@ static void write_transfer_function(FILE *f, const iso_povray_scene *s)
     fprintf(f, "\n");
 }
 
-/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most 1. */
-static void write_diffuse(FILE *f, const iso_view *v)
+/* "select(Iso_Opaque(x, y, z), 0, " when part of the TF is transparent: what follows is not evaluated there. */
+static const char *lazily(const iso_povray_scene *s, const char *select)
 {
+    size_t zeros = 0;
+    for (size_t i = 0; i + 1 < s->view->tf.count; ++i)
+        zeros += s->view->tf.entries[4 * i + 3] == 0 && s->view->tf.entries[4 * i + 7] == 0;
+    return zeros > 0 ? select : "";
+}
+
+/* Shading is most of the work. Iso_Opaque is negative inside the ranges of the TF without extinction. */
+static void write_opaque(FILE *f, const iso_povray_scene *s)
+{
+    enum { most_ranges = 8 }; /* leaving some out is slower, not wrong */
+    const iso_tf_table *tf = &s->view->tf;
+    const double last = (double)(tf->count - 1);
+    int ranges = 0;
+    if (!*lazily(s, "yes"))
+        return;
+    fprintf(f, "// Negative where the transfer function is transparent: no shading is computed there.\n"
+               "#declare Iso_Opaque_At = function (p) { min(1");
+    for (size_t i = 0; i < tf->count && ranges < most_ranges; ++i) {
+        size_t end = i;
+        while (end < tf->count && tf->entries[4 * end + 3] == 0)
+            ++end;
+        if (end > i + 1) {
+            fprintf(f, ", max(%.9g - p, p - %.9g)", i > 0 ? (double)i / last : -1, end < tf->count ? (double)(end - 1) / last : 2);
+            ++ranges;
+        }
+        i = end > i ? end - 1 : i;
+    }
+    fprintf(f, ") }\n#declare Iso_Opaque = function (x, y, z) { Iso_Opaque_At(Iso_TF_Position(x, y, z)) }\n\n");
+}
+
+/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most 1. */
+static void write_diffuse(FILE *f, const iso_povray_scene *s)
+{
+    const iso_view *v = s->view;
     fprintf(f, "#declare Iso_Diffuse_Of = function (dx, dy, dz) {\n    %.17g", v->shading.ambient);
     for (size_t i = 0; i < v->light_count; ++i) {
         const iso_light *l = &v->lights[i];
@@ -244,8 +278,8 @@ static void write_diffuse(FILE *f, const iso_view *v)
                 ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
     }
     fprintf(f, " }\n#declare Iso_Diffuse = density {\n"
-               "    function { min(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z))) }\n"
-               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n");
+               "    function { %smin(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z)))%s }\n"
+               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n", lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
 
 /* The unit vector to the viewer at a point in voxel coordinates, as a function's three arguments. */
@@ -291,10 +325,10 @@ static void write_specular(FILE *f, const iso_povray_scene *s)
                "#declare Iso_Specular_At = function (dx, dy, dz, vx, vy, vz) {\n"
                "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n"
                "#declare Iso_Specular = density {\n"
-               "    function { min(1, Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
-               "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))) }\n"
+               "    function { %smin(1, Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
+               "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z)))%s }\n"
                "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
-            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
+            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS, lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
 
 static void write_media(FILE *f, const iso_povray_scene *s)
@@ -329,7 +363,8 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
     write_fields(f, s);
     write_transfer_function(f, s);
     fprintf(f, "// ---- shading: two-sided, Blinn-Phong ---------------------------------------\n");
-    write_diffuse(f, s->view);
+    write_opaque(f, s);
+    write_diffuse(f, s);
     if (specular_sum(s->view) > 0)
         write_specular(f, s);
     write_media(f, s);

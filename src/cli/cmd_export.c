@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "blender/blender.h"
 #include "cli/adapted.h"
 #include "cli/cli.h"
 #include "cli/subject.h"
@@ -13,6 +14,7 @@ typedef struct export_arguments {
     iso_cli_adapted adapted;
     char *to, *output, *scene, *size;
     int level, level_count, half;
+    double step;
     const iso_cli *cli;
 } export_arguments;
 
@@ -22,6 +24,7 @@ typedef struct export_job {
     const iso_pyramid *pyramid;
     const iso_view *view;
     const iso_progress *progress;
+    json_t *results; /* with --json: what a target has to say */
 } export_job;
 
 static iso_status to_vdb(const export_job *job, iso_error *err)
@@ -30,6 +33,26 @@ static iso_status to_vdb(const export_job *job, iso_error *err)
     o.half_float = job->arguments->half;
     return iso_vdb_save(job->pyramid, (size_t)job->arguments->level, (size_t)job->arguments->level_count,
                         job->arguments->output, &o, job->progress, err);
+}
+
+static iso_status to_blender(const export_job *job, iso_error *err)
+{
+    iso_blender_options o = iso_blender_defaults();
+    o.step_voxels = job->arguments->step > 0 ? job->arguments->step : job->view->step_voxels;
+    o.threads = job->arguments->cli->threads;
+    iso_status status =
+        iso_blender_export_levels(job->pyramid, (size_t)job->arguments->level, (size_t)job->arguments->level_count, job->view,
+                                  NULL, job->arguments->output, &o, job->progress, err);
+    iso_color_ramp ramp;
+    iso_color_ramp_fit(&job->view->tf, &ramp);
+    if (status == ISO_OK && job->results)
+        json_object_set_new(job->results, "color_ramp",
+                            json_pack("{sI sf sf}", "stops", (json_int_t)ramp.count, "max_color_difference",
+                                      ramp.color_loss, "max_opacity_difference", ramp.alpha_loss));
+    else if (status == ISO_OK)
+        printf("colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
+               ramp.count, ramp.color_loss, ramp.alpha_loss);
+    return status;
 }
 
 static iso_status to_povray(const export_job *job, iso_error *err)
@@ -49,6 +72,7 @@ static const struct target {
     iso_status (*run)(const export_job *job, iso_error *err);
 } targets[] = {
     {"vdb", "an OpenVDB file: float grid density, vec3s grid gradient", false, true, to_vdb},
+    {"blender", "a .blend that renders as it opens, and its OpenVDB grids", true, true, to_blender},
     {"povray", "a folder with .pov, .inc, .ini and DF3 files", true, false, to_povray},
 };
 enum { target_count = sizeof targets / sizeof *targets };
@@ -60,14 +84,16 @@ static iso_status check(const export_arguments *a, const struct target **target,
         if (strcmp(targets[i].name, a->to) == 0)
             *target = &targets[i];
     if (!*target)
-        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb or povray", a->to ? a->to : "");
+        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb, blender or povray", a->to ? a->to : "");
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->makes);
     iso_status status = iso_cli_check_range("--level", a->level, 0, 63, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--levels", a->level_count, 1, 64, err);
+    if (status == ISO_OK && a->step != 0)
+        status = iso_cli_check_range("--step", a->step, 1e-3, 16, err);
     if (status == ISO_OK && a->level_count > 1 && !(*target)->takes_levels)
-        return iso_fail(err, ISO_E_USAGE, "--levels is for --to vdb alone");
+        return iso_fail(err, ISO_E_USAGE, "--levels is for --to vdb and blender");
     return status;
 }
 
@@ -91,16 +117,18 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK && target->needs_scene)
         status = iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], &pyramid, (size_t)a->level, &view, a->cli->threads, err);
-    const export_job job = {a, &pyramid, &view, &progress};
+    json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
+    const export_job job = {a, &pyramid, &view, &progress, root};
     if (status == ISO_OK)
         status = target->run(&job, err);
-    if (status == ISO_OK && a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
+    if (status == ISO_OK && root) {
         json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level", a->level,
                                                "levels", a->level_count));
         iso_cli_print_json(root);
-    } else if (status == ISO_OK) {
-        printf("%s: %s\n", a->output, target->makes);
+    } else {
+        json_decref(root);
+        if (status == ISO_OK)
+            printf("%s: %s\n", a->output, target->makes);
     }
     iso_view_destroy(&view);
     iso_pyramid_destroy(&pyramid);
@@ -117,7 +145,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray", "SCENE.scene.json"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "vdb: this many levels from K on in one file, as density_level_N", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),

@@ -9,4 +9,5 @@
     X(render) \
     X(export) \
     X(compare) \
+    X(chart) \
     X(bench)

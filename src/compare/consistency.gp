@@ -9,21 +9,25 @@ stats data skip 1 using 2 nooutput
 count = words(methods)
 of(i) = strcol(1) eq word(methods, i)
 width = 980
-height = 310 + 21 * count
+legend_rows = (count + 3) / 4
+height = 310 + 20 * legend_rows
 load 'style.gp'
 set xtics 1
 set xlabel 'level' offset 0,0.4
 set xrange [STATS_min - 0.2 : STATS_max + 0.2]
 set yrange [0:*]
-set multiplot layout 1,3 margins 0.055, 0.985, (58.0 + 21 * count) / height, 1 - 34.0 / height spacing 0.06,0.1
-set key at screen 0.5, screen 0.005 center bottom
+set multiplot layout 1,3 margins 0.055, 0.985, (62.0 + 20 * legend_rows) / height, 1 - 34.0 / height spacing 0.06,0.1
+unset key
+do for [i = 1:count] {
+    set label i word(methods, i) at screen 0.06 + 0.235 * ((i - 1) % 4), screen (20.0 * (legend_rows - (i - 1) / 4) - 8) / height left offset 1.2, -0.25 point lt i ps 0.8 noenhanced
+}
 set title offset 0,-0.3
 set title 'structure: 1 − SSIM'
-plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):4 with linespoints lt i title word(methods, i)
-unset key
+plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):4 with linespoints lt i
+do for [i = 1:count] { unset label i }
 set title 'what people see: mean FLIP'
-plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):5 with linespoints lt i notitle
+plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):5 with linespoints lt i
 set title 'direction error, ° (dotted: 95th percentile)'
-plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):6 with linespoints lt i notitle, \
-     for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):7 with lines lt i dt 3 lw 1 notitle
+plot for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):6 with linespoints lt i, \
+     for [i = 1:count] data skip 1 using (of(i) ? $2 : NaN):7 with lines lt i dt 3 lw 1
 unset multiplot

@@ -340,7 +340,7 @@ size_t iso_cascade_carry_level(const iso_cascade *c)
 
 size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_count)
 {
-    size_t planes = (plane_count >> level) + 1 + (level > 0 && c->wide_count ? c->wide[0].slot_count + 1 : 0);
+    size_t planes = (plane_count >> level) + 1 + (level > 0 && c->wide_count ? c->wide[0].taps.count / 2 + 2 : 0);
     if (level > c->tile_top)
         planes = c->size[level][2];
     return planes < c->size[level][2] ? planes : c->size[level][2];

@@ -12,7 +12,8 @@ typedef struct wide_channel {
     bool is_scalar;
     size_t components;
     iso_taps taps;
-    size_t slot_count;         /* coarse planes open at a time */
+    size_t batch;              /* fine planes at a time */
+    size_t slot_count;         /* coarse planes that these touch */
     float *slots[MAX_LEVELS];  /* [k]: of level k + 1, slot_count x components planes */
 } wide_channel;
 

@@ -8,8 +8,13 @@
 #include "base/parallel.h"
 #include "pyramid/cascade_kernel.h"
 
-/* Coarse rows that a thread filters at a time; their fine rows stay in its cache. */
+/* Coarse rows that a thread filters at a time, so that their fine rows stay in its cache. */
 enum { BLOCK_ROWS = 16 };
+
+/* Fine planes between two meetings of the threads: many, as each may wait for
+ * a busy core, but the coarse planes that they touch are all kept. */
+enum { BATCH_LEAST = 8, BATCH_MOST = 32 };
+#define BATCH_BYTES ((size_t)64 << 20)
 
 /* What one call of wide_feed works with. */
 typedef struct wide_run {
@@ -35,7 +40,10 @@ iso_status wide_create(iso_cascade *c, iso_error *err)
         c->wide[c->wide_count++] = (wide_channel){.components = 4, .taps = taps};
     for (size_t i = 0; i < c->wide_count; ++i) {
         wide_channel *w = &c->wide[i];
-        w->slot_count = taps.count / 2 + 1;
+        const size_t slot_bytes = c->level_count > 1 ? slot_floats(c, w, 1) * sizeof(float) : 1;
+        const size_t most = 2 * (BATCH_BYTES / slot_bytes);
+        w->batch = most < BATCH_LEAST ? BATCH_LEAST : most < BATCH_MOST ? most : BATCH_MOST;
+        w->slot_count = taps.count / 2 + w->batch / 2 + 1;
         for (size_t k = 0; k + 1 < c->level_count; ++k) {
             w->slots[k] = calloc(w->slot_count * slot_floats(c, w, k + 1), sizeof(float));
             if (!w->slots[k])
@@ -110,49 +118,49 @@ static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, si
 
 /* Coarse rows j0 .. j1 - 1 of the fine plane z of level k: along x into
  * b->narrow, along y into b->filtered, along z into the open planes. */
-static void filter_block(const wide_run *r, size_t k, size_t z, size_t j0, size_t j1)
+static void filter_block(const wide_run *r, block *b, size_t k, size_t z, size_t j0, size_t j1)
 {
     const wide_channel *w = r->channel;
     const size_t *fine = r->c->size[k], *coarse = r->c->size[k + 1], taps = w->taps.count, radius = taps / 2;
     const size_t first = iso_taps_source(&w->taps, j0, 0, fine[1]), last = iso_taps_source(&w->taps, j1 - 1, taps - 1, fine[1]);
     const size_t open_first = z >= radius ? (z - radius + 1) / 2 : 0, reach = (z + radius - 1) / 2;
     const size_t open_last = reach < coarse[2] ? reach : coarse[2] - 1;
-    block b = make_block(r);
     for (size_t y = first; y <= last; ++y) {
         size_t stride;
-        const float *row = fine_row(r, &b, k, y, z, y / 2 >= j0 && y / 2 < j1, &stride);
+        const float *row = fine_row(r, b, k, y, z, y / 2 >= j0 && y / 2 < j1, &stride);
         for (size_t i = 0; i < w->components; ++i)
-            iso_taps_row(&w->taps, row + i * stride, fine[0], b.padded,
-                         b.narrow + ((y - first) * w->components + i) * coarse[0]);
+            iso_taps_row(&w->taps, row + i * stride, fine[0], b->padded,
+                         b->narrow + ((y - first) * w->components + i) * coarse[0]);
     }
     for (size_t j = j0; j < j1; ++j)
         for (size_t i = 0; i < w->components; ++i) {
-            memset(b.filtered, 0, coarse[0] * sizeof(float));
+            memset(b->filtered, 0, coarse[0] * sizeof(float));
             for (size_t t = 0; t < taps; ++t)
                 iso_weigh_row(w->taps.weight[t],
-                              b.narrow + ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
-                              coarse[0], b.filtered);
+                              b->narrow + ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
+                              coarse[0], b->filtered);
             for (size_t p = open_first; p <= open_last; ++p) {
                 float *to = slot(r, k + 1, p) + (i * coarse[1] + j) * coarse[0];
                 if (iso_taps_source(&w->taps, p, 0, fine[2]) == z)
                     memset(to, 0, coarse[0] * sizeof(float));
                 for (size_t t = 0; t < taps; ++t)
                     if (iso_taps_source(&w->taps, p, t, fine[2]) == z)
-                        iso_weigh_row(w->taps.weight[t], b.filtered, coarse[0], to);
+                        iso_weigh_row(w->taps.weight[t], b->filtered, coarse[0], to);
             }
         }
 }
 
-/* The coarse plane is whole: what Eq. 1 still does to it, and storing it. */
-static void finish_plane(const wide_run *r, size_t k, size_t z)
+/* Coarse planes z0 .. z1 - 1 are whole: what Eq. 1 still does to them, and storing them. */
+static void finish_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
 {
     iso_cascade *c = r->c;
     const iso_cascade_out *out = &r->out[k];
     const size_t nx = c->size[k][0], ny = c->size[k][1];
-    float *plane = slot(r, k, z), lo = c->lo[k], hi = c->hi[k];
+    float lo = c->lo[k], hi = c->hi[k];
 #pragma omp parallel for schedule(static) num_threads(c->threads) reduction(min : lo) reduction(max : hi)
-    for (size_t y = 0; y < ny; ++y) {
-        float *row = plane + y * nx;
+    for (size_t i = 0; i < (z1 - z0) * ny; ++i) {
+        const size_t y = i % ny, z = z0 + i / ny;
+        float *row = slot(r, k, z) + y * nx;
         if (!r->channel->is_scalar) {
             block b = make_block(r);
             iso_eq1_finish(row, nx * ny, nx);
@@ -167,34 +175,43 @@ static void finish_plane(const wide_run *r, size_t k, size_t z)
     c->hi[k] = hi;
 }
 
-static void store_level0_only(const wide_run *r, size_t z)
+static void store_level0_only(const wide_run *r, size_t z0, size_t z1)
 {
+    const size_t ny = r->c->size[0][1];
 #pragma omp parallel for schedule(static) num_threads(r->c->threads)
-    for (size_t y = 0; y < r->c->size[0][1]; ++y) {
+    for (size_t i = 0; i < (z1 - z0) * ny; ++i) {
         block b = make_block(r);
         size_t stride;
-        fine_row(r, &b, 0, y, z, true, &stride);
+        fine_row(r, &b, 0, i % ny, z0 + i / ny, true, &stride);
     }
 }
 
-static void feed_plane(const wide_run *r, size_t k, size_t z)
+/* Fine planes z0 .. z1 - 1 of level k, and all coarser planes that they complete. */
+static void feed_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
 {
     const iso_cascade *c = r->c;
     if (k + 1 == c->level_count) {
         if (k == 0 && !r->channel->is_scalar)
-            store_level0_only(r, z);
+            store_level0_only(r, z0, z1);
         return;
     }
     const size_t *fine = c->size[k], rows = c->size[k + 1][1], taps = r->channel->taps.count;
     const size_t blocks = (rows + BLOCK_ROWS - 1) / BLOCK_ROWS;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(c->threads)
-    for (size_t i = 0; i < blocks; ++i)
-        filter_block(r, k, z, i * BLOCK_ROWS, (i + 1) * BLOCK_ROWS < rows ? (i + 1) * BLOCK_ROWS : rows);
-    for (size_t p = z >= taps / 2 ? (z - taps / 2 + 1) / 2 : 0; p < c->size[k + 1][2]; ++p) {
-        if (iso_taps_source(&r->channel->taps, p, taps - 1, fine[2]) != z)
-            break;
-        finish_plane(r, k + 1, p);
-        feed_plane(r, k + 1, p);
+    for (size_t i = 0; i < blocks; ++i) {
+        block b = make_block(r);
+        for (size_t z = z0; z < z1; ++z)
+            filter_block(r, &b, k, z, i * BLOCK_ROWS, (i + 1) * BLOCK_ROWS < rows ? (i + 1) * BLOCK_ROWS : rows);
+    }
+    size_t p0 = z0 >= taps / 2 ? (z0 - taps / 2 + 1) / 2 : 0;
+    while (p0 < c->size[k + 1][2] && iso_taps_source(&r->channel->taps, p0, taps - 1, fine[2]) < z0)
+        ++p0;
+    size_t p1 = p0;
+    while (p1 < c->size[k + 1][2] && iso_taps_source(&r->channel->taps, p1, taps - 1, fine[2]) < z1)
+        ++p1;
+    if (p1 > p0) {
+        finish_planes(r, k + 1, p0, p1);
+        feed_planes(r, k + 1, p0, p1);
     }
 }
 
@@ -206,8 +223,9 @@ iso_status wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
         r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
         if (!r.memory)
             return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
-        for (size_t z = z0; z < z1; ++z)
-            feed_plane(&r, 0, z);
+        const size_t batch = r.channel->batch;
+        for (size_t z = z0; z < z1; z += batch)
+            feed_planes(&r, 0, z, z + batch < z1 ? z + batch : z1);
         free(r.memory);
     }
     return ISO_OK;

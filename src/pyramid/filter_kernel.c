@@ -40,16 +40,13 @@ iso_taps iso_taps_gauss(size_t radius, double sigma)
 /* ---- level 0 ---- */
 
 /* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
- * low bits: |127 d| is far below 2^22. */
+ * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
 static inline uint32_t snorm_byte(float d)
 {
-    float scaled = 127 * d;
-    scaled = scaled > -127 ? scaled : -127;
-    scaled = scaled < 127 ? scaled : 127;
     union {
         float f;
         uint32_t u;
-    } bits = {.f = scaled + 12582912.0f};
+    } bits = {.f = 127 * d + 12582912.0f};
     return bits.u & 0xFF;
 }
 

@@ -154,17 +154,19 @@ static double cut_at_bend(const ray_state *ray, double a, double b)
 
 /* Smooth between cell borders and bends of the TF; what is not yet extrapolated
  * well is halved. weight is the transmittance in front of the piece, so that
- * hidden pieces are not refined. */
+ * hidden pieces are not refined. Where |n.l| or a slight bend leaves a kink, two
+ * sums can agree by chance: their difference has to be well below the tolerance. */
 static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth)
 {
     enum { max_depth = 24 };
+    static const double caution = 0.01;
     stretch two = sum_intervals(ray, a, b, 2), four = sum_intervals(ray, a, b, 4);
     stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
     if (depth >= max_depth || weight <= tolerance)
         return fine;
     double cut = cut_at_bend(ray, a, b);
     if (!(cut > a && cut < b)) {
-        if (weight * distance(fine, coarse) <= tolerance)
+        if (weight * distance(fine, coarse) <= caution * tolerance)
             return fine;
         cut = 0.5 * (a + b);
     }

@@ -1,0 +1,553 @@
+/* cmd_chart.c - speed against accuracy: a grid of settings on one scene, its front, and the setting that is good enough. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "cli/cli.h"
+#include "cli/renderers.h"
+#include "cli/subject.h"
+#include "compare/chart.h"
+#include "compare/metrics.h"
+#include "compare/pareto.h"
+
+ISO_EMBED(pareto_gp, "src/compare/pareto.gp");
+
+typedef struct chart_arguments {
+    iso_cli_input input;
+    char *scene, *output, *size, *with, *steps, *want_text, *style;
+    int level_count;
+    double budget_seconds;
+    double want; /* 0: none */
+} chart_arguments;
+
+/* One setting of the grid, and what it gave. */
+typedef struct chart_case {
+    iso_renderer renderer;
+    size_t level;
+    iso_direction_filter filter;
+    iso_direction_source source;
+    iso_code code;
+    double step_voxels;
+    double relative_cost; /* samples along all rays, times the fetches of one */
+    double seconds, bytes;
+    iso_metrics metrics;
+    bool done, on_time_front, on_bytes_front;
+} chart_case;
+
+typedef struct chart_run {
+    iso_pyramid pyramids[ISO_DIRECTION_COUNT]; /* one a direction filter; empty where not asked for */
+    iso_view view;
+    iso_renderers renderers;
+    iso_image reference;
+    chart_case *cases;
+    size_t count, done_count;
+    double start_seconds;
+} chart_run;
+
+/* "1/255" or "0.004" */
+static iso_status parse_want(const char *text, double *want, iso_error *err)
+{
+    char *end;
+    double above = strtod(text, &end), below = 1;
+    if (end != text && *end == '/') {
+        const char *rest = end + 1;
+        below = strtod(rest, &end);
+        end = end == rest ? (char *)text : end;
+    }
+    *want = above / below;
+    if (end == text || *end || !(*want > 0 && *want <= 1))
+        return iso_fail(err, ISO_E_USAGE, "--want is \"%s\", wanted an RMSE above 0 and at most 1, such as 1/255", text);
+    return ISO_OK;
+}
+
+/* "2,1,0.5": at most `room`. */
+static iso_status parse_steps(const char *text, double *steps, size_t room, size_t *count, iso_error *err)
+{
+    *count = 0;
+    for (const char *at = text;; ++at) {
+        char *end;
+        double step = strtod(at, &end);
+        if (end == at || !(step >= 1e-3 && step <= 100) || *count == room || (*end && *end != ','))
+            return iso_fail(err, ISO_E_USAGE, "--steps is \"%s\", wanted up to %zu steps of 0.001 to 100 voxels, such as 2,1,0.5",
+                            text, room);
+        steps[(*count)++] = step;
+        if (!*end)
+            return ISO_OK;
+        at = end;
+    }
+}
+
+static iso_status parse_with(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err)
+{
+    memset(wanted, 0, ISO_RENDERER_COUNT * sizeof *wanted);
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        iso_renderer r = ISO_WITH_GL;
+        status = iso_renderer_from_name(name, &r, err);
+        if (status == ISO_OK && r == ISO_WITH_POVRAY)
+            status = iso_fail(err, ISO_E_USAGE, "--with povray: POV-Ray has no step to choose; wanted gl, reference or cycles");
+        wanted[r] = true;
+    }
+    free(copy);
+    return status;
+}
+
+static void describe(const chart_case *c, char *text, size_t size)
+{
+    char gradients[64];
+    if (c->source == ISO_FROM_CODES)
+        snprintf(gradients, sizeof gradients, "%s", iso_code_describe(c->code)->name);
+    else
+        snprintf(gradients, sizeof gradients, "%s", iso_direction_source_name(c->source));
+    snprintf(text, size, "%s; level %zu; %s%s%s; step %g", iso_renderer_name(c->renderer), c->level, gradients,
+             c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? " " : "",
+             c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? iso_direction_filter_name(c->filter) : "", c->step_voxels);
+}
+
+/* What has one colour in the chart. */
+static void describe_series(const chart_case *c, char *text, size_t size)
+{
+    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer),
+             c->source == ISO_FROM_CODES ? iso_code_describe(c->code)->name : iso_direction_source_name(c->source));
+}
+
+/* Scalars as stored, and 3 bytes, 3 floats or nothing for a direction. */
+static double level_bytes(const iso_level *level, iso_direction_source source)
+{
+    double direction = source == ISO_FROM_ON_THE_FLY ? 0 : source == ISO_FROM_FLOAT ? 12 : 3;
+    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction);
+}
+
+/* Relative: 1 fetch of the scalar, 1 of a code, 6 more scalars on the fly; the reference is slower throughout. */
+static double relative_cost(const iso_level *level, const chart_case *c)
+{
+    const size_t *n = level->geometry.size;
+    double longest = (double)(n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]));
+    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : 2;
+    return longest / c->step_voxels * fetches * (c->renderer == ISO_WITH_GL ? 1 : c->renderer == ISO_WITH_REFERENCE ? 10 : 100);
+}
+
+static int cheapest_first(const void *a, const void *b)
+{
+    double x = ((const chart_case *)a)->relative_cost, y = ((const chart_case *)b)->relative_cost;
+    return (x > y) - (x < y);
+}
+
+/* Does the setting differ from the others of the grid? Level 0 has one filter; on the fly needs neither filter nor code. */
+static bool is_distinct(const chart_case *c, const iso_direction_filter first)
+{
+    if (c->renderer == ISO_WITH_CYCLES && (c->source != ISO_FROM_CODES || c->code != ISO_CODE_SNORM))
+        return false; /* it gets decoded directions */
+    if ((c->level == 0 || c->source == ISO_FROM_ON_THE_FLY) && c->filter != first)
+        return false;
+    return c->source == ISO_FROM_CODES || c->code == ISO_CODE_SNORM;
+}
+
+static iso_status make_grid(chart_run *run, const bool with[ISO_RENDERER_COUNT], const double *steps, size_t step_count,
+                            iso_error *err)
+{
+    static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_FLOAT, ISO_FROM_ON_THE_FLY};
+    iso_direction_filter first = ISO_DIRECTION_COUNT;
+    for (int f = ISO_DIRECTION_COUNT - 1; f >= 0; --f)
+        if (run->pyramids[f].level_count)
+            first = (iso_direction_filter)f;
+    size_t levels = run->pyramids[first].level_count;
+    size_t room = (size_t)ISO_RENDERER_COUNT * levels * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT * step_count;
+    run->cases = calloc(room, sizeof *run->cases);
+    if (!run->cases)
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", room);
+    for (size_t i = 0; i < room; ++i) {
+        size_t rest = i;
+        chart_case c = {.metrics = {.rmse = NAN}};
+        c.step_voxels = steps[rest % step_count], rest /= step_count;
+        c.code = (iso_code)(rest % ISO_CODE_COUNT), rest /= ISO_CODE_COUNT;
+        c.source = sources[rest % 3], rest /= 3;
+        c.filter = (iso_direction_filter)(rest % ISO_DIRECTION_COUNT), rest /= ISO_DIRECTION_COUNT;
+        c.level = rest % levels, rest /= levels;
+        c.renderer = (iso_renderer)rest;
+        const iso_pyramid *p = &run->pyramids[c.filter];
+        if (!with[c.renderer] || c.level >= p->level_count || !is_distinct(&c, first))
+            continue;
+        if (c.source == ISO_FROM_FLOAT && !p->levels[c.level].directions)
+            continue; /* a pyramid without floats */
+        if (c.source == ISO_FROM_CODES && !p->levels[c.level].directions && c.code != p->options.code)
+            continue;
+        c.relative_cost = relative_cost(&p->levels[c.level], &c);
+        c.bytes = level_bytes(&p->levels[c.level], c.source);
+        run->cases[run->count++] = c;
+    }
+    qsort(run->cases, run->count, sizeof *run->cases, cheapest_first);
+    return ISO_OK;
+}
+
+/* The pyramid with one level's directions in the wanted code; `codes` is to be freed, and is NULL where nothing changed. */
+static iso_status with_code(const iso_pyramid *p, const chart_case *c, iso_level *levels, iso_pyramid *out, uint8_t **codes,
+                            iso_error *err)
+{
+    *out = *p;
+    *codes = NULL;
+    if (c->source != ISO_FROM_CODES || c->code == p->options.code)
+        return ISO_OK;
+    size_t count = iso_geometry_voxel_count(&p->levels[c->level].geometry);
+    *codes = malloc(3 * count);
+    if (!*codes)
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu directions", count);
+    memcpy(levels, p->levels, p->level_count * sizeof *levels);
+    iso_code_encode(c->code, p->levels[c->level].directions, *codes, count);
+    levels[c->level].codes = *codes;
+    out->levels = levels;
+    out->options.code = c->code;
+    return ISO_OK;
+}
+
+/* Renders once, and again while that is short: the time is that of the fastest. */
+static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error *err)
+{
+    const iso_pyramid *base = &run->pyramids[c->filter];
+    iso_render_options opt = iso_render_defaults(c->renderer);
+    opt.source = c->source;
+    opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+    opt.step_voxels = c->step_voxels;
+    opt.threads = threads;
+    iso_level levels[64];
+    iso_pyramid p;
+    uint8_t *codes;
+    iso_status status = with_code(base, c, levels, &p, &codes, err);
+    c->seconds = INFINITY;
+    for (int k = 0; k < 3 && status == ISO_OK && (k == 0 || c->seconds < 0.2); ++k) {
+        iso_image image;
+        double seconds;
+        status = iso_render_with(&run->renderers, &p, c->level, &run->view, &opt, &image, &seconds, NULL, err);
+        if (status == ISO_OK && k == 0)
+            status = iso_metrics_measure(&run->reference, &image, &c->metrics, err);
+        if (status == ISO_OK)
+            c->seconds = fmin(c->seconds, seconds);
+        iso_image_destroy(&image);
+    }
+    free(codes);
+    c->done = status == ISO_OK;
+    return status;
+}
+
+/* From the cheapest on, while the next one fits: its time is foreseen by the slowest rate seen of its renderer. */
+static iso_status measure_all(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    double rate[ISO_RENDERER_COUNT] = {0};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < run->count && status == ISO_OK; ++i) {
+        chart_case *c = &run->cases[i];
+        double start = iso_clock_seconds(), spent = start - run->start_seconds;
+        iso_progress_report(&progress, "settings", fmax((double)i / (double)run->count, spent / a->budget_seconds));
+        if (spent + rate[c->renderer] * c->relative_cost > a->budget_seconds)
+            continue;
+        status = measure(run, c, cli->threads, err);
+        run->done_count += c->done;
+        rate[c->renderer] = fmax(0.5 * rate[c->renderer], (iso_clock_seconds() - start) / c->relative_cost);
+    }
+    iso_progress_report(&progress, "settings", 1);
+    return status;
+}
+
+/* Keeps the settings that were measured, and marks the fronts. chosen[0] is the fastest, chosen[1] the smallest. */
+static iso_status find_fronts(chart_run *run, double want, size_t chosen[2], iso_error *err)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < run->count; ++i)
+        if (run->cases[i].done)
+            run->cases[n++] = run->cases[i];
+    double *seconds = calloc(3 * n + 1, sizeof *seconds), *bytes = seconds + n, *error = bytes + n;
+    bool *front = calloc(n + 1, sizeof *front);
+    chosen[0] = chosen[1] = n;
+    if (!seconds || !front) {
+        free(seconds);
+        free(front);
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", n);
+    }
+    for (size_t i = 0; i < n; ++i) {
+        seconds[i] = run->cases[i].seconds;
+        bytes[i] = run->cases[i].bytes;
+        error[i] = run->cases[i].metrics.rmse;
+    }
+    iso_pareto_front(seconds, error, n, front);
+    for (size_t i = 0; i < n; ++i)
+        run->cases[i].on_time_front = front[i];
+    iso_pareto_front(bytes, error, n, front);
+    for (size_t i = 0; i < n; ++i)
+        run->cases[i].on_bytes_front = front[i];
+    if (want > 0) {
+        chosen[0] = iso_pareto_choose(seconds, error, error, n, want);
+        chosen[1] = iso_pareto_choose(bytes, seconds, error, n, want);
+    }
+    free(seconds);
+    free(front);
+    return ISO_OK;
+}
+
+static json_t *case_json(const chart_case *c)
+{
+    char name[160];
+    describe(c, name, sizeof name);
+    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:o, s:o, s:f, s:f, s:f}", "setting", name, "renderer",
+                          iso_renderer_name(c->renderer), "level", (json_int_t)c->level, "gradients",
+                          iso_direction_source_name(c->source), "code",
+                          c->source == ISO_FROM_CODES ? json_string(iso_code_describe(c->code)->name) : json_null(),
+                          "direction_filter",
+                          c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_direction_filter_name(c->filter)),
+                          "step_voxels", c->step_voxels, "milliseconds", 1e3 * c->seconds, "bytes", c->bytes);
+    json_object_update_new(o, iso_metrics_to_json(&c->metrics));
+    json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
+    json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
+    return o;
+}
+
+static json_t *result_json(const chart_run *run, const chart_arguments *a, const iso_cli *cli, const size_t chosen[2])
+{
+    json_t *root = iso_cli_json(cli), *cases = json_array();
+    json_object_set_new(root, "options", json_pack("{s:f, s:[I,I]}", "budget_seconds", a->budget_seconds, "image",
+                                                   (json_int_t)run->view.width, (json_int_t)run->view.height));
+    for (size_t i = 0; i < run->done_count; ++i)
+        json_array_append_new(cases, case_json(&run->cases[i]));
+    json_object_set_new(root, "skipped_count", json_integer((json_int_t)(run->count - run->done_count)));
+    if (a->want > 0) {
+        json_t *want = json_pack("{s:f}", "rmse", a->want);
+        const char *const keys[] = {"fastest", "smallest"};
+        for (int k = 0; k < 2; ++k)
+            json_object_set_new(want, keys[k], chosen[k] < run->done_count ? case_json(&run->cases[chosen[k]]) : json_null());
+        json_object_set_new(root, "want", want);
+    }
+    json_object_set_new(root, "cases", cases);
+    return root;
+}
+
+/* Columns are named in pareto.gp by their number. */
+static char *result_csv(const chart_run *run, double want, const size_t chosen[2])
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    fputs("series,setting,renderer,level,step_voxels,milliseconds,bytes,rmse,flip_mean,time_front,bytes_front,want,chosen\n", f);
+    for (size_t i = 0; i < run->done_count; ++i) {
+        const chart_case *c = &run->cases[i];
+        char series[160], setting[160];
+        describe_series(c, series, sizeof series);
+        describe(c, setting, sizeof setting);
+        fprintf(f, "%s,%s,%s,%zu,%g,%.6g,%.9g,%.6g,%.6g,%d,%d,%.6g,%d\n", series, setting,
+                iso_renderer_name(c->renderer), c->level, c->step_voxels, 1e3 * c->seconds, c->bytes, c->metrics.rmse,
+                c->metrics.flip_mean, c->on_time_front, c->on_bytes_front, want,
+                (i == chosen[0] ? 1 : 0) | (i == chosen[1] ? 2 : 0));
+    }
+    return fclose(f) == 0 ? text : NULL;
+}
+
+static iso_status write_files(const chart_run *run, const chart_arguments *a, const size_t chosen[2], const json_t *result,
+                              iso_error *err)
+{
+    iso_output out;
+    iso_status status = iso_output_begin_dir(&out, a->output, "chart.json", err);
+    if (status != ISO_OK)
+        return status;
+    char *csv = result_csv(run, a->want, chosen), *json = iso_path_join(out.temp_path, "chart.json"),
+         *style = iso_path_join(out.temp_path, "style.gp"), *content = NULL;
+    size_t size = 0;
+    if (!csv || !json || !style)
+        status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (status == ISO_OK)
+        status = iso_json_save(json, result, err);
+    if (status == ISO_OK && a->style)
+        status = iso_file_read(a->style, &content, &size, err);
+    if (status == ISO_OK && a->style)
+        status = iso_file_write(style, content, size, err);
+    if (status == ISO_OK)
+        status = iso_chart_draw(out.temp_path, "pareto", csv, pareto_gp, "svg", err);
+    if (status == ISO_OK)
+        status = iso_chart_draw(out.temp_path, "pareto", csv, pareto_gp, "pdf", err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(csv);
+    free(json);
+    free(style);
+    free(content);
+    return status;
+}
+
+static void print_front(const chart_run *run, const chart_arguments *a, const size_t chosen[2])
+{
+    printf("on the front of time (t) or bytes (b)%-31s %10s %12s %10s %10s\n", "", "ms", "bytes", "rmse", "flip_mean");
+    for (size_t i = 0; i < run->done_count; ++i) {
+        const chart_case *c = &run->cases[i];
+        char name[160];
+        describe(c, name, sizeof name);
+        if (c->on_time_front || c->on_bytes_front)
+            printf("  %s%s %-63s %10.4g %12.0f %10.3g %10.3g\n", c->on_time_front ? "t" : " ", c->on_bytes_front ? "b" : " ",
+                   name, 1e3 * c->seconds, c->bytes, c->metrics.rmse, c->metrics.flip_mean);
+    }
+    if (run->done_count < run->count)
+        printf("%zu of %zu settings did not fit into %g s\n", run->count - run->done_count, run->count, a->budget_seconds);
+    const char *const kinds[] = {"fastest", "smallest"};
+    for (int k = 0; k < 2 && a->want > 0 && chosen[k] < run->done_count; ++k) {
+        const chart_case *c = &run->cases[chosen[k]];
+        char name[160];
+        describe(c, name, sizeof name);
+        printf("%s with rmse <= %.4g: %s (%.4g ms, %.0f bytes, rmse %.3g)\n", kinds[k], a->want, name, 1e3 * c->seconds,
+               c->bytes, c->metrics.rmse);
+    }
+    printf("chart: %s/pareto.svg\n", a->output);
+}
+
+/* A volume gives a pyramid for each filter; a pyramid on disk is what it is. */
+static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    const char *path = cli->arguments[0];
+    iso_status status = ISO_OK;
+    for (int f = 0; f < ISO_DIRECTION_COUNT && status == ISO_OK; ++f) {
+        iso_pyramid_options opt = iso_pyramid_defaults();
+        iso_pyramid p = {0};
+        opt.level_count = (size_t)a->level_count;
+        opt.direction_filter = (iso_direction_filter)f;
+        opt.keep_float = true;
+        opt.threads = cli->threads;
+        status = iso_cli_load_pyramid(path, &a->input, &opt, &progress, &p, err);
+        if (status != ISO_OK)
+            break;
+        run->pyramids[p.options.direction_filter] = p;
+        if (iso_pyramid_is_one(path) || a->level_count == 1)
+            break;
+    }
+    return status;
+}
+
+static iso_pyramid *first_pyramid(chart_run *run)
+{
+    size_t f = 0;
+    while (f + 1 < ISO_DIRECTION_COUNT && !run->pyramids[f].level_count)
+        ++f;
+    return &run->pyramids[f];
+}
+
+/* The arbiter: level 0, no step left, directions as floats where the pyramid has them. */
+static iso_status make_reference(chart_run *run, const iso_cli *cli, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    const iso_pyramid *p = first_pyramid(run);
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    opt.source = p->levels[0].directions ? ISO_FROM_FLOAT : ISO_FROM_CODES;
+    opt.threads = cli->threads;
+    return iso_render_with(&run->renderers, p, 0, &run->view, &opt, &run->reference, NULL, &progress, err);
+}
+
+static iso_status finish(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    size_t chosen[2];
+    if (run->done_count == 0)
+        return iso_fail(err, ISO_E_RANGE, "--budget is %g s: no setting fits; the reference alone took %.3g s",
+                        a->budget_seconds, iso_clock_seconds() - run->start_seconds);
+    iso_status status = find_fronts(run, a->want, chosen, err);
+    if (status != ISO_OK)
+        return status;
+    json_t *result = result_json(run, a, cli, chosen);
+    status = write_files(run, a, chosen, result, err);
+    if (status == ISO_OK && !cli->json)
+        print_front(run, a, chosen);
+    if (status == ISO_OK && cli->json)
+        iso_cli_print_json(result);
+    else
+        json_decref(result);
+    if (status == ISO_OK && a->want > 0 && chosen[0] == run->done_count)
+        return iso_fail(err, ISO_E_DIFFERS, "no setting that was tried has an RMSE of %.4g or less", a->want);
+    return status;
+}
+
+static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    chart_run run = {.start_seconds = iso_clock_seconds()};
+    bool with[ISO_RENDERER_COUNT];
+    double steps[16];
+    size_t step_count;
+    iso_status status = parse_with(a->with, with, err);
+    if (status == ISO_OK)
+        status = parse_steps(a->steps, steps, 16, &step_count, err);
+    if (status == ISO_OK)
+        status = load_pyramids(&run, a, cli, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_view(a->scene, first_pyramid(&run), a->size, &run.view, err);
+    if (status == ISO_OK)
+        status = make_grid(&run, with, steps, step_count, err);
+    if (status == ISO_OK)
+        status = make_reference(&run, cli, err);
+    if (status == ISO_OK)
+        status = measure_all(&run, a, cli, err);
+    if (status == ISO_OK)
+        status = finish(&run, a, cli, err);
+    free(run.cases);
+    iso_image_destroy(&run.reference);
+    iso_view_destroy(&run.view);
+    for (int f = 0; f < ISO_DIRECTION_COUNT; ++f)
+        iso_pyramid_destroy(&run.pyramids[f]);
+    iso_renderers_end(&run.renderers);
+    return status;
+}
+
+static iso_status check(chart_arguments *a, iso_error *err)
+{
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
+    iso_status status = iso_cli_check_range("--levels", a->level_count, 1, 32, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--budget", a->budget_seconds, 0.001, 1e6, err);
+    if (status == ISO_OK && a->want_text)
+        status = parse_want(a->want_text, &a->want, err);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    chart_arguments a = {.with = "gl", .steps = "2,1,0.5,0.25,0.125", .level_count = 3, .budget_seconds = 120};
+    iso_cli_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        {"want", 0, POPT_ARG_STRING, &a.want_text, 0, "name the fastest and the smallest setting with this RMSE or less", "1/255"},
+        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "cheap settings first, while they fit", "SECONDS"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, "of gl, reference, cycles", "LIST"},
+        {"steps", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.steps, 0, "ray steps in voxels of the level", "LIST"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
+        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = check(&a, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = chart(&a, &cli, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_chart = {
+    .name = "chart",
+    .summary = "speed against accuracy: which setting is good enough for a scene",
+    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
+    .details = "Renders the scene with every renderer, level, direction filter, kind of gradients, code and step, the cheap ones\n"
+               "first, within the budget, and compares each with the converged reference of level 0. A setting is on the front\n"
+               "when no other is as fast (or as small) and as exact. DIR holds pareto.svg, pareto.pdf, pareto.csv, chart.json;\n"
+               "edit style.gp or pareto.gp and run gnuplot there to restyle. Exit code 1: no setting has the wanted error.",
+    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 96 --want 1/255 -o chart\n"
+                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --steps 1,0.5 --budget 20 --json -o chart2\n",
+    .run = run,
+};

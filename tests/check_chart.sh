@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# The command chart: its files, the setting it names, restyling, messages, and no half-written folder.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failed=0
+check() { # name, condition as a command
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
+}
+expect() { # name, exit code, command ...
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; failed=1; fi
+}
+chart() { "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/marschner-lobb.scene.json --size 24 --quiet "$@"; }
+"$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1
+
+expect a_chart_is_drawn 0 chart --levels 2 --steps 1,0.25 --want 1/50 -o "$dir/c"
+for file in pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json; do
+    check "$file"_is_there test -s "$dir/c/$file"
+done
+check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
+check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
+# 2 steps of: level 0: 2 codes, floats, on the fly; level 1: the first three by 3 filters, and on the fly
+check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (4 + 3 * 3 + 1)))
+check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
+check the_text_of_the_svg_is_text grep -q '>bytes of the level: scalars and directions<' "$dir/c/pareto.svg"
+
+# Finer steps are closer to the converged reference: the planted fault is a table in which they are not.
+finer_is_better() {
+    awk -F, 'NR > 1 && $4 == 0 && $1 ~ /float/ {e[$5] = $8} END {exit !(e["0.25"] < e[1])}' "$1"
+}
+check a_finer_step_has_a_smaller_error finer_is_better "$dir/c/pareto.csv"
+awk -F, -v OFS=, 'NR > 1 {$5 = $5 == 1 ? 0.25 : 1} 1' "$dir/c/pareto.csv" >"$dir/swapped.csv"
+if finer_is_better "$dir/swapped.csv"; then echo "not ok swapped_steps_are_noticed: they pass"; failed=1; else echo "ok swapped_steps_are_noticed"; fi
+
+sed 's/#0072b2/#123456/' "$dir/c/style.gp" >"$dir/mine.gp"
+expect a_style_can_be_given 0 chart --levels 1 --steps 1 --style "$dir/mine.gp" --json -o "$dir/c"
+check the_style_is_used grep -q 'rgb( 18,  52,  86)' "$dir/c/pareto.svg"
+for key in schema command options cases skipped_count milliseconds bytes rmse on_time_front on_bytes_front; do
+    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
+done
+expect an_error_that_no_setting_has_is_exit_1 1 chart --levels 1 --steps 1 --want 1e-9 -o "$dir/c"
+check the_chart_is_there_all_the_same test -s "$dir/c/pareto.svg"
+expect a_budget_skips_what_does_not_fit 0 chart --with gl,reference --levels 1 --steps 1,0.001 --budget 2 -o "$dir/c"
+check what_was_skipped_is_said grep -q 'settings did not fit' "$dir/out"
+expect a_budget_for_nothing_is_refused 5 chart --levels 1 --steps 1 --budget 0.001 -o "$dir/n"
+check nothing_is_left test ! -e "$dir/n"
+mkdir "$dir/user" && touch "$dir/user/file"
+expect a_folder_of_the_user_is_kept 3 chart --levels 1 --steps 1 -o "$dir/user"
+check its_file_is_there test -e "$dir/user/file"
+for bad in 0 2 -1 x 1/ 1/0 nan; do
+    expect "want_$bad"_is_refused 2 chart --want="$bad" -o "$dir/n"
+done
+for bad in 0 1, ,1 x 1x nan; do
+    expect "steps_$bad"_is_refused 2 chart --steps="$bad" -o "$dir/n"
+done
+expect povray_is_refused 2 chart --with povray -o "$dir/n"
+expect an_output_is_needed 2 chart
+check no_folder_is_left test -z "$(find "$dir" -maxdepth 1 -name '.*-*')"
+exit $failed

@@ -1,0 +1,455 @@
+/* Cycles and the exported .blend against the converged reference. Blender has to be there: nothing is skipped. */
+#define _GNU_SOURCE
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/process.h"
+#include "blender/blender.h"
+#include "compare/metrics.h"
+#include "render/reference.h"
+#include "volume/synthetic.h"
+
+static const char soft_tf[] =
+    "{\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_voxels\": 4, \"color_space\": \"linear\","
+    " \"table_size\": 256, \"points\": ["
+    "{\"value\": 0, \"r\": 0.1, \"g\": 0.3, \"b\": 0.8, \"opacity\": 0.02},"
+    "{\"value\": 0.45, \"r\": 0.9, \"g\": 0.5, \"b\": 0.2, \"opacity\": 0.1},"
+    "{\"value\": 1, \"r\": 0.9, \"g\": 0.9, \"b\": 0.3, \"opacity\": 0.6}]}";
+static const char thin_tf[] =
+    "{\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_voxels\": 1, \"color_space\": \"linear\","
+    " \"table_size\": 256, \"points\": ["
+    "{\"value\": 0.4, \"r\": 0.1, \"g\": 0.5, \"b\": 0.7, \"opacity\": 0},"
+    "{\"value\": 0.5, \"r\": 0.2, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0.5},"
+    "{\"value\": 0.6, \"r\": 0.9, \"g\": 0.8, \"b\": 0.2, \"opacity\": 0}]}";
+
+typedef struct scene_case {
+    iso_field_kind field;
+    iso_type type;
+    double shear;
+    bool orthographic;
+    size_t level;
+    const char *tf;
+} scene_case;
+
+/* What a case renders: the pyramid, the view, and their files' folder. */
+typedef struct subject {
+    char *dir;
+    iso_pyramid pyramid;
+    iso_view view;
+} subject;
+
+/* Unequal odd sizes and spacings, rotated axes; overhanging at level 1. */
+static iso_geometry skew_geometry(double shear)
+{
+    const size_t size[3] = {31, 45, 23};
+    const double spacing[3] = {1, 1.25, 2.5}, c = cos(0.5), s = sin(0.5);
+    const iso_mat3 turn = {{{c, -s * 0.6, s * 0.8}, {s, c * 0.6, -c * 0.8}, {0, 0.8, 0.6}}};
+    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    for (int r = 0; r < 3; ++r)
+        for (int k = 0; k < 3; ++k)
+            g.index_to_world.m[r][k] = turn.m[r][k] * spacing[k] + (k == 1 ? shear * turn.m[r][0] : 0);
+    g.origin_mm = iso_v3(-31.25, 7.5, 60.125);
+    return g;
+}
+
+static void make_view(const char *dir, const iso_pyramid *p, const scene_case *c, iso_view *view)
+{
+    char text[4000];
+    int n = snprintf(text, sizeof text,
+                     "{\"schema\": \"isoshade.scene/1\", \"image\": {\"width\": 48, \"height\": 40},"
+                     " \"camera\": {\"projection\": \"%s\", \"fit\": true, \"direction\": [-1, 1.5, -0.7],"
+                     " \"up\": [0, 0, 1], \"margin\": 0.95, \"fov_y_deg\": 35},"
+                     " \"lights\": [{\"direction\": [-0.6, 0.5, 1], \"space\": \"camera\", \"intensity\": 0.7},"
+                     " {\"direction\": [1, 0.4, 0.2], \"space\": \"world\", \"intensity\": 0.3}],"
+                     " \"shading\": {\"ambient\": 0.2, \"diffuse\": 0.8, \"specular\": 0.3, \"power\": 30},"
+                     " \"background\": [0.2, 0.1, 0.3], \"step_voxels\": 0.25, \"tf\": %s}",
+                     c->orthographic ? "orthographic" : "perspective", c->tf);
+    char *path = iso_path_join(dir, "case.scene.json");
+    iso_scene scene = {0};
+    assert_ok(iso_file_write(path, text, (size_t)n, &err));
+    assert_ok(iso_scene_load(path, &scene, &err));
+    assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, view, &err));
+    iso_scene_destroy(&scene);
+    free(path);
+}
+
+static subject open_subject(const scene_case *c)
+{
+    subject s = {.dir = iso_make_temp_dir()};
+    iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear), .seed = 5};
+    iso_volume v = {0};
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    assert_ok(iso_field_sample(&field, c->type, &v, &err));
+    assert_ok(iso_pyramid_build(&v, "a test", &opt, &s.pyramid, NULL, &err));
+    iso_volume_destroy(&v);
+    make_view(s.dir, &s.pyramid, c, &s.view);
+    return s;
+}
+
+static void close_subject(subject *s)
+{
+    iso_view_destroy(&s->view);
+    iso_pyramid_destroy(&s->pyramid);
+    iso_remove_tree(s->dir);
+    free(s->dir);
+}
+
+static iso_image reference(const subject *s, size_t level, const iso_view *view)
+{
+    iso_image image;
+    iso_reference_options opt = iso_reference_defaults();
+    assert_ok(iso_reference_render(&s->pyramid.levels[level], s->pyramid.options.code, view, &opt, &image, NULL, &err));
+    return image;
+}
+
+static iso_image cycles(const subject *s, size_t level, double step_voxels)
+{
+    iso_image image;
+    iso_blender_options opt = iso_blender_defaults();
+    opt.step_voxels = step_voxels;
+    assert_ok(iso_cycles_render(&s->pyramid, level, &s->view, &opt, &image, NULL, &err));
+    return image;
+}
+
+static double rmse(const iso_image *a, const iso_image *b)
+{
+    iso_metrics m;
+    assert_ok(iso_metrics_measure(a, b, &m, &err));
+    return m.rmse;
+}
+
+/* Pictures of a .blend have the background in and no alpha. */
+static double rmse_of_color(const iso_image *a, const iso_image *b)
+{
+    double sum = 0;
+    assert_true(a->width == b->width && a->height == b->height);
+    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
+        if (i % 4 != 3)
+            sum += pow((double)a->rgba[i] - (double)b->rgba[i], 2);
+    return sqrt(sum / (3 * (double)(a->width * a->height)));
+}
+
+/* What is left is the step: 1e-6 to 2e-5 on smooth TFs, about 1e-4 on thin shells. */
+#define SMOOTH_LIMIT 1e-4
+#define THIN_LIMIT 1e-3
+
+static void check_case(const scene_case *c, double limit)
+{
+    subject s = open_subject(c);
+    iso_image want = reference(&s, c->level, &s.view), have = cycles(&s, c->level, 1.0 / 16);
+    float seen = 0;
+    for (size_t i = 3; i < 4 * want.width * want.height; i += 4)
+        seen = fmaxf(seen, want.rgba[i]);
+    assert_more_than((double)seen, 0.3); /* the volume is in the picture */
+    assert_at_most(rmse(&have, &want), limit);
+    iso_image_destroy(&want);
+    iso_image_destroy(&have);
+    close_subject(&s);
+}
+
+/* Values of both signs, and opacity at the border: the box is cut within a step. */
+static void a_soft_opaque_border_agrees_in_perspective(void **state)
+{
+    (void)state;
+    check_case(&(scene_case){ISO_FIELD_NOISE, ISO_I16, 0, false, 0, soft_tf}, SMOOTH_LIMIT);
+}
+
+static void an_overhanging_sheared_level_agrees_orthographically(void **state)
+{
+    (void)state;
+    check_case(&(scene_case){ISO_FIELD_RAMP, ISO_F32, 0.4, true, 1, soft_tf}, SMOOTH_LIMIT);
+}
+
+static void thin_shells_agree_at_a_coarse_level(void **state)
+{
+    (void)state;
+    check_case(&(scene_case){ISO_FIELD_SHELLS, ISO_U8, 0, true, 1, thin_tf}, THIN_LIMIT);
+}
+
+/* Error bar: the pictures at h/8 and h/16 are apart by what h/16 still errs, or more. Then the planted faults: each
+ * makes another reference, which Cycles' picture must not agree with. */
+static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **state)
+{
+    (void)state;
+    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, false, 0, thin_tf});
+    iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
+    double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
+    assert_at_most(error, THIN_LIMIT);
+    assert_at_most(error, bar);
+    assert_at_most(bar, 10 * THIN_LIMIT);
+
+    iso_level *level = &s.pyramid.levels[0];
+    iso_geometry right = level->geometry;
+    level->geometry.origin_mm = iso_madd(right.origin_mm, iso_column(right.index_to_world, 0), 0.5);
+    iso_image wrong = reference(&s, 0, &s.view); /* half a voxel */
+    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    iso_image_destroy(&wrong);
+    level->geometry = right;
+
+    for (int r = 0; r < 3; ++r) { /* x and y exchanged */
+        level->geometry.index_to_world.m[r][0] = right.index_to_world.m[r][1];
+        level->geometry.index_to_world.m[r][1] = right.index_to_world.m[r][0];
+    }
+    wrong = reference(&s, 0, &s.view);
+    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    iso_image_destroy(&wrong);
+    level->geometry = right;
+
+    iso_vec3 light = s.view.lights[0].direction;
+    s.view.lights[0].direction = iso_sub(iso_scale(s.view.camera.right, 2 * iso_dot(light, s.view.camera.right)), light);
+    wrong = reference(&s, 0, &s.view); /* light from the other side */
+    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    iso_image_destroy(&wrong);
+    s.view.lights[0].direction = light;
+
+    for (size_t i = 0; i < 4 * s.view.tf.count; ++i) /* colours taken for sRGB */
+        if (i % 4 != 3)
+            s.view.tf.entries[i] = powf(s.view.tf.entries[i], 2.2f);
+    wrong = reference(&s, 0, &s.view);
+    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    iso_image_destroy(&wrong);
+
+    iso_image_destroy(&want);
+    iso_image_destroy(&fine);
+    iso_image_destroy(&coarse);
+    close_subject(&s);
+}
+
+/* Runs Blender on a .blend with a script of its user. */
+static void run_script(const char *blend, const char *script_text)
+{
+    char *blender = NULL, *script = NULL;
+    assert_true(asprintf(&script, "%s.py", blend) > 0);
+    assert_ok(iso_file_write(script, script_text, strlen(script_text), &err));
+    assert_ok(iso_process_find("blender", "blender", &blender, &err));
+    const char *argv[] = {blender, "-b", "--factory-startup", "--python-exit-code", "9", blend, "-P", script, NULL};
+    assert_ok(iso_process_run(argv, NULL, &err));
+    free(blender);
+    free(script);
+}
+
+/* The user's view of it: the folder is moved, the level switched, the volume turned. */
+static const char user_script[] =
+    "import bpy, math\n"
+    "from mathutils import Matrix\n"
+    "scene, frame = bpy.context.scene, bpy.data.objects['two']\n"
+    "def render(name):\n"
+    "    scene.render.image_settings.file_format = 'OPEN_EXR'\n"
+    "    scene.render.filepath = '//' + name\n"
+    "    bpy.ops.render.render(write_still=True)\n"
+    "def switch(level):\n"
+    "    frame['level'] = level\n"
+    "    frame.update_tag()\n"
+    "    bpy.context.view_layer.update()\n"
+    "render('level_0.exr')\n"
+    "switch(1)\n"
+    "render('level_1.exr')\n"
+    /* everything turned and scaled alike: the same picture, if normals and opacity follow the object */
+    "look = frame.children[0].data.materials[0].node_tree.nodes[0]\n"
+    "turn = Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Scale(0.25, 4)\n"
+    "frame.matrix_world = turn\n"
+    "camera = scene.camera\n"
+    "place = turn @ camera.matrix_world\n"
+    "camera.matrix_world = Matrix.LocRotScale(place.to_translation(), place.to_quaternion(), (1, 1, 1))\n"
+    "for name in ('Light 1', 'Light 2'):\n"
+    "    look.inputs[name].default_value = turn.to_3x3() @ __import__('mathutils').Vector(look.inputs[name].default_value)\n"
+    "bpy.context.view_layer.update()\n"
+    "render('turned.exr')\n"
+    "look.inputs['Use Ramp'].default_value = 1\n"
+    "render('ramp.exr')\n";
+
+static iso_image load(const char *dir, const char *name)
+{
+    iso_image image = {0};
+    char *path = iso_path_join(dir, name);
+    assert_ok(iso_image_load_exr(path, &image, &err));
+    free(path);
+    return image;
+}
+
+/* Colours of level 1 differ, as adapted ones do. */
+static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
+{
+    for (int k = 0; k < 2; ++k) {
+        tables[k] = *tf;
+        tables[k].entries = malloc(4 * tf->count * sizeof *tf->entries);
+        for (size_t i = 0; i < 4 * tf->count; ++i)
+            tables[k].entries[i] = tf->entries[i] * (k == 1 && i % 4 != 3 ? 0.5f : 1);
+    }
+}
+
+static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
+{
+    (void)state;
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
+    char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
+    iso_tf_table tables[2];
+    make_tables(&s.view.tf, tables);
+    assert_int_equal(mkdir(made, 0777), 0);
+    iso_blender_options opt = iso_blender_defaults();
+    assert_ok(iso_blender_export_levels(&s.pyramid, 0, 2, &s.view, tables, first, &opt, NULL, &err));
+    assert_int_equal(rename(made, moved), 0);
+    run_script(blend, user_script);
+
+    iso_image want = reference(&s, 0, &s.view), have = load(moved, "level_0.exr");
+    assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
+    iso_image_destroy(&have);
+    have = load(moved, "level_1.exr");
+    assert_more_than(rmse_of_color(&have, &want), SMOOTH_LIMIT); /* else nothing was switched */
+    iso_image_destroy(&want);
+    iso_view coarse = s.view;
+    coarse.tf = tables[1];
+    want = reference(&s, 1, &coarse);
+    assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
+    iso_image_destroy(&have);
+    have = load(moved, "turned.exr");
+    assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
+    iso_image_destroy(&have);
+    iso_image_destroy(&want);
+
+    /* The ramp is level 0's; its loss is that of 32 stops on a curved table. */
+    coarse.tf = tables[0];
+    want = reference(&s, 1, &coarse);
+    have = load(moved, "ramp.exr");
+    assert_at_most(rmse_of_color(&have, &want), 1e-3);
+    iso_image_destroy(&have);
+    iso_image_destroy(&want);
+    free(tables[0].entries);
+    free(tables[1].entries);
+    free(made);
+    free(moved);
+    free(first);
+    free(blend);
+    close_subject(&s);
+}
+
+static void fill_table(iso_tf_table *t, size_t count, size_t knots)
+{
+    *t = (iso_tf_table){.count = count, .lo = 0, .hi = 1, .entries = malloc(4 * count * sizeof(float))};
+    for (size_t i = 0; i < count; ++i) {
+        double x = (double)i / (double)(count - 1) * (double)(knots - 1), zigzag = fabs(x - 2 * round(x / 2));
+        for (size_t c = 0; c < 4; ++c)
+            t->entries[4 * i + c] = (float)(zigzag * (c == 3 ? 5 : 0.5));
+    }
+}
+
+/* 255 = 17 x 15: knots at multiples of 15 entries fall on the 256 that Cycles bakes. */
+static void ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not(void **state)
+{
+    (void)state;
+    iso_tf_table t;
+    iso_color_ramp ramp;
+    fill_table(&t, 256, 18);
+    iso_color_ramp_fit(&t, &ramp);
+    assert_int_equal(ramp.count, 18);
+    assert_at_most(ramp.color_loss, 1e-6); /* the table's floats */
+    assert_at_most(ramp.alpha_loss, 1e-6);
+    assert_within(ramp.max_extinction, 5, 1e-6);
+    free(t.entries);
+    fill_table(&t, 256, 52); /* more knots than stops: a lost one costs a whole tooth */
+    iso_color_ramp_fit(&t, &ramp);
+    assert_int_equal(ramp.count, ISO_RAMP_MAX_STOPS);
+    assert_more_than(ramp.color_loss, 0.25);
+    assert_within(ramp.alpha_loss, 2 * ramp.color_loss, 1e-6); /* colours reach 1/2, opacity 1 */
+    free(t.entries);
+    fill_table(&t, 951, 20); /* 19 does not divide 255: knots between the baked entries are cut, 19/255 of a tooth at most */
+    iso_color_ramp_fit(&t, &ramp);
+    assert_more_than(ramp.alpha_loss, 0.001);
+    assert_at_most(ramp.alpha_loss, 19.0 / 255);
+    free(t.entries);
+}
+
+static void check_nothing_left(const char *dir, const char *stem)
+{
+    char *blend = NULL, *vdb = NULL;
+    assert_true(asprintf(&blend, "%s/%s.blend", dir, stem) > 0 && asprintf(&vdb, "%s/%s.vdb", dir, stem) > 0);
+    assert_false(iso_path_exists(blend));
+    assert_false(iso_path_exists(vdb));
+    free(blend);
+    free(vdb);
+}
+
+static void failures_are_told_and_leave_no_file(void **state)
+{
+    (void)state;
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    iso_blender_options opt = iso_blender_defaults();
+    iso_image image;
+    char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
+    char *lost = iso_path_join(s.dir, "missing/v.blend");
+    assert_status(iso_blender_export(&s.pyramid, 0, &s.view, odd, &opt, NULL, &err), ISO_E_USAGE);
+    assert_status(iso_blender_export(&s.pyramid, 0, &s.view, lost, &opt, NULL, &err), ISO_E_IO);
+    assert_status(iso_blender_export(&s.pyramid, 2, &s.view, blend, &opt, NULL, &err), ISO_E_RANGE);
+    opt.step_voxels = 1e-4;
+    assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    opt = iso_blender_defaults();
+    setenv("ISOSHADE_BLENDER", "/nonexistent/blender", 1);
+    assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_MISSING);
+    assert_null(image.rgba);
+    assert_status(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err), ISO_E_MISSING);
+    setenv("ISOSHADE_BLENDER", "/bin/false", 1);
+    assert_status(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err), ISO_E_PROGRAM);
+    unsetenv("ISOSHADE_BLENDER");
+    check_nothing_left(s.dir, "v");
+    free(blend);
+    free(odd);
+    free(lost);
+    close_subject(&s);
+}
+
+/* A Blender that puts grids somewhere new: its script is changed on the way to it. */
+static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
+{
+    (void)state;
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
+    assert_ok(iso_process_find("blender", "blender", &blender, &err));
+    int n = asprintf(&text,
+                     "#!/bin/sh\n"
+                     "sed -i 's/^\\( *\\)thing.data.render.step_size = 0.125/&\\n\\1thing.location = (0.2, 0, 0)/' build_scene.py\n"
+                     "exec %s \"$@\"\n", blender);
+    assert_true(n > 0);
+    assert_ok(iso_file_write(wrapper, text, (size_t)n, &err));
+    assert_int_equal(chmod(wrapper, 0755), 0);
+    setenv("ISOSHADE_BLENDER", wrapper, 1);
+    iso_image image;
+    iso_blender_options opt = iso_blender_defaults();
+    assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_UNTRUSTED);
+    unsetenv("ISOSHADE_BLENDER");
+    free(text);
+    free(wrapper);
+    free(blender);
+    close_subject(&s);
+}
+
+static void the_version_is_a_number(void **state)
+{
+    (void)state;
+    char version[32];
+    assert_ok(iso_blender_version(version, sizeof version, &err));
+    assert_more_than(atof(version), 2.8);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_version_is_a_number),
+        cmocka_unit_test(a_soft_opaque_border_agrees_in_perspective),
+        cmocka_unit_test(an_overhanging_sheared_level_agrees_orthographically),
+        cmocka_unit_test(thin_shells_agree_at_a_coarse_level),
+        cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
+        cmocka_unit_test(an_exported_scene_can_be_moved_switched_and_turned),
+        cmocka_unit_test(ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not),
+        cmocka_unit_test(failures_are_told_and_leave_no_file),
+        cmocka_unit_test(a_blender_that_puts_voxels_elsewhere_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
