@@ -274,13 +274,15 @@ static iso_image load(const char *dir, const char *name)
     return image;
 }
 
-/* Colours of level 1 differ, as adapted ones do. */
+/* Level 1 has other colours, another range and fewer entries, as adapted tables do. */
 static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
 {
     for (int k = 0; k < 2; ++k) {
         tables[k] = *tf;
+        tables[k].count = k == 0 ? tf->count : 100;
+        tables[k].hi = k == 0 ? tf->hi : 0.5 * (tf->lo + tf->hi);
         tables[k].entries = malloc(4 * tf->count * sizeof *tf->entries);
-        for (size_t i = 0; i < 4 * tf->count; ++i)
+        for (size_t i = 0; i < 4 * tables[k].count; ++i)
             tables[k].entries[i] = tf->entries[i] * (k == 1 && i % 4 != 3 ? 0.5f : 1);
     }
 }

@@ -101,8 +101,8 @@ static json_t *describe_ramp(const iso_tf_table *t)
     for (size_t i = 0; i < ramp.count; ++i)
         json_array_append_new(stops, iso_json_numbers((double[]){ramp.position[i], ramp.rgba[i][0], ramp.rgba[i][1],
                                                                  ramp.rgba[i][2], ramp.rgba[i][3]}, 5));
-    return json_pack("{so sf sf sf}", "stops", stops, "max_extinction", ramp.max_extinction, "color_loss",
-                     ramp.color_loss, "alpha_loss", ramp.alpha_loss);
+    return json_pack("{so sf sf sf sf sf}", "stops", stops, "lo", t->lo, "hi", t->hi, "max_extinction",
+                     ramp.max_extinction, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
 }
 
 static json_t *describe_tf(const iso_tf_table *tables, size_t count)
@@ -112,10 +112,9 @@ static json_t *describe_tf(const iso_tf_table *tables, size_t count)
         json_t *entries = json_array();
         for (size_t i = 0; i < 4 * tables[k].count; ++i)
             json_array_append_new(entries, json_real((double)tables[k].entries[i]));
-        json_array_append_new(all, entries);
+        json_array_append_new(all, json_pack("{sf sf so}", "lo", tables[k].lo, "hi", tables[k].hi, "entries", entries));
     }
-    return json_pack("{sf sf sI so so}", "lo", tables[0].lo, "hi", tables[0].hi, "count", (json_int_t)tables[0].count,
-                     "tables", all, "ramp", describe_ramp(&tables[0]));
+    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&tables[0]));
 }
 
 static json_t *describe_lights(const iso_view *view)
@@ -322,22 +321,11 @@ static json_t *describe_export(const iso_pyramid *p, size_t first, size_t count,
     return about;
 }
 
-static iso_status check_tables(const iso_tf_table *tables, size_t count, iso_error *err)
-{
-    for (size_t k = 1; tables && k < count; ++k)
-        if (tables[k].count != tables[0].count || tables[k].lo != tables[0].lo || tables[k].hi != tables[0].hi)
-            return iso_fail(err, ISO_E_RANGE, "blender: a level's table has %zu entries over [%g, %g], another %zu over [%g, %g]",
-                            tables[k].count, tables[k].lo, tables[k].hi, tables[0].count, tables[0].lo, tables[0].hi);
-    return ISO_OK;
-}
-
 iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
                                      const iso_tf_table *tables, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
     iso_status status = check_options(p, first, count, opt, err);
-    if (status == ISO_OK)
-        status = check_tables(tables, count, err);
     if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
         status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
     if (status != ISO_OK)

@@ -98,47 +98,60 @@ class Group:
 
 
 def color_table(tf):
-    """The TF as an image: one column an entry, one row a level; packed, exact in 32-bit float."""
-    count, rows = tf["count"], len(tf["tables"])
-    image = bpy.data.images.new("isoshade transfer function", count, rows, alpha=True, float_buffer=True, is_data=True)
+    """The colour maps as an image: one row a level, one column an entry; packed, exact in 32-bit float.
+
+    Where rows have fewer entries than columns the last one is repeated."""
+    rows = [numpy.array(table["entries"], numpy.float32).reshape(-1, 4) for table in tf["tables"]]
+    width = max(len(row) for row in rows)
+    pixels = numpy.stack([numpy.concatenate([row, numpy.repeat(row[-1:], width - len(row), axis=0)]) for row in rows])
+    image = bpy.data.images.new("isoshade transfer function", width, len(rows), alpha=True, float_buffer=True,
+                                is_data=True)
     image.colorspace_settings.name = 'Non-Color'
     image.alpha_mode = 'CHANNEL_PACKED'
     if hasattr(image, "use_half_precision"):
         image.use_half_precision = False
-    image.pixels.foreach_set(numpy.array(tf["tables"], numpy.float32).ravel())
+    image.pixels.foreach_set(pixels.ravel())
     image.pack()
     return image
 
 
+def table_properties(table):
+    """What a level's object tells the shader: value of entry 0, entries per value, number of the last entry."""
+    last = len(table["entries"]) // 4 - 1
+    return [table["lo"], last / (table["hi"] - table["lo"]), float(last)]
+
+
 def transfer_function_group(tf):
-    """Scalar to colour and extinction per mm, looked up between the centres of the first and the last texel."""
-    group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketFloat', "Row", 0.0)],
+    """Scalar to colour and extinction per mm: entry (s - lo) (N - 1) / (hi - lo), at the texels' centres."""
+    group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketVector', "Table", (0, 1, 1)),
+                                                 ('NodeSocketFloat', "Row", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
-    count, rows = tf["count"], len(tf["tables"])
-    offset = group.math('SUBTRACT', group.given["Scalar"], tf["lo"], label="from the range's start")
-    u = group.math('MULTIPLY', offset, 1 / (tf["hi"] - tf["lo"]), label="fraction of the range", clamp=True)
-    x = group.math('MULTIPLY_ADD', u, (count - 1) / count, 0.5 / count, label="between texel centres")
+    image = color_table(tf)
+    width, rows = image.size
+    table = group.node('ShaderNodeSeparateXYZ', "first value, entries per value, last entry",
+                       {0: group.given["Table"]}).outputs
+    offset = group.math('SUBTRACT', group.given["Scalar"], table[0], label="from the first value")
+    entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, table[1]), 0.0)
+    entry = group.math('MINIMUM', entry, table[2], label="entry")
+    x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centres")
     y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="a row a level")
     where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
-    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=color_table(tf), interpolation='Linear',
-                       extension='EXTEND', projection='FLAT').outputs
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Linear', extension='EXTEND',
+                       projection='FLAT').outputs
     return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
 
 
-def ramp_group(tf):
-    """The same by a ColorRamp of at most 32 stops: less exact, but easy to edit."""
-    ramp = tf["ramp"]
+def ramp_group(ramp):
+    """The first level's colour map by a ColorRamp of at most 32 stops: less exact, but easy to edit."""
     group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
-    offset = group.math('SUBTRACT', group.given["Scalar"], tf["lo"], label="from the range's start")
-    u = group.math('MULTIPLY', offset, 1 / (tf["hi"] - tf["lo"]), label="fraction of the range", clamp=True)
+    offset = group.math('SUBTRACT', group.given["Scalar"], ramp["lo"], label="from the range's start")
+    u = group.math('MULTIPLY', offset, 1 / (ramp["hi"] - ramp["lo"]), label="fraction of the range", clamp=True)
     node = group.node('ShaderNodeValToRGB', "", {0: u})
     stops = node.color_ramp.elements
     node.color_ramp.interpolation = 'LINEAR'
     while len(stops) < len(ramp["stops"]):
         stops.new(1.0)
-    while len(stops) > max(1, len(ramp["stops"])):
-        stops.remove(stops[-1])
     for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
         stop.position = position
         stop.color = (red, green, blue, alpha)
@@ -220,6 +233,8 @@ def isoshade_group(about, frame):
     group = Group("isoshade", inputs, [('NodeSocketShader', "Volume")])
     scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density")
     direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
+    table = group.node('ShaderNodeAttribute', "table of the level", {}, attribute_type='OBJECT',
+                       attribute_name="isoshade_table")
     row = group.node('ShaderNodeAttribute', "row of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_row")
     step = group.node('ShaderNodeAttribute', "ray step of the level", {}, attribute_type='OBJECT',
                       attribute_name="isoshade_step")
@@ -227,12 +242,13 @@ def isoshade_group(about, frame):
     incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
     ray = group.vector('NORMALIZE', group.transform('VECTOR', incoming, 'WORLD', 'OBJECT'))
 
-    table = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"], Row=row.outputs["Fac"])
-    ramp = group.call(ramp_group(about["tf"]), Scalar=scalar.outputs["Fac"])
+    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
+                       Table=table.outputs["Vector"], Row=row.outputs["Fac"])
+    ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar.outputs["Fac"])
     use_ramp = group.given["Use Ramp"]
-    color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: table["Color"], 2: ramp["Color"]}).outputs[0]
-    extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], table["Extinction"]),
-                            table["Extinction"])
+    color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
+    extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
+                            exact["Extinction"])
     inside = group.call(box_group(about["world_to_box"]), Position=position, Ray=ray, Step=step.outputs["Fac"])["Inside"]
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, inside), group.given["Density Scale"], label="sigma")
     shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
@@ -451,6 +467,7 @@ def add_levels(about, shift, frame, look, collection):
         thing.data.render.step_size = level["step"]
         thing.data.materials.append(look)
         thing["isoshade_level"] = level["level"]
+        thing["isoshade_table"] = table_properties(about["tf"]["tables"][level["row"]])
         thing["isoshade_row"] = float(level["row"])
         thing["isoshade_step"] = float(level["step"])
         if len(levels) > 1:
