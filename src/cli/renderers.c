@@ -1,5 +1,6 @@
 #include "cli/renderers.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -72,6 +73,16 @@ static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_vi
     return iso_cycles_render(p, level, view, &o, image, progress, err);
 }
 
+/* Pieces of 255 intervals, as many as make the longest chord's step at most step_voxels. */
+static void set_povray_step(const iso_level *level, double step_voxels, iso_povray_options *o)
+{
+    double chord_voxels = 2 * iso_geometry_box_radius_mm(&level->geometry) / iso_geometry_min_spacing_mm(&level->geometry);
+    double pieces = ceil(chord_voxels / (step_voxels * ISO_POVRAY_MAX_INTERVALS));
+    o->intervals = ISO_POVRAY_MAX_INTERVALS;
+    o->planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
+    o->extrapolate = false;
+}
+
 static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
                                 iso_image *image, const iso_progress *progress, iso_error *err)
 {
@@ -80,6 +91,8 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
         o.intervals = opt->intervals;
         o.planes = opt->planes;
         o.extrapolate = opt->extrapolate;
+    } else if (opt->step_voxels > 0) {
+        set_povray_step(&p->levels[level], opt->step_voxels, &o);
     }
     o.float_directions = opt->source == ISO_FROM_FLOAT;
     o.threads = opt->threads;

@@ -35,7 +35,7 @@ typedef struct iso_render_options {
     iso_renderer renderer;
     iso_direction_source source;   /* reference and GL */
     iso_quadrature quadrature;     /* reference */
-    double step_voxels;            /* reference midpoint, GL, Cycles; 0: the view's (Cycles: 1/16) */
+    double step_voxels;            /* 0: the view's; for Cycles and POV-Ray their own defaults */
     size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
     bool extrapolate;              /* POV-Ray, with intervals */
     int samples, seed;             /* Cycles; 0: defaults */
