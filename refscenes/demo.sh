@@ -1,0 +1,7 @@
+#!/bin/sh
+# The main job on a real volume: the ch2 MRI of Debian's mricron-data, brain alone.
+set -eu
+volume=/usr/share/mricron/templates/ch2bet.nii.gz
+[ -r "$volume" ] || { echo "demo: $volume is missing; it comes with the Debian package mricron-data" >&2; exit 3; }
+./isoshade validate "$volume" --scene refscenes/brain.scene.json --quick -o demo
+echo "The report of the demo: $PWD/demo/index.html"
