@@ -28,6 +28,18 @@ static void print_help(const iso_command *command, poptContext context)
         printf("\nexamples:\n%s", command->examples);
 }
 
+/* popt names a bad value but not its option, when they are two words. */
+static const char *option_before(const char *bad, int argc, const char **argv)
+{
+    static char text[64];
+    for (int i = 2; i < argc; ++i)
+        if (strcmp(argv[i], bad) == 0 && argv[i - 1][0] == '-' && bad[0] != '-') {
+            snprintf(text, sizeof text, "%s ", argv[i - 1]);
+            return text;
+        }
+    return "";
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
                          iso_error *err)
@@ -50,9 +62,11 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     cli->context = poptGetContext("isoshade", argc, argv, table, 0);
     /* popt writes through POPT_ARG_* pointers; every option has val 0, so one call parses all. */
     int result = poptGetNextOpt(cli->context);
-    if (result < -1)
-        return iso_fail(err, ISO_E_USAGE, "%s: %s; isoshade %s --help lists the options",
-                        poptBadOption(cli->context, POPT_BADOPTION_NOALIAS), poptStrerror(result), command->name);
+    if (result < -1) {
+        const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options", option_before(bad, argc, argv), bad,
+                        poptStrerror(result), command->name);
+    }
     if (help) {
         print_help(command, cli->context);
         *next = ISO_CLI_STOP;

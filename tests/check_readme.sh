@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Every command block of README.md (```sh) runs as it stands, in order, in one folder; only the newcomer's own
+# make demo and make check are left to the reader. Then the examples of each command's --help, but for bench.
+set -u
+top=$(cd "$(dirname "$0")/.." && pwd)
+program=${ISOSHADE:-$top/isoshade}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/bin" && ln -s "$program" "$work/bin/isoshade"
+export PATH=$work/bin:$PATH
+bad=0
+run_lines() { # name; lines on stdin, in the current folder
+    local name=$1 line output count=0
+    while IFS= read -r line; do
+        [ -n "$line" ] || continue
+        case $line in make\ demo* | make\ check*) continue ;; esac
+        output=$(bash -c "$line" 2>&1 </dev/null) || { echo "not ok $name: $line: $(tail -n 2 <<<"$output")"; bad=1; }
+        count=$((count + 1))
+    done
+    [ $bad = 0 ] && echo "ok $name: $count lines"
+}
+enter() { mkdir -p "$work/$1" && cd "$work/$1" && ln -sfn "$top/refscenes" refscenes; }
+
+enter readme
+run_lines "README.md" < <(awk '/^```sh$/ {on = 1; next} /^```/ {on = 0} on' "$top/README.md")
+for command in $("$program" --help | awk '/^commands:/ {on = 1; next} /^$/ {on = 0} on {print $1}'); do
+    "$program" "$command" --help >"$work/help.txt" 2>/dev/null || { echo "not ok $command --help: exit code $?"; bad=1; continue; }
+    grep -q '^examples:' "$work/help.txt" || { echo "not ok $command --help: no examples"; bad=1; continue; }
+    [ "$command" = bench ] && continue # benchmarks are run by hand, on a quiet machine
+    enter "help-$command"
+    run_lines "$command --help" < <(sed -n '/^examples:/,$p' "$work/help.txt" | sed '1d; s/^  //')
+done
+[ $bad = 0 ]
