@@ -29,12 +29,11 @@ static void print_help(const iso_command *command, poptContext context)
 }
 
 /* popt names a bad value but not its option, when they are two words. */
-static const char *option_before(const char *bad, int argc, const char **argv)
+static const char *option_before(const char *bad, int argc, const char **argv, char text[64])
 {
-    static char text[64];
     for (int i = 2; i < argc; ++i)
         if (strcmp(argv[i], bad) == 0 && argv[i - 1][0] == '-' && bad[0] != '-') {
-            snprintf(text, sizeof text, "%s ", argv[i - 1]);
+            snprintf(text, 64, "%s ", argv[i - 1]);
             return text;
         }
     return "";
@@ -64,7 +63,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     int result = poptGetNextOpt(cli->context);
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
-        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options", option_before(bad, argc, argv), bad,
+        char option[64];
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options", option_before(bad, argc, argv, option), bad,
                         poptStrerror(result), command->name);
     }
     if (help) {
