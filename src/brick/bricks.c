@@ -162,6 +162,18 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
     return status;
 }
 
+void iso_node_levels_round(iso_node_levels *n)
+{
+    double step = n->max > n->min ? (n->max - n->min) / 65535 : 1;
+    for (size_t l = 0; l < n->level_count; ++l)
+        for (size_t i = 0; i < all_nodes(n, l); ++i) {
+            float *node = n->nodes[l] + ISO_NODE_CHANNELS * i;
+            node[0] = (float)(n->min + step * rint(((double)node[0] - n->min) / step));
+            for (int a = 1; a < ISO_NODE_CHANNELS; ++a)
+                node[a] = (float)(rint(32767 * (double)node[a]) / 32767);
+        }
+}
+
 void iso_node_levels_destroy(iso_node_levels *n)
 {
     if (!n)

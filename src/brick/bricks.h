@@ -47,6 +47,10 @@ typedef struct iso_node_levels {
  * than it has; ISO_E_MEMORY. with_directions: else they are zero. */
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err);
+/* Rounds the nodes of all levels to what a cache of 16 bits holds: scalars to 65535
+ * steps of the range, directions to 1/32767. Coarse nodes have to be round before
+ * fine faces are interpolated from them. */
+void iso_node_levels_round(iso_node_levels *n);
 void iso_node_levels_destroy(iso_node_levels *n); /* accepts empty and NULL */
 
 static inline size_t iso_brick_count(const iso_node_levels *n) { return n->count[0] * n->count[1] * n->count[2]; }

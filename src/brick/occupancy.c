@@ -90,6 +90,12 @@ static void sweep(const size_t count[3], uint8_t *distance, int direction)
     }
 }
 
+void iso_occupancy_distance(const size_t count[3], uint8_t *distance)
+{
+    sweep(count, distance, 1);
+    sweep(count, distance, -1);
+}
+
 double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance)
 {
     size_t count = iso_brick_ranges_count(r), occupied = 0;
@@ -98,7 +104,6 @@ double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, 
         distance[i] = shows ? 0 : 255;
         occupied += shows;
     }
-    sweep(r->count, distance, 1);
-    sweep(r->count, distance, -1);
+    iso_occupancy_distance(r->count, distance);
     return (double)occupied / (double)count;
 }

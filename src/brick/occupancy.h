@@ -44,4 +44,7 @@ bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
  * bricks that are occupied. */
 double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance);
 
+/* Turns 0 (occupied) and 255 (empty) into distances, in place. */
+void iso_occupancy_distance(const size_t count[3], uint8_t *distance);
+
 #endif

@@ -43,6 +43,9 @@ iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defi
  * size and limit when it is too large for this GL, ISO_E_MEMORY. */
 iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
                                     GLuint *texture, iso_error *err);
+/* One texel a brick, nearest: its distance to the nearest occupied one (brick/occupancy.h). */
+iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
+                                   iso_error *err);
 /* A 2D texture, nearest, from floats in RGBA. */
 iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
                                          GLuint *texture, iso_error *err);

@@ -6,6 +6,7 @@
 
 #include "brick/occupancy.h"
 #include "render/gl_context.h"
+#include "render/gl_uniforms.h"
 #include "render/sampler.h"
 
 enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY };
@@ -146,14 +147,7 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
         t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || occupied <= ISO_GL_SKIP_OCCUPIED;
     }
     if (status == ISO_OK && t->skip_empty)
-        status = iso_gl_create_texture_3d(gl, GL_R8UI, r.count, "brick occupancy", &t->occupancy, err);
-    if (status == ISO_OK && t->skip_empty) {
-        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)r.count[0], (GLsizei)r.count[1], (GLsizei)r.count[2],
-                        GL_RED_INTEGER, GL_UNSIGNED_BYTE, distance);
-        status = iso_gl_check("uploading the occupancy", err);
-    }
+        status = iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err);
     free(distance);
     iso_brick_ranges_destroy(&r);
     return status;
@@ -184,94 +178,35 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
 
 /* ---- uniforms --------------------------------------------------------------- */
 
-static void set_float(GLuint program, const char *name, double value)
-{
-    glUniform1f(glGetUniformLocation(program, name), (float)value);
-}
-
-static void set_int(GLuint program, const char *name, int value)
-{
-    glUniform1i(glGetUniformLocation(program, name), value);
-}
-
-static void set_vec3(GLuint program, const char *name, iso_vec3 v)
-{
-    glUniform3f(glGetUniformLocation(program, name), (float)v.x, (float)v.y, (float)v.z);
-}
-
-static void set_dvec3(GLuint program, const char *name, iso_vec3 v)
-{
-    glUniform3d(glGetUniformLocation(program, name), v.x, v.y, v.z);
-}
-
-/* Column-major, as GL has it. */
-static void matrix_columns(iso_mat3 m, double columns[9])
-{
-    for (int i = 0; i < 9; ++i)
-        columns[i] = m.m[i % 3][i / 3];
-}
-
-static void set_camera(GLuint program, const iso_geometry *g, const iso_view *view, double step_mm)
-{
-    const iso_camera *c = &view->camera;
-    double width = (double)view->width, height = (double)view->height, columns[9];
-    matrix_columns(iso_mat3_inverse(g->index_to_world), columns);
-    glUniformMatrix3dv(glGetUniformLocation(program, "to_index"), 1, GL_FALSE, columns);
-    glUniform2d(glGetUniformLocation(program, "image_size"), width, height);
-    glUniform2d(glGetUniformLocation(program, "half_image"), c->half_height * width / height, c->half_height);
-    set_int(program, "orthographic", c->orthographic);
-    set_dvec3(program, "forward", c->forward);
-    set_dvec3(program, "right", c->right);
-    set_dvec3(program, "up", c->up);
-    set_dvec3(program, "position_index", iso_geometry_to_index(g, c->position));
-    set_dvec3(program, "box_index", iso_v3(g->box_index[0], g->box_index[1], g->box_index[2]));
-    glUniform1d(glGetUniformLocation(program, "step_mm"), step_mm);
-}
-
 static void set_field(GLuint program, const iso_level *level, const level_textures *t, const iso_gl_options *opt,
                       const iso_tf_table *tf)
 {
     const iso_geometry *g = &level->geometry;
-    set_int(program, "scalar", UNIT_SCALAR);
-    set_int(program, "tf", UNIT_TF);
-    set_int(program, "directions", UNIT_DIRECTIONS);
-    set_vec3(program, "voxel", iso_v3(1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]));
-    set_int(program, "occupancy", UNIT_OCCUPANCY);
+    iso_gl_set_int(program, "scalar", UNIT_SCALAR);
+    iso_gl_set_int(program, "tf", UNIT_TF);
+    iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
+    iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
+    iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
+    iso_gl_set_vec3(program, "voxel", voxel);
+    iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
     double n = (double)opt->brick_voxels;
-    set_vec3(program, "bricks_per_volume",
+    iso_gl_set_vec3(program, "bricks_per_volume",
              iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
-    double min_spacing_mm = iso_geometry_min_spacing_mm(g), entries = (double)(tf->count - 1) / (tf->hi - tf->lo);
-    set_float(program, "tf_scale", t->value_per_texel * entries);
-    set_float(program, "tf_offset", (level->min - tf->lo) * entries);
-    set_int(program, "tf_count", (int)tf->count);
-    set_float(program, "direction_scale", t->direction_scale);
-    set_float(program, "direction_offset", t->direction_offset);
+    double min_spacing_mm = iso_geometry_min_spacing_mm(g);
+    iso_gl_set_tf(program, tf, level->min, t->value_per_texel);
+    iso_gl_set_float(program, "direction_scale", t->direction_scale);
+    iso_gl_set_float(program, "direction_offset", t->direction_offset);
     /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
     double range = level->max - level->min;
     iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(g),
                                 range > 0 ? 0.5 * t->value_per_texel * min_spacing_mm / range : 0);
     double columns[9];
     float float_columns[9];
-    matrix_columns(m, columns);
+    iso_gl_matrix_columns(m, columns);
     for (int i = 0; i < 9; ++i)
         float_columns[i] = (float)columns[i];
     glUniformMatrix3fv(glGetUniformLocation(program, "gradient_to_world"), 1, GL_FALSE, float_columns);
-    set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
-}
-
-static void set_light(GLuint program, const iso_view *view)
-{
-    for (size_t i = 0; i < view->light_count; ++i) {
-        char name[48];
-        snprintf(name, sizeof name, "light_direction[%zu]", i);
-        set_vec3(program, name, view->lights[i].direction);
-        snprintf(name, sizeof name, "light_intensity[%zu]", i);
-        set_float(program, name, view->lights[i].intensity);
-    }
-    const iso_shading *s = &view->shading;
-    glUniform4f(glGetUniformLocation(program, "shading"), (float)s->ambient, (float)s->diffuse, (float)s->specular,
-                (float)s->power);
-    set_vec3(program, "background", iso_v3(view->background[0], view->background[1], view->background[2]));
+    iso_gl_set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
 }
 
 /* ---- rendering -------------------------------------------------------------- */
@@ -279,10 +214,10 @@ static void set_light(GLuint program, const iso_view *view)
 static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
                               bool skip_empty, GLuint *program, iso_error *err)
 {
-    char defines[256];
+    char defines[320];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
-             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n",
+             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n",
              opt->source == ISO_FROM_CODES ? 0 : opt->source == ISO_FROM_ON_THE_FLY ? 2 : 1,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
              view->shading.specular > 0, skip_empty);
@@ -308,9 +243,9 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK) {
         glUseProgram(program);
-        set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
+        iso_gl_set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
         set_field(program, level, &textures, opt, &view->tf);
-        set_light(program, view);
+        iso_gl_set_light(program, view);
     }
     double least = INFINITY;
     for (size_t i = 0; status == ISO_OK && i < (opt->repeats ? opt->repeats : 1); ++i) {

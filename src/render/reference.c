@@ -249,18 +249,18 @@ static void render_pixel(const iso_sampler *sampler, const iso_view *view, const
     rgba[3] = (float)(1 - t_end);
 }
 
-iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
-                                const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
-                                iso_error *err)
+static iso_status check_options(const iso_reference_options *opt, iso_error *err)
 {
-    *image = (iso_image){0};
     if (!(opt->tolerance > 0) || opt->intervals < 1)
         return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g and intervals %zu must be above 0", opt->tolerance,
                         opt->intervals);
-    iso_sampler sampler;
-    iso_status status = iso_sampler_create(&sampler, level, code, opt->source, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    return ISO_OK;
+}
+
+static iso_status render_all(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
+                             iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = iso_image_create(image, view->width, view->height, err);
     size_t *bends = bends_create(&view->tf);
     if (status == ISO_OK && !bends)
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
@@ -270,8 +270,7 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t row = 0; row < view->height; ++row) {
             for (size_t column = 0; column < view->width; ++column)
-                render_pixel(&sampler, view, opt, bends, column, row,
-                             image->rgba + 4 * (row * view->width + column));
+                render_pixel(sampler, view, opt, bends, column, row, image->rgba + 4 * (row * view->width + column));
 #pragma omp critical(iso_reference_progress)
             iso_progress_report(progress, "reference", (double)++done / (double)view->height);
         }
@@ -279,6 +278,35 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
     free(bends);
     if (status != ISO_OK)
         iso_image_destroy(image);
+    return status;
+}
+
+iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
+                                const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                iso_error *err)
+{
+    iso_sampler sampler;
+    *image = (iso_image){0};
+    iso_status status = check_options(opt, err);
+    if (status == ISO_OK)
+        status = iso_sampler_create(&sampler, level, code, opt->source, err);
+    if (status != ISO_OK)
+        return status;
+    status = render_all(&sampler, view, opt, image, progress, err);
     iso_sampler_destroy(&sampler);
     return status;
+}
+
+iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
+                                       const iso_reference_options *opt, iso_image *image,
+                                       const iso_progress *progress, iso_error *err)
+{
+    iso_sampler sampler;
+    iso_level level;
+    *image = (iso_image){0};
+    iso_status status = check_options(opt, err);
+    if (status != ISO_OK)
+        return status;
+    iso_sampler_of_bricks(&sampler, bricks, &level);
+    return render_all(&sampler, view, opt, image, progress, err);
 }

@@ -15,6 +15,7 @@
 #define ISO_REFERENCE_H
 
 #include "base/progress.h"
+#include "brick/bricks.h"
 #include "image/image.h"
 #include "render/field.h"
 #include "render/scene.h"
@@ -36,5 +37,11 @@ iso_reference_options iso_reference_defaults(void);
 iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err);
+
+/* The same of bricks of mixed resolution, with their own directions; opt->source
+ * is not looked at. */
+iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
+                                       const iso_reference_options *opt, iso_image *image,
+                                       const iso_progress *progress, iso_error *err);
 
 #endif

@@ -35,6 +35,12 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
     return ISO_OK;
 }
 
+void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level)
+{
+    *level = (iso_level){.geometry = bricks->nodes->geometry, .min = bricks->nodes->min, .max = bricks->nodes->max};
+    *s = (iso_sampler){.level = level, .source = ISO_FROM_FLOAT, .bricks = bricks};
+}
+
 void iso_sampler_destroy(iso_sampler *s)
 {
     if (!s)
@@ -72,6 +78,11 @@ static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
 {
+    if (s->bricks) {
+        double node[ISO_NODE_CHANNELS];
+        iso_brick_sample(s->bricks, index, node);
+        return node[0];
+    }
     stencil at = stencil_at(&s->level->geometry, index);
     double value = 0;
     for (int c = 0; c < 8; ++c)
@@ -94,6 +105,12 @@ static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
 {
+    if (s->bricks) {
+        double node[ISO_NODE_CHANNELS], normal[3];
+        iso_brick_sample(s->bricks, index, node);
+        iso_code_normal(node + 1, normal);
+        return iso_v3(normal[0], normal[1], normal[2]);
+    }
     if (!s->vectors)
         return normal_on_the_fly(s, index);
     stencil at = stencil_at(&s->level->geometry, index);

@@ -6,6 +6,7 @@
 #ifndef ISO_SAMPLER_H
 #define ISO_SAMPLER_H
 
+#include "brick/bricks.h"
 #include "render/field.h"
 
 /* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
@@ -20,11 +21,14 @@ typedef struct iso_sampler {
     const float *vectors; /* 3 a voxel, filtered; NULL on the fly */
     iso_mat3 gradient_to_world;
     double on_the_fly_eps; /* value per mm */
+    const iso_brick_field *bricks; /* instead of the level's voxels; or NULL */
 } iso_sampler;
 
 /* ISO_E_RANGE when the level holds no floats and they are asked for. */
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err);
+/* Scalar and directions of bricks; *level is filled for the sampler to stand on. */
+void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level);
 void iso_sampler_destroy(iso_sampler *s);
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);

@@ -1,10 +1,12 @@
 // raycast.glsl - the rendering equation by midpoint segments, one ray a pixel.
 //
+// Positions p are texture coordinates of the volume; with BRICKS they are bricks: brick floor(p), fract(p) in it.
+//
 // A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
-// show in the image. Its samples are floats, in texture coordinates from the middle of the first segment.
+// show in the image. Its samples are floats, from the middle of the first segment.
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1).
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -14,6 +16,7 @@ uniform dmat3 to_index;            // index steps of one mm along x, y, z
 uniform dvec3 position_index;      // of the camera
 uniform dvec3 box_index;           // the box is [0, box_index]
 uniform double step_mm;
+uniform dvec3 index_scale, index_offset; // p = scale * index + offset
 
 uniform sampler3D scalar;
 uniform sampler2D tf;
@@ -22,7 +25,13 @@ uniform int tf_count;
 
 #if SKIP_EMPTY
 uniform usampler3D occupancy;      // distance of each brick to the nearest one that the TF shows
-uniform vec3 bricks_per_volume;    // texture coordinates to bricks
+uniform vec3 bricks_per_volume;    // p to bricks
+#endif
+
+#if BRICKS
+uniform sampler3D layout_of_bricks; // xyz: where the brick's node (0,0,0) is in the cache; w: 2^-level, 0: left out
+uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinates of the cache
+uniform vec3 last_node;             // p of the volume's last node
 #endif
 
 uniform sampler3D directions;
@@ -38,7 +47,7 @@ uniform vec3 background;
 out vec4 color;
 
 struct Ray {
-    vec3 start, stride; // texture coordinates of the first segment's middle; a segment further
+    vec3 start, stride; // p in the first segment's middle; a segment further
     vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
     float first_cut;    // what the box cuts off the first segment, in segments
     float length;       // segments to the end of the box, counted from where the first one begins
@@ -60,8 +69,8 @@ Ray pixel_ray()
     double first = floor(t0 / step_mm);
 
     Ray ray;
-    dvec3 size = dvec3(textureSize(scalar, 0));
-    dvec3 start = (origin + (first + 0.5lf) * step_mm * direction) / size, stride = step_mm * direction / size;
+    dvec3 start = (origin + (first + 0.5lf) * step_mm * direction) * index_scale + index_offset;
+    dvec3 stride = step_mm * direction * index_scale;
     ray.start = vec3(start);
     ray.stride = vec3(stride);
     ray.start_rest = vec3(start - dvec3(ray.start));
@@ -105,6 +114,19 @@ float leave_empty_bricks(Ray ray, float k)
     return k;
 }
 #endif
+
+// Where the textures hold p; w is 0 where they do not.
+vec4 address(vec3 p)
+{
+#if BRICKS
+    p = clamp(p, vec3(0.0), last_node);
+    ivec3 brick = min(ivec3(p), textureSize(layout_of_bricks, 0) - 1);
+    vec4 place = texelFetch(layout_of_bricks, brick, 0);
+    return vec4(place.xyz + (p - vec3(brick)) * place.w * brick_in_cache, place.w);
+#else
+    return vec4(p, 1.0);
+#endif
+}
 
 float scalar_at(vec3 p) { return textureLod(scalar, p, 0.0).r; }
 
@@ -166,28 +188,31 @@ void main()
     for (float k = 0.0; transmittance >= 1e-7; k += 1.0) {
         vec4 c = vec4(0.0);
         Segment at;
+        vec4 where;
         for (;; k += 1.0) {
             k = leave_empty_bricks(ray, k);
             if (k >= ray.length)
                 break;
             at = segment(ray, k);
-            c = classify(scalar_at(at.p));
+            where = address(at.p);
+            c = classify(scalar_at(where.xyz));
             if (c.a > 0.0)
                 break;
         }
         if (k >= ray.length)
             break;
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
-        sum += weight * shade(normal_at(at.p), halfway) * c.rgb;
+        sum += weight * shade(normal_at(where.xyz), halfway) * c.rgb;
         transmittance -= weight;
     }
 #else
     for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
         Segment at = segment(ray, k);
-        vec4 c = classify(scalar_at(at.p));
+        vec4 where = address(at.p);
+        vec4 c = where.w > 0.0 ? classify(scalar_at(where.xyz)) : vec4(0.0);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         if (weight > 0.0)
-            sum += weight * shade(normal_at(at.p), halfway) * c.rgb;
+            sum += weight * shade(normal_at(where.xyz), halfway) * c.rgb;
         transmittance -= weight;
     }
 #endif

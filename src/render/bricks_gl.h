@@ -1,0 +1,38 @@
+/* bricks_gl.h - the ray caster on bricks of mixed resolution (brick/bricks.h).
+ *
+ * One cache texture for the scalar, one for the directions, one layout texel a
+ * brick; the same loop, shading and quadrature as raycaster.h. Baked faces and
+ * bricks on their own run the same shader: smoothness costs nothing there. */
+#ifndef ISO_BRICKS_GL_H
+#define ISO_BRICKS_GL_H
+
+#include "brick/bricks.h"
+#include "render/raycaster.h"
+
+typedef struct iso_gl_brick_options {
+    bool shaded;          /* else directions are not uploaded and the light is ambient alone */
+    int cache_bits;       /* 16 (unorm scalar, snorm directions) or 32 (floats) */
+    size_t max_slots;     /* what the cache may hold; 0: as much as one texture */
+    bool keep_hidden;     /* also bricks that the TF does not show */
+    double step_voxels;   /* 0: the view's */
+    iso_gl_skip skip;     /* of hidden bricks */
+    size_t repeats;       /* draws; the time is that of the fastest */
+} iso_gl_brick_options;
+iso_gl_brick_options iso_gl_brick_defaults(void);
+
+typedef struct iso_gl_brick_stats {
+    double seconds;              /* the drawing alone */
+    double bake_seconds;         /* culling, baking, packing and uploading */
+    size_t brick_count, shown_count, slot_count, slot_side;
+    size_t texel_count;          /* of the cache texture */
+    size_t node_count;           /* that the shown bricks hold */
+} iso_gl_brick_stats;
+
+/* Bakes, packs, uploads and renders. With 16 bits the nodes must have been rounded
+ * (iso_node_levels_round), or faces differ by up to a step of the cache.
+ * ISO_E_RANGE when the cache is too small, with what is needed. */
+iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *field, const iso_view *view,
+                                const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
+                                iso_error *err);
+
+#endif
