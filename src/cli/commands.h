@@ -5,6 +5,7 @@
     X(make) \
     X(validate) \
     X(build) \
+    X(palette) \
     X(tf) \
     X(render) \
     X(export) \

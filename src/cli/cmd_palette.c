@@ -1,0 +1,481 @@
+/* cmd_palette.c - fits a palette of directions to a volume, a pyramid or the paper's ellipsoid, and exports it. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "cli/cli.h"
+#include "cli/input.h"
+#include "cli/palette_picture.h"
+#include "encode/palette.h"
+#include "pyramid/pyramid.h"
+#include "tf/tf.h"
+
+typedef struct palette_args {
+    const iso_cli *cli;
+    iso_cli_input input;
+    char **outputs; /* ends with NULL */
+    char *method, *tf;
+    int entries, seed, level, per_level, by_magnitude, ellipsoid, on_surface, swap_trials, cycles, steps;
+    double start_prob, temp_fac, move_min, move_max;
+} palette_args;
+
+/* A fitted palette with what it was fitted to. */
+typedef struct fitted {
+    iso_direction_set set;
+    iso_palette palette;
+    iso_tessellation tessellation; /* by anneal */
+    iso_palette_error error;
+    double sample_seconds, fit_seconds;
+    long level; /* of a pyramid; -1: of all, or none */
+} fitted;
+
+static void fitted_destroy(fitted *f)
+{
+    iso_direction_set_destroy(&f->set);
+    iso_palette_destroy(&f->palette);
+    iso_tessellation_destroy(&f->tessellation);
+}
+
+/* ---- options ---------------------------------------------------------------------------- */
+
+static iso_status check_outputs(const palette_args *a, iso_error *err)
+{
+    static const char *const endings[] = {".csv", ".png", ".exr", ".svg", ".inc", ".py", ".nrrd"};
+    for (char **path = a->outputs; path && *path; ++path) {
+        bool known = false;
+        for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i)
+            known |= iso_path_ends_with(*path, endings[i]);
+        if (!known)
+            return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .svg, .inc, .py or .nrrd", *path);
+        if (iso_path_ends_with(*path, ".svg") && (!a->method || strcmp(a->method, "anneal") != 0))
+            return iso_fail(err, ISO_E_USAGE, "%s: .svg draws a tessellation, which only --method anneal has", *path);
+        if (iso_path_ends_with(*path, ".nrrd") && a->ellipsoid)
+            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, and --ellipsoid has no volume", *path);
+    }
+    return ISO_OK;
+}
+
+static iso_status to_options(const palette_args *a, iso_palette_options *out, iso_error *err)
+{
+    *out = iso_palette_defaults();
+    iso_status status = iso_cli_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--seed", a->seed, 0, 2147483647, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--swap-trials", a->swap_trials, 0, 10000, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--cycles", a->cycles, 0, 1000000, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--steps", a->steps, 0, 100000000, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--level", a->level, -1, 31, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err);
+    if (status == ISO_OK && a->method)
+        status = iso_palette_method_from_name(a->method, &out->method, err);
+    if (status == ISO_OK && (a->ellipsoid > 0) == (a->cli->argument_count > 0))
+        status = iso_fail(err, ISO_E_USAGE, "wanted either a volume or --ellipsoid N");
+    if (status == ISO_OK)
+        status = check_outputs(a, err);
+    out->directions = (size_t)a->entries;
+    out->seed = (uint64_t)a->seed;
+    out->swap_trials = (size_t)a->swap_trials;
+    out->anneal = (iso_anneal_options){.start_prob = a->start_prob,
+                                       .temp_fac = a->temp_fac,
+                                       .cycles = (size_t)a->cycles,
+                                       .steps = (size_t)a->steps,
+                                       .move_deg = {a->move_min, a->move_max}};
+    return status;
+}
+
+/* ---- what it is fitted to ----------------------------------------------------------------- */
+
+static iso_status ellipsoid_set(const palette_args *a, iso_direction_set *set, iso_error *err)
+{
+    size_t count = (size_t)a->ellipsoid;
+    float *vectors = malloc(3 * count * sizeof *vectors);
+    if (!vectors)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
+    iso_ellipsoid_gradients(vectors, count, a->on_surface, (uint64_t)a->seed);
+    iso_status status = iso_direction_set_create(set, vectors, NULL, count, err);
+    free(vectors);
+    return status;
+}
+
+/* The TF's opacity over one voxel as a table of weights, to be freed. */
+static iso_status opacity_weights(const char *path, const iso_geometry *g, double value_min, double value_max,
+                                  iso_palette_weighting *w, float **table, iso_error *err)
+{
+    iso_tf tf;
+    iso_tf_table t = {0};
+    iso_status status = iso_tf_load(path, &tf, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_tf_tabulate(&tf, value_min, value_max, g, &t, err);
+    iso_tf_destroy(&tf);
+    if (status != ISO_OK)
+        return status;
+    *table = malloc(t.count * sizeof **table);
+    double length = iso_geometry_mean_spacing_mm(g);
+    for (size_t i = 0; *table && i < t.count; ++i)
+        (*table)[i] = (float)-expm1(-(double)t.entries[4 * i + 3] * length);
+    w->by_value = *table;
+    w->by_value_count = t.count;
+    w->by_value_lo = t.lo;
+    w->by_value_hi = t.hi;
+    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", path, t.count);
+    iso_tf_table_destroy(&t);
+    return status;
+}
+
+/* Plain counts need one pass over the file and little memory; weights need the volume's range first. */
+static iso_status volume_set(const palette_args *a, const char *path, iso_direction_set *set, iso_error *err)
+{
+    iso_gradient_options gradient = iso_gradient_defaults();
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude};
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_direction_pool *pool = NULL;
+    iso_volume_source *source = NULL;
+    iso_volume v = {0};
+    float *table = NULL;
+    gradient.threads = a->cli->threads;
+    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
+    if (status == ISO_OK && !a->tf && !a->by_magnitude) {
+        status = iso_cli_open_source(path, &a->input, &source, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_source(pool, source, &gradient, &w, &progress, err);
+    } else if (status == ISO_OK) {
+        status = iso_cli_load_volume(path, &a->input, &v, err);
+        iso_volume_stats stats = {0};
+        if (status == ISO_OK)
+            stats = iso_volume_measure(&v);
+        w.value_span = stats.max - stats.min;
+        if (status == ISO_OK && a->tf)
+            status = opacity_weights(a->tf, &v.geometry, stats.min, stats.max, &w, &table, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
+    }
+    if (status == ISO_OK)
+        status = iso_direction_pool_finish(pool, set, err);
+    iso_source_close(source);
+    iso_volume_destroy(&v);
+    iso_direction_pool_destroy(pool);
+    free(table);
+    return status;
+}
+
+static size_t voxels(const iso_level *l) { return iso_geometry_voxel_count(&l->geometry); }
+
+/* Levels first to last; their directions are those before encoding where the pyramid keeps them, else decoded ones. */
+static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_t first, size_t last,
+                              iso_direction_set *set, iso_error *err)
+{
+    const iso_level *finest = &p->levels[0];
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
+    iso_direction_pool *pool = NULL;
+    float *table = NULL, *decoded = malloc(3 * voxels(&p->levels[first]) * sizeof *decoded);
+    iso_status status = decoded ? iso_direction_pool_create(&pool, a->cli->threads, err)
+                                : iso_fail(err, ISO_E_MEMORY, "no memory for a level's directions");
+    if (status == ISO_OK && a->tf)
+        status = opacity_weights(a->tf, &finest->geometry, finest->min, finest->max, &w, &table, err);
+    for (size_t k = first; k <= last && status == ISO_OK; ++k) {
+        const iso_level *l = &p->levels[k];
+        if (a->by_magnitude && !l->magnitude) {
+            status = iso_fail(err, ISO_E_RANGE, "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
+            break;
+        }
+        if (!l->directions)
+            iso_code_decode_all(p->options.code, l->codes, decoded, voxels(l));
+        status = iso_palette_sample_field(pool, l->directions ? l->directions : decoded, l->scalar, l->magnitude,
+                                          voxels(l), &w, err);
+    }
+    if (status == ISO_OK)
+        status = iso_direction_pool_finish(pool, set, err);
+    iso_direction_pool_destroy(pool);
+    free(table);
+    free(decoded);
+    return status;
+}
+
+/* ---- outputs -------------------------------------------------------------------------------- */
+
+/* The indices of count vectors as bytes, or as two where a byte is too small. */
+static void index_vectors(const iso_palette_lookup *lookup, bool bytes, const float *vectors, void *out, size_t count)
+{
+    if (bytes)
+        iso_palette_assign8(lookup, vectors, out, count);
+    else
+        iso_palette_assign(lookup, vectors, out, count);
+}
+
+static iso_status save_indices(const iso_palette *palette, const iso_geometry *g, const float *vectors,
+                               const char *path, iso_error *err)
+{
+    bool bytes = palette->count <= 256;
+    iso_palette_lookup *lookup = NULL;
+    iso_volume index = {0};
+    iso_status status = iso_palette_lookup_create(palette, &lookup, err);
+    if (status == ISO_OK)
+        status = iso_volume_create(&index, g, bytes ? ISO_U8 : ISO_U16, path, err);
+    if (status == ISO_OK) {
+        index_vectors(lookup, bytes, vectors, index.data, iso_geometry_voxel_count(g));
+        status = iso_volume_save(&index, path, false, err);
+    }
+    iso_volume_destroy(&index);
+    iso_palette_lookup_destroy(lookup);
+    return status;
+}
+
+static iso_status save_volume_indices(const palette_args *a, const iso_palette *palette, const char *path,
+                                      iso_error *err)
+{
+    iso_gradient_options gradient = iso_gradient_defaults();
+    iso_volume v = {0};
+    float *vectors = NULL;
+    gradient.threads = a->cli->threads;
+    iso_status status = iso_cli_load_volume(a->cli->arguments[0], &a->input, &v, err);
+    if (status == ISO_OK && !(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its gradients", path);
+    if (status == ISO_OK)
+        status = iso_gradient_compute(&v, &gradient, vectors, err);
+    if (status == ISO_OK)
+        status = save_indices(palette, &v.geometry, vectors, path, err);
+    iso_volume_destroy(&v);
+    free(vectors);
+    return status;
+}
+
+static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_palette *palette, const char *path,
+                                     iso_error *err)
+{
+    const iso_level *l = &p->levels[k];
+    float *decoded = malloc(3 * voxels(l) * sizeof *decoded);
+    if (!decoded)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its directions", path);
+    if (!l->directions)
+        iso_code_decode_all(p->options.code, l->codes, decoded, voxels(l));
+    iso_status status = save_indices(palette, &l->geometry, l->directions ? l->directions : decoded, path, err);
+    free(decoded);
+    return status;
+}
+
+/* "a.csv" to "a_level_2.csv"; to be freed. */
+static char *level_path(const char *path, long level)
+{
+    const char *dot = strrchr(path, '.');
+    char *out = NULL;
+    if (level < 0)
+        return strdup(path);
+    return asprintf(&out, "%.*s_level_%ld%s", (int)(dot - path), path, level, dot) < 0 ? NULL : out;
+}
+
+/* One output; indices of a pyramid's levels go to a file a level, the rest to one. */
+static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fitted *f, const char *path, iso_error *err)
+{
+    char *note = iso_cli_command_line(a->cli);
+    const char *text = note ? note : "";
+    iso_status status = ISO_OK;
+    if (iso_path_ends_with(path, ".csv"))
+        status = iso_palette_save_csv(&f->palette, path, err);
+    else if (iso_path_ends_with(path, ".inc"))
+        status = iso_palette_save_povray(&f->palette, path, text, err);
+    else if (iso_path_ends_with(path, ".py"))
+        status = iso_palette_save_python(&f->palette, path, text, err);
+    else if (iso_path_ends_with(path, ".exr"))
+        status = palette_picture_exr(&f->palette, path, text, err);
+    else if (iso_path_ends_with(path, ".png"))
+        status = palette_picture_png(&f->palette, &f->set, path, err);
+    else if (iso_path_ends_with(path, ".svg"))
+        status = palette_picture_svg(&f->tessellation, &f->set, path, err);
+    else if (!p)
+        status = save_volume_indices(a, &f->palette, path, err);
+    else if (f->level >= 0)
+        status = save_level_indices(p, (size_t)f->level, &f->palette, path, err);
+    for (size_t k = 0; p && f->level < 0 && iso_path_ends_with(path, ".nrrd") && k < p->level_count && status == ISO_OK; ++k) {
+        char *name = level_path(path, (long)k);
+        status = name ? save_level_indices(p, k, &f->palette, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(name);
+    }
+    free(note);
+    return status;
+}
+
+static iso_status save_all(const palette_args *a, const iso_pyramid *p, const fitted *f, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (char **path = a->outputs; path && *path && status == ISO_OK; ++path) {
+        char *name = level_path(*path, a->per_level ? f->level : -1);
+        status = name ? save_one(a, p, f, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(name);
+    }
+    return status;
+}
+
+/* ---- the command ------------------------------------------------------------------------------ */
+
+static iso_status fit(const palette_args *a, const iso_palette_options *opt, fitted *f, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(a->cli);
+    double start = iso_clock_seconds();
+    iso_status status = opt->method == ISO_PALETTE_ANNEAL
+                            ? iso_palette_anneal(&f->set, opt, &f->palette, &f->tessellation, &progress, err)
+                            : iso_palette_fit(&f->set, opt, &f->palette, &progress, err);
+    f->fit_seconds = iso_clock_seconds() - start;
+    return status == ISO_OK ? iso_palette_measure(&f->set, &f->palette, &f->error, err) : status;
+}
+
+static double total_weight(const iso_direction_set *set)
+{
+    double sum = 0;
+    for (size_t i = 0; i < set->count; ++i)
+        sum += set->weight[i];
+    return sum;
+}
+
+static void report(const palette_args *a, const iso_palette_options *opt, const fitted *f, json_t *palettes)
+{
+    json_t *row = json_pack("{s:s, s:I, s:i, s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "method",
+                            iso_palette_method_name(opt->method), "entries", (json_int_t)f->palette.count, "index_bits",
+                            iso_palette_bits(&f->palette), "bundles", (json_int_t)f->set.count, "weight",
+                            total_weight(&f->set), "undefined_weight", f->set.undefined_weight, "norm1", f->error.norm1,
+                            "norm2", f->error.norm2, "norm2_as_printed", f->error.norm2_printed, "rms_deg",
+                            f->error.rms_deg, "max_deg", f->error.max_deg, "sample_seconds", f->sample_seconds,
+                            "fit_seconds", f->fit_seconds);
+    if (f->level >= 0)
+        json_object_set_new(row, "level", json_integer(f->level));
+    json_array_append_new(palettes, row);
+    if (a->cli->json)
+        return;
+    if (f->level >= 0)
+        printf("level %ld\n", f->level);
+    printf("%s: %zu entries with the zero vector, %d bits an index\n", iso_palette_method_name(opt->method),
+           f->palette.count, iso_palette_bits(&f->palette));
+    printf("  fitted to        %.6g directions in %zu bundles, and %.6g without a direction\n", total_weight(&f->set),
+           f->set.count, f->set.undefined_weight);
+    printf("  error norm 1     %.6g    sum of 1 - cos\n", f->error.norm1);
+    printf("  error norm 2     %.6g    (%.6g as the paper prints it)\n", f->error.norm2, f->error.norm2_printed);
+    printf("  angle            %.3f rms, %.2f max deg\n", f->error.rms_deg, f->error.max_deg);
+    printf("  seconds          %.3f reading and gradients, %.3f fit\n", f->sample_seconds, f->fit_seconds);
+}
+
+/* Gathers, fits, saves and reports one palette. */
+static iso_status make_one(const palette_args *a, const iso_palette_options *opt, const iso_pyramid *p, long level,
+                           json_t *palettes, iso_error *err)
+{
+    fitted f = {.level = level};
+    double start = iso_clock_seconds();
+    iso_status status;
+    if (a->ellipsoid)
+        status = ellipsoid_set(a, &f.set, err);
+    else if (!p)
+        status = volume_set(a, a->cli->arguments[0], &f.set, err);
+    else
+        status = pyramid_set(a, p, level < 0 ? 0 : (size_t)level, level < 0 ? p->level_count - 1 : (size_t)level, &f.set, err);
+    f.sample_seconds = iso_clock_seconds() - start;
+    if (status == ISO_OK)
+        status = fit(a, opt, &f, err);
+    if (status == ISO_OK)
+        status = save_all(a, p, &f, err);
+    if (status == ISO_OK)
+        report(a, opt, &f, palettes);
+    fitted_destroy(&f);
+    return status;
+}
+
+static iso_status make_all(const palette_args *a, iso_error *err)
+{
+    iso_palette_options opt;
+    iso_pyramid p = {0};
+    iso_status status = to_options(a, &opt, err);
+    if (status != ISO_OK)
+        return status;
+    const char *path = a->cli->argument_count ? a->cli->arguments[0] : NULL;
+    bool is_pyramid = path && iso_pyramid_is_one(path);
+    if ((a->per_level || a->level >= 0) && !is_pyramid)
+        return iso_fail(err, ISO_E_USAGE, "--level and --per-level need a pyramid");
+    if (is_pyramid)
+        status = iso_pyramid_load(path, &p, err);
+    if (status == ISO_OK && is_pyramid && a->level >= (int)p.level_count)
+        status = iso_fail(err, ISO_E_USAGE, "--level is %d, %s has the levels 0 to %zu", a->level, path, p.level_count - 1);
+    json_t *palettes = json_array();
+    for (size_t k = 0; status == ISO_OK && k < (a->per_level ? p.level_count : 1); ++k)
+        status = make_one(a, &opt, is_pyramid ? &p : NULL, a->per_level ? (long)k : a->level, palettes, err);
+    if (status == ISO_OK && a->cli->json) {
+        json_t *root = iso_cli_json(a->cli);
+        json_object_set_new(json_object_get(root, "options"), "seed", json_integer(a->seed));
+        json_object_set(root, "palettes", palettes);
+        iso_cli_print_json(root);
+    }
+    json_decref(palettes);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+static void free_outputs(char **outputs)
+{
+    for (char **path = outputs; path && *path; ++path)
+        free(*path);
+    free(outputs);
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    const iso_palette_options d = iso_palette_defaults();
+    iso_cli cli;
+    palette_args a = {.cli = &cli, .entries = (int)d.directions, .seed = (int)d.seed, .level = -1,
+                      .swap_trials = (int)d.swap_trials, .cycles = (int)d.anneal.cycles, .steps = (int)d.anneal.steps,
+                      .start_prob = d.anneal.start_prob, .temp_fac = d.anneal.temp_fac,
+                      .move_min = d.anneal.move_deg[0], .move_max = d.anneal.move_deg[1]};
+    iso_cli_input_defaults(&a.input);
+    const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,
+         "may be repeated; by its ending: .csv, .inc (POV-Ray), .py (Blender), .exr (one row of floats), .png (a "
+         "picture), .svg (the tessellation), .nrrd (the volume's indices)", "FILE"},
+        {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "directions besides the zero vector", "N"},
+        {"method", 0, POPT_ARG_STRING, &a.method, 0,
+         "kmeans (default), kmeans++, lloyd, lbg, anneal, faces, vertices, grid, spiral, fibonacci", "NAME"},
+        {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "of the random numbers", "N"},
+        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "voxels count by their gradient's magnitude", NULL},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "voxels count by their opacity under this transfer function", "NAME.tf.json"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "of a pyramid: this level alone; else one palette for all", "K"},
+        {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "of a pyramid: a palette a level, files NAME_level_K", NULL},
+        {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, 0, "no volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball", "N"},
+        {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "those at points of the ellipsoid", NULL},
+        {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried an entry", "N"},
+        {"start-prob", 0, POPT_ARG_DOUBLE | shown, &a.start_prob, 0, "anneal: START_PROB", "P"},
+        {"temp-fac", 0, POPT_ARG_DOUBLE | shown, &a.temp_fac, 0, "anneal: TEMP_FAC", "F"},
+        {"cycles", 0, POPT_ARG_INT | shown, &a.cycles, 0, "anneal: CYCLE_NR", "N"},
+        {"steps", 0, POPT_ARG_INT | shown, &a.steps, 0, "anneal: STEP_NR", "N"},
+        {"move-min", 0, POPT_ARG_DOUBLE | shown, &a.move_min, 0, "anneal: a vertex moves by this at least", "DEG"},
+        {"move-max", 0, POPT_ARG_DOUBLE | shown, &a.move_max, 0, "anneal: and this at most", "DEG"},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = make_all(&a, err);
+    iso_cli_end(&cli);
+    free_outputs(a.outputs);
+    free(a.method);
+    free(a.tf);
+    return status;
+}
+
+const iso_command iso_command_palette = {
+    .name = "palette",
+    .summary = "fit a table of directions to a volume: one byte a voxel instead of three",
+    .usage = "[VOLUME | PYRAMID.iso] [-o FILE ...] [options]",
+    .details = "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"
+               "volume is read slab by slab.",
+    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
+                "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
+                "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"
+                "  isoshade palette --ellipsoid 5000 --method anneal --entries 510 --steps 500 -o figure9.svg\n",
+    .run = run,
+};

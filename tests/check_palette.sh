@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# The command palette: inputs, every output, JSON, messages, exit codes, and no half-written files.
+set -u
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failed=0
+check() { # name, condition as a command
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
+}
+expect() { # name, exit code, command ...
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 "$dir/err")"; failed=1; fi
+}
+# at_most KEY LIMIT: the first number of that key in the last JSON output
+at_most() { awk -v key="\"$1\":" -v limit="$2" '$1 == key {exit !($2 + 0 <= limit)} END {if (NR == 0) exit 1}' "$dir/out"; }
+cd "$dir" || exit 1
+"$ISOSHADE" make marschner-lobb --size 40x28x33 --spacing 1x1x2.5 -o v.nrrd -q || exit 1
+"$ISOSHADE" make constant --size 8x9x10 -o flat.nrrd -q || exit 1
+"$ISOSHADE" build v.nrrd -o v.iso --levels 3 -q >/dev/null || exit 1
+
+expect a_volume_gives_every_output 0 "$ISOSHADE" palette v.nrrd -q -o p.csv -o p.inc -o p.py -o p.exr -o p.png -o p.nrrd
+check csv_has_an_entry_a_line test "$(wc -l <p.csv)" = 256
+check csv_starts_with_the_zero_vector grep -q '^0,0,0,0$' p.csv
+check povray_table_is_declared grep -q '^#declare Palette = array\[Palette_Count\]' p.inc
+check python_table_parses python3 -c 'import runpy; t = runpy.run_path("p.py")["palette"]; assert len(t) == 255 and t[0] == (0, 0, 0)'
+check index_volume_is_bytes sh -c '"$ISOSHADE" info p.nrrd | grep -q uint8'
+check index_volume_has_the_size sh -c '"$ISOSHADE" info p.nrrd --json | tr -d " \n" | grep -q "\[40,28,33\]"'
+expect more_entries_take_two_bytes 0 "$ISOSHADE" palette v.nrrd -q --entries 1022 -o wide.nrrd
+check index_volume_is_words sh -c '"$ISOSHADE" info wide.nrrd | grep -q uint16'
+expect threads_do_not_show 0 "$ISOSHADE" palette v.nrrd -q --threads 3 -o p3.csv
+check threads_give_the_same_bytes cmp p.csv p3.csv
+
+expect the_ellipsoid_is_built_in 0 "$ISOSHADE" palette --ellipsoid 5000 --json -q
+check json_names_the_schema grep -q '"isoshade.palette/1"' out
+for key in method entries index_bits weight undefined_weight norm1 norm2 norm2_as_printed rms_deg max_deg fit_seconds; do
+    check "json_has_$key" grep -q "\"$key\":" out
+done
+check the_error_is_what_was_asked_for at_most norm1 3.95
+expect random_lloyd_does_not_reach_it 0 "$ISOSHADE" palette --ellipsoid 5000 --json -q --method lloyd
+check and_the_check_would_see_it sh -c '! awk "\$1 == \"\\\"norm1\\\":\" {exit !(\$2 + 0 <= 3.95)}" out'
+expect a_tessellation_is_drawn 0 "$ISOSHADE" palette --ellipsoid 500 --method anneal --entries 60 --cycles 5 --steps 200 -q -o t.svg
+check the_drawing_is_svg grep -q '<svg ' t.svg
+
+expect a_pyramid_gives_one_palette 0 "$ISOSHADE" palette v.iso -q -o all.csv -o all.nrrd
+check with_indices_of_each_level test -e all_level_0.nrrd -a -e all_level_2.nrrd
+expect or_one_a_level 0 "$ISOSHADE" palette v.iso -q --per-level -o each.csv
+check palettes_of_levels_differ sh -c '! cmp -s each_level_0.csv each_level_2.csv'
+expect weights_by_magnitude 0 "$ISOSHADE" palette v.nrrd -q --by-magnitude -o heavy.csv
+check weights_change_the_palette sh -c '! cmp -s heavy.csv p.csv'
+cat >tf.json <<'TF'
+{"schema": "isoshade.tf/1", "range": "fit", "unit_distance_voxels": 1, "color_space": "linear", "table_size": 64,
+ "points": [{"value": 0, "r": 1, "g": 1, "b": 1, "opacity": 0}, {"value": 0.8, "r": 1, "g": 1, "b": 1, "opacity": 0},
+            {"value": 1, "r": 1, "g": 1, "b": 1, "opacity": 0.5}]}
+TF
+expect weights_by_opacity 0 "$ISOSHADE" palette v.nrrd -q --tf tf.json -o seen.csv
+check opacity_changes_the_palette sh -c '! cmp -s seen.csv p.csv'
+expect a_constant_volume_has_the_zero_vector_alone 0 "$ISOSHADE" palette flat.nrrd -q -o flat.csv
+check one_entry test "$(wc -l <flat.csv)" = 2
+
+expect nothing_to_fit_to_is_refused 2 "$ISOSHADE" palette -q
+expect both_inputs_are_refused 2 "$ISOSHADE" palette v.nrrd --ellipsoid 100 -q
+expect an_unknown_method_is_refused 2 "$ISOSHADE" palette v.nrrd -q --method median
+check and_the_methods_are_listed grep -q 'kmeans, ' err
+expect too_many_entries_are_refused 2 "$ISOSHADE" palette v.nrrd -q --entries 99999
+expect an_odd_tessellation_is_refused 5 "$ISOSHADE" palette v.nrrd -q --entries 255 --method anneal
+expect an_unknown_ending_is_refused 2 "$ISOSHADE" palette v.nrrd -q -o p.doc
+expect a_level_of_a_volume_is_refused 2 "$ISOSHADE" palette v.nrrd -q --level 0
+expect a_level_that_is_not_there_is_refused 2 "$ISOSHADE" palette v.iso -q --level 7
+expect a_missing_folder_is_an_io_error 3 "$ISOSHADE" palette v.nrrd -q -o nowhere/p.csv
+expect a_missing_volume_is_an_io_error 3 "$ISOSHADE" palette none.nrrd -q
+check nothing_is_left_half_written sh -c 'test -z "$(find . -name ".*-*")"'
+exit $failed
