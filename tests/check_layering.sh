@@ -10,7 +10,7 @@ allowed() { # folder
         image) echo base image ;;
         volume) echo base volume ;;
         gradient) echo base volume gradient ;;
-        encode) echo base volume encode ;;
+        encode) echo base volume gradient encode ;;
         pyramid) echo base volume gradient encode pyramid ;;
         tf) echo base volume gradient encode pyramid tf ;;
         brick) echo base volume gradient encode pyramid tf brick ;;
