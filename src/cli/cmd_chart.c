@@ -474,9 +474,9 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     bool with[ISO_RENDERER_COUNT];
     double steps[16];
     size_t step_count;
-    iso_status status = parse_with(a->with, with, err);
+    iso_status status = parse_with(a->with ? a->with : "gl", with, err);
     if (status == ISO_OK)
-        status = parse_steps(a->steps, steps, 16, &step_count, err);
+        status = parse_steps(a->steps ? a->steps : "2,1,0.5,0.25,0.125", steps, 16, &step_count, err);
     if (status == ISO_OK)
         status = load_pyramids(&run, a, cli, err);
     if (status == ISO_OK)
@@ -512,15 +512,15 @@ static iso_status check(chart_arguments *a, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    chart_arguments a = {.with = "gl", .steps = "2,1,0.5,0.25,0.125", .level_count = 3, .budget_seconds = 120};
+    chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     iso_cli_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"want", 0, POPT_ARG_STRING, &a.want_text, 0, "name the fastest and the smallest setting with this RMSE or less", "1/255"},
         {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "cheap settings first, while they fit", "SECONDS"},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, "of gl, reference, cycles", "LIST"},
-        {"steps", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.steps, 0, "ray steps in voxels of the level", "LIST"},
+        {"with", 0, POPT_ARG_STRING, &a.with, 0, "of gl (default), reference, cycles", "LIST"},
+        {"steps", 0, POPT_ARG_STRING, &a.steps, 0, "ray steps in voxels of the level (2,1,0.5,0.25,0.125)", "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
@@ -535,6 +535,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = chart(&a, &cli, err);
     iso_cli_end(&cli);
+    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.want_text, a.style};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        free(texts[i]);
     return status;
 }
 

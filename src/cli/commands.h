@@ -11,4 +11,5 @@
     X(export) \
     X(compare) \
     X(chart) \
+    X(figure) \
     X(bench)

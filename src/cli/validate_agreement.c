@@ -89,6 +89,8 @@ static iso_status render(iso_validation *v, size_t level, const iso_render_optio
     iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, opt, image, NULL, v->progress, err);
     if (status == ISO_OK && name)
         status = iso_report_add_image(v->report, name, image, caption, NULL, err);
+    if (status == ISO_OK && name)
+        iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
     return status;
 }
 

@@ -54,6 +54,21 @@ static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t le
     return status;
 }
 
+/* A picture of the first view. */
+static iso_status add_picture(const iso_validation *v, const char *name, const iso_image *image, const char *caption,
+                              iso_error *err)
+{
+    iso_view view;
+    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
+    if (status == ISO_OK)
+        status = make_view(v, 0, &view, err);
+    if (status != ISO_OK)
+        return status;
+    iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
+    iso_view_destroy(&view);
+    return ISO_OK;
+}
+
 static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -116,7 +131,7 @@ static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t 
         if (status == ISO_OK)
             status = iso_metrics_measure(&finest[i], &image, &metrics, err);
         if (status == ISO_OK && i == 0)
-            status = iso_report_add_image(v->report, name, &image, m->name, NULL, err);
+            status = add_picture(v, name, &image, m->name, err);
         if (status == ISO_OK) {
             row.ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
             row.flip_mean += metrics.flip_mean / (double)v->consistency_views;
@@ -169,7 +184,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, i, &finest[i], err);
     if (status == ISO_OK)
-        status = iso_report_add_image(v->report, "consistency-level-0", &finest[0], "level 0", NULL, err);
+        status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
     for (int i = 0; i < method_count && status == ISO_OK; ++i)
         status = measure_method(v, &methods[i], finest, err);
     for (size_t i = 0; i < max_views; ++i)

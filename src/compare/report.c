@@ -141,6 +141,13 @@ iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image
     return ISO_OK;
 }
 
+void iso_report_set_scale(iso_report *r, const char *name, double mm_per_pixel)
+{
+    json_t *image = json_object_get(json_object_get(r->root, "images"), name);
+    if (image && mm_per_pixel > 0 && isfinite(mm_per_pixel))
+        json_object_set_new(image, "mm_per_pixel", json_real(mm_per_pixel));
+}
+
 /* The largest metric over its limit. Infinite where nothing can be measured. */
 static double severity(const iso_report_agreement *row)
 {

@@ -42,6 +42,9 @@ void iso_report_describe_machine(iso_report *report);
 iso_status iso_report_add_image(iso_report *report, const char *name, const iso_image *image, const char *caption,
                                 const iso_image_note *notes, iso_error *err);
 
+/* How wide a pixel of the image is, for scale bars; at the centre of the box when the camera has a perspective. */
+void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);
+
 /* Two images that should agree. */
 typedef struct iso_report_agreement {
     size_t level;

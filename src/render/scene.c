@@ -232,6 +232,15 @@ void iso_view_destroy(iso_view *view)
     *view = (iso_view){0};
 }
 
+double iso_view_mm_per_pixel(const iso_view *view, const iso_geometry *level0)
+{
+    const iso_camera *c = &view->camera;
+    double depth = 1;
+    if (!c->orthographic)
+        depth = iso_dot(iso_sub(iso_geometry_box_center_mm(level0), c->position), c->forward);
+    return depth > 0 ? 2 * c->half_height * depth / (double)view->height : 0;
+}
+
 iso_ray iso_camera_ray(const iso_camera *camera, size_t width, size_t height, size_t column, size_t row)
 {
     double aspect = (double)width / (double)height;

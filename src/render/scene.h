@@ -89,6 +89,10 @@ iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0,
                              iso_view *view, iso_error *err);
 void iso_view_destroy(iso_view *view);
 
+/* The height of a pixel in the plane through the centre of the box, parallel to the image; for scale bars.
+ * 0 when that plane is not in front of the camera. */
+double iso_view_mm_per_pixel(const iso_view *view, const iso_geometry *level0);
+
 typedef struct iso_ray {
     iso_vec3 origin, direction; /* world mm, unit direction */
 } iso_ray;

@@ -1,0 +1,262 @@
+/* Figures from a report: what they hold, where panels stand, the scale bar's length, and what is refused. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "compare/figure.h"
+#include "compare/report.h"
+#include "render/scene.h"
+#include "tests/test.h"
+
+enum { width = 40, height = 30 };
+
+static char *scratch;
+
+static int make_scratch(void **state)
+{
+    (void)state;
+    scratch = iso_make_temp_dir();
+    return scratch ? 0 : -1;
+}
+
+static int drop_scratch(void **state)
+{
+    (void)state;
+    iso_remove_tree(scratch);
+    free(scratch);
+    return 0;
+}
+
+static char *inside(const char *name)
+{
+    char *path = iso_path_join(scratch, name);
+    assert_non_null(path);
+    return path;
+}
+
+static void read_text(const char *dir, const char *name, char **text, size_t *size)
+{
+    char *path = iso_path_join(dir, name);
+    assert_ok(iso_file_read(path, text, size, &err));
+    free(path);
+}
+
+/* Grey, brighter by `bias` in the left half. */
+static void add_picture(iso_report *r, const char *name, double bias, double mm_per_pixel)
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, width, height, &err));
+    for (size_t i = 0; i < (size_t)width * height; ++i)
+        for (size_t c = 0; c < 4; ++c)
+            image.rgba[4 * i + c] = c == 3 ? 1 : 0.25f + (i % width < width / 2 ? (float)bias : 0);
+    assert_ok(iso_report_add_image(r, name, &image, name, NULL, &err));
+    iso_report_set_scale(r, name, mm_per_pixel);
+    iso_image_destroy(&image);
+}
+
+static char *make_report(const char *name, double mm_per_pixel)
+{
+    char *dir = inside(name);
+    iso_report *r;
+    const iso_report_about about = {.title = "t", .volume = "grey, \"quoted\".nrrd", .scene = "s"};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    add_picture(r, "fine", 0, mm_per_pixel);
+    const char *const methods[] = {"a", "b, c", "d"};
+    for (int m = 0; m < 3; ++m)
+        for (size_t level = 1; level < 3; ++level) {
+            char image[32];
+            snprintf(image, sizeof image, "m%d-%zu", m, level);
+            add_picture(r, image, 0.125 * (double)level, mm_per_pixel);
+            iso_report_consistency row = {.level = level, .views = 1, .method = methods[m], .image = image,
+                                          .ssim_dissimilarity_mean = 0.0321, .reference_image = "fine"};
+            assert_ok(iso_report_add_consistency(r, &row, &err));
+        }
+    iso_report_agreement row = {.level = 1, .scene = "s", .a = "reference", .b = "gl", .image_a = "fine", .image_b = "m0-1",
+                                .limits = {.rmse = 1}, .error_bar = NAN};
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_ok(iso_report_finish(r, &err));
+    iso_report_destroy(r);
+    return dir;
+}
+
+typedef struct row {
+    int kind;
+    char file[32], title[96], note[96], side[96], bar_text[32];
+    double w, h, left, right, bottom, top, bar, low, high, logs, figure_width, figure_height;
+} row;
+
+static size_t read_rows(const char *dir, row *rows, size_t room)
+{
+    char *text;
+    size_t size, count = 0;
+    read_text(dir, "figure.csv", &text, &size);
+    for (char *line = strchr(text, '\n') + 1; *line && count < room; line = strchr(line, '\n') + 1) {
+        row *r = &rows[count++];
+        assert_int_equal(sscanf(line, "%d,%31[^,],%lf,%lf,%lf,%lf,%lf,%lf,%95[^,],%95[^,],%95[^,],%lf,%31[^,],%lf,%lf,%lf,%lf,%lf",
+                                &r->kind, r->file, &r->w, &r->h, &r->left, &r->right, &r->bottom, &r->top, r->title, r->note,
+                                r->side, &r->bar, r->bar_text, &r->low, &r->high, &r->logs, &r->figure_width,
+                                &r->figure_height), 18);
+    }
+    free(text);
+    return count;
+}
+
+static bool overlap(const row *a, const row *b)
+{
+    return a->left < b->right && b->left < a->right && a->bottom < b->top && b->bottom < a->top;
+}
+
+static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
+{
+    (void)state;
+    char *report = make_report("r1", 2), *out = inside("f1");
+    row rows[32];
+    for (int kind = 0; kind < ISO_FIGURE_COUNT; ++kind) {
+        iso_figure_options opt = iso_figure_defaults();
+        opt.kind = (iso_figure_kind)kind;
+        opt.level = 1;
+        assert_ok(iso_figure_make(report, &opt, out, &err));
+        size_t count = read_rows(out, rows, 32);
+        assert_int_equal(count, kind == ISO_FIGURE_LEVELS ? 2 * 5 : 3); /* two methods: level 0, two levels, two maps */
+        for (size_t i = 0; i < count; ++i) {
+            assert_true(rows[i].left >= 0 && rows[i].right <= 1 && rows[i].bottom >= 0 && rows[i].top <= 1);
+            double inches = (rows[i].right - rows[i].left) * rows[i].figure_width / 96;
+            assert_more_than(rows[i].w / inches, 299.9); /* rounding of the figures in the file */
+            double aspect = (rows[i].top - rows[i].bottom) * rows[i].figure_height / (inches * 96);
+            assert_within(aspect, (double)height / width, 1e-4);
+            assert_at_most(rows[i].figure_width, 170 / 25.4 * 96 + 0.1);
+            for (size_t j = 0; j < i; ++j)
+                assert_false(overlap(&rows[i], &rows[j]));
+        }
+    }
+    free(report);
+    free(out);
+}
+
+static void the_scale_bar_has_its_length(void **state)
+{
+    (void)state;
+    char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
+    iso_figure_options opt = iso_figure_defaults();
+    row rows[32];
+    assert_ok(iso_figure_make(report, &opt, out, &err));
+    read_rows(out, rows, 32);
+    assert_string_equal(rows[0].bar_text, "20 mm"); /* 40 pixels of 2 mm: at most a third of 80 mm */
+    assert_within(rows[0].bar, 0.25, 1e-6);
+    assert_within(rows[1].bar, 0, 0);
+    assert_ok(iso_figure_make(unknown, &opt, out, &err));
+    read_rows(out, rows, 32);
+    assert_within(rows[0].bar, 0, 0);
+    free(report);
+    free(unknown);
+    free(out);
+}
+
+static void maps_hold_the_differences(void **state)
+{
+    (void)state;
+    char *report = make_report("r4", 2), *out = inside("f4"), *data;
+    size_t size;
+    iso_figure_options opt = iso_figure_defaults();
+    opt.methods = "d";
+    assert_ok(iso_figure_make(report, &opt, out, &err));
+    row rows[32];
+    assert_int_equal(read_rows(out, rows, 32), 5);
+    assert_within(rows[0].high, 0.25, 1e-6); /* of level 2, the larger */
+    read_text(out, rows[2].file, &data, &size);
+    assert_int_equal(size, (size_t)(rows[2].w * rows[2].h) * sizeof(float));
+    const float *map = (const float *)data;
+    assert_within(map[0], 0.125, 0); /* exact in binary */
+    assert_within(map[(size_t)rows[2].w - 1], 0, 0);
+    free(data);
+    assert_non_null(strstr(rows[2].note, "RMSE 0.0765")); /* 1/8 in 3 of 4 channels of half the pixels */
+    read_text(out, "caption.txt", &data, &size);
+    assert_non_null(strstr(data, "d, level 2: 1 - SSIM 0.0321"));
+    assert_null(strstr(data, "b, c"));
+    free(data);
+    free(report);
+    free(out);
+}
+
+static void text_is_vector_and_fonts_are_embedded(void **state)
+{
+    (void)state;
+    char *report = make_report("r5", 2), *out = inside("f5"), *data;
+    size_t size;
+    iso_figure_options opt = iso_figure_defaults();
+    assert_ok(iso_figure_make(report, &opt, out, &err));
+    read_text(out, "figure.pdf", &data, &size);
+    assert_non_null(memmem(data, size, "FontFile", 8));
+    free(data);
+    read_text(out, "figure.svg", &data, &size);
+    assert_non_null(strstr(data, ">level 2<"));
+    assert_non_null(strstr(data, "20 mm"));
+    assert_non_null(strstr(data, "data:image/png;base64")); /* pictures inside, not beside */
+    free(data);
+    free(report);
+    free(out);
+}
+
+static void bad_requests_are_refused_and_leave_nothing(void **state)
+{
+    (void)state;
+    char *report = make_report("r6", 2), *out = inside("f6"), *none = inside("none");
+    iso_figure_options opt = iso_figure_defaults();
+    assert_status(iso_figure_make(none, &opt, out, &err), ISO_E_IO);
+    opt.methods = "a,zz";
+    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
+    opt = iso_figure_defaults();
+    opt.width_mm = NAN;
+    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
+    opt = iso_figure_defaults();
+    opt.kind = ISO_FIGURE_RENDERERS;
+    opt.level = 9;
+    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
+    assert_false(iso_path_exists(out));
+    char *json = iso_path_join(report, "report.json");
+    assert_ok(iso_file_write(json, "{\"schema\": \"other\"}", 19, &err));
+    opt = iso_figure_defaults();
+    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_FORMAT);
+    iso_figure_kind kind;
+    assert_status(iso_figure_from_name("photo", &kind, &err), ISO_E_USAGE);
+    free(json);
+    free(report);
+    free(out);
+    free(none);
+}
+
+/* A pixel's size from two rays: where neighbours meet the plane through the centre of the box. */
+static void the_pixel_of_a_view_is_measured_at_the_centre(void **state)
+{
+    (void)state;
+    const size_t size[3] = {20, 30, 24};
+    const double spacing[3] = {1, 0.5, 2};
+    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    for (int orthographic = 0; orthographic < 2; ++orthographic) {
+        iso_view view = {.width = 50, .height = 40};
+        view.camera = (iso_camera){.orthographic = orthographic, .position = iso_v3(3, 4, 200), .forward = iso_v3(0, 0, -1),
+                                   .right = iso_v3(1, 0, 0), .up = iso_v3(0, 1, 0), .half_height = orthographic ? 30 : 0.2};
+        iso_ray a = iso_camera_ray(&view.camera, 50, 40, 24, 20), b = iso_camera_ray(&view.camera, 50, 40, 25, 20);
+        double z = iso_geometry_box_center_mm(&g).z;
+        double xa = a.origin.x + a.direction.x * (z - a.origin.z) / a.direction.z;
+        double xb = b.origin.x + b.direction.x * (z - b.origin.z) / b.direction.z;
+        assert_within(iso_view_mm_per_pixel(&view, &g), xb - xa, 1e-12);
+    }
+    iso_view behind = {.width = 50, .height = 40, .camera = {.position = {0, 0, 200}, .forward = {0, 0, 1}, .half_height = 1}};
+    assert_within(iso_view_mm_per_pixel(&behind, &g), 0, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(panels_lie_inside_and_apart_with_enough_pixels),
+        cmocka_unit_test(the_scale_bar_has_its_length),
+        cmocka_unit_test(maps_hold_the_differences),
+        cmocka_unit_test(text_is_vector_and_fonts_are_embedded),
+        cmocka_unit_test(bad_requests_are_refused_and_leave_nothing),
+        cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_centre),
+    };
+    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+}
