@@ -151,11 +151,12 @@ static void render_povray(const iso_pyramid *p, size_t level, const iso_view *vi
 }
 
 static void render_reference(const iso_pyramid *p, size_t level, const iso_view *view, iso_quadrature quadrature,
-                             size_t intervals, iso_image *image)
+                             size_t intervals, double iso, iso_image *image)
 {
     iso_reference_options opt = iso_reference_defaults();
     opt.quadrature = quadrature;
     opt.intervals = intervals;
+    opt.iso = iso;
     assert_ok(iso_reference_render(&p->levels[level], p->options.code, view, &opt, image, NULL, &err));
 }
 
@@ -203,7 +204,7 @@ static double compare(comparison *c, double *rmse)
     iso_image wanted;
     if (!c->image.rgba)
         render_povray(&c->pyramid, c->level, &c->view, &c->options, &c->image);
-    render_reference(&c->pyramid, c->level, &c->view, c->quadrature, c->options.intervals, &wanted);
+    render_reference(&c->pyramid, c->level, &c->view, c->quadrature, c->options.intervals, c->options.iso, &wanted);
     const double most = largest_difference(&c->image, &wanted, rmse);
     iso_image_destroy(&wanted);
     return most;
@@ -333,6 +334,97 @@ static void converged_agrees_and_rejects_planted_faults(void **state)
     check_faults(converged, true, converged_rmse);
 }
 
+static void an_isosurface_is_the_first_hit_of_the_reference(void **state)
+{
+    (void)state;
+    comparison c = lock_step(0, false, 256);
+    c.quadrature = ISO_QUADRATURE_FIRST_HIT;
+    c.options.isosurface = true;
+    c.options.iso = 39000;
+    double rmse;
+    /* As in lock-step; the hit is found to 1e-6 of a box of 100. */
+    assert_at_most(compare(&c, &rmse), lock_step_max);
+    size_t hits = 0;
+    for (size_t i = 0; i < c.image.width * c.image.height; ++i)
+        hits += c.image.rgba[4 * i + 3] > 0.5f;
+    assert_more_than((double)hits, 300);
+    c.options.iso += 65; /* a thousandth of the range */
+    assert_more_than(compare(&c, &rmse), 10 * lock_step_max);
+    end_comparison(&c);
+}
+
+/* A level whose value is 1 - |p| and whose directions are radial, in a cube of 2 mm. */
+static iso_level sphere_level(size_t n)
+{
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){2.0 / (double)n, 2.0 / (double)n, 2.0 / (double)n});
+    const size_t count = n * n * n;
+    iso_level level = {.geometry = g, .stored_type = ISO_F32, .min = -1, .max = 1};
+    level.scalar = malloc(count * sizeof(float));
+    level.codes = calloc(3, count);
+    level.directions = malloc(3 * count * sizeof(float));
+    for (size_t i = 0; i < count; ++i) {
+        const iso_vec3 p = iso_geometry_to_world(&g, iso_v3((double)(i % n) + 0.5, (double)(i / n % n) + 0.5, (double)(i / n / n) + 0.5));
+        const iso_vec3 d = iso_normalize(p);
+        level.scalar[i] = (float)(1 - iso_norm(p));
+        level.directions[3 * i] = (float)d.x;
+        level.directions[3 * i + 1] = (float)d.y;
+        level.directions[3 * i + 2] = (float)d.z;
+    }
+    return level;
+}
+
+/* The mean error of the pixels well inside a sphere of radius 0.6, against its closed form. */
+static double sphere_error(size_t n)
+{
+    iso_level level = sphere_level(n);
+    iso_pyramid p = {.options = {.code = ISO_CODE_SNORM}, .level_count = 1, .levels = &level};
+    static float white[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    iso_view view = oblique_view(&level.geometry, false, 2);
+    free(view.tf.entries);
+    view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = white};
+    view.camera.half_height = 0.1;
+    iso_povray_options opt = iso_povray_defaults();
+    opt.isosurface = true;
+    opt.iso = 0.4;
+    opt.float_directions = true;
+    iso_image image;
+    double sum = 0;
+    size_t count = 0;
+    render_povray(&p, 0, &view, &opt, &image);
+    for (size_t i = 0; i < image.width * image.height; ++i) {
+        const iso_ray ray = iso_camera_ray(&view.camera, view.width, view.height, i % view.width, i / view.width);
+        const double b = iso_dot(ray.origin, ray.direction), c = iso_dot(ray.origin, ray.origin) - 0.36;
+        if (b * b - c < 0.2 * 0.36)
+            continue; /* towards the silhouette errors of the hit grow without bound */
+        const iso_vec3 hit = iso_madd(ray.origin, ray.direction, -b - sqrt(b * b - c));
+        const iso_vec3 normal = iso_scale(hit, 1 / 0.6 / sqrt(1 + 1 / (127.0 * 127)));
+        double shade = view.shading.ambient;
+        for (size_t l = 0; l < 2; ++l) {
+            const iso_vec3 half = iso_normalize(iso_sub(view.lights[l].direction, ray.direction));
+            shade += view.lights[l].intensity * (view.shading.diffuse * fabs(iso_dot(normal, view.lights[l].direction)) +
+                                                 view.shading.specular * pow(fabs(iso_dot(normal, half)), view.shading.power));
+        }
+        sum += fabs((double)image.rgba[4 * i] - shade);
+        assert_within((double)image.rgba[4 * i + 3], 1, 0);
+        ++count;
+    }
+    assert_more_than((double)count, 100);
+    iso_image_destroy(&image);
+    free(level.scalar);
+    free(level.codes);
+    free(level.directions);
+    return sum / (double)count;
+}
+
+static void an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing(void **state)
+{
+    (void)state;
+    const double coarse = sphere_error(16), fine = sphere_error(32);
+    /* Trilinear interpolation of |p| and of p / |p|: second order in a spacing of a tenth of the radius. */
+    assert_at_most(fine, 1e-3);
+    assert_more_than(coarse / fine, 3);
+}
+
 static uint32_t big_endian(const char *bytes, size_t count)
 {
     uint32_t value = 0;
@@ -453,6 +545,8 @@ int main(void)
         cmocka_unit_test(lock_step_agrees_with_float_directions),
         cmocka_unit_test(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults),
         cmocka_unit_test(converged_agrees_and_rejects_planted_faults),
+        cmocka_unit_test(an_isosurface_is_the_first_hit_of_the_reference),
+        cmocka_unit_test(an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing),
         cmocka_unit_test(df3_files_are_big_endian_with_a_rim_of_edge_values),
         cmocka_unit_test(an_exported_folder_renders_where_it_lies),
         cmocka_unit_test(options_outside_their_limits_are_refused),

@@ -69,6 +69,8 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_vi
         return iso_fail(err, ISO_E_RANGE, "povray: %zu planes, at most %d", opt->planes, ISO_POVRAY_MAX_PLANES);
     if (opt->df3_bits != 16 && opt->df3_bits != 32)
         return iso_fail(err, ISO_E_RANGE, "povray: DF3 files of %u bits, must be 16 or 32", opt->df3_bits);
+    if (opt->isosurface && !isfinite(opt->iso))
+        return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
     if (view->tf.count < 2 || !(view->tf.hi > view->tf.lo))
@@ -100,6 +102,31 @@ static bool is_byte_lattice(iso_code code)
 {
     const iso_code_info *info = iso_code_describe(code);
     return info->is_textured && info->is_signed && info->is_linear;
+}
+
+/* No slope of the trilinear field is steeper: in each cell at most the steepest of its edges along each axis. */
+static double steepest(const iso_level *level)
+{
+    const size_t *n = level->geometry.size;
+    const size_t step[3] = {1, n[0], n[0] * n[1]};
+    double most = 0;
+    for (size_t z = 0; z + 1 < n[2] || z == 0; ++z)
+        for (size_t y = 0; y + 1 < n[1] || y == 0; ++y)
+            for (size_t x = 0; x + 1 < n[0] || x == 0; ++x) {
+                const size_t at = x + n[0] * (y + n[1] * z);
+                double square = 0;
+                for (int a = 0; a < 3; ++a) {
+                    const int b = (a + 1) % 3, c = (a + 2) % 3;
+                    const size_t along = n[a] > 1 ? step[a] : 0, u = n[b] > 1 ? step[b] : 0, v = n[c] > 1 ? step[c] : 0;
+                    const size_t edges[4] = {at, at + u, at + v, at + u + v};
+                    double edge = 0;
+                    for (int e = 0; e < 4; ++e)
+                        edge = fmax(edge, fabs((double)level->scalar[edges[e] + along] - (double)level->scalar[edges[e]]));
+                    square += edge * edge;
+                }
+                most = fmax(most, square);
+            }
+    return sqrt(most);
 }
 
 /* Letters, digits, "-" and "_": nothing that needs a quote in POV-Ray's files or in a shell. */
@@ -203,6 +230,9 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t level, const iso_v
     s.center_mm = iso_geometry_box_center_mm(&l->geometry);
     s.units_per_mm = 50 / iso_geometry_box_radius_mm(&l->geometry);
     iso_povray_measure_peaks(&s);
+    /* 1 %: the solver divides by it, and rounds. A constant field has no slope at all. */
+    if (opt->isosurface)
+        s.max_gradient = fmax(1.01 * steepest(l) / (s.scalar.hi - s.scalar.lo), 1e-6);
     return s;
 }
 
@@ -217,7 +247,7 @@ static iso_status write_all(const iso_pyramid *p, const iso_povray_scene *s, con
     free(path);
     if (status == ISO_OK)
         status = write_directions(level, p->options.code, s, dir, progress, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !s->options->isosurface)
         status = write_tf_tables(s, dir, err);
     if (status == ISO_OK)
         status = write_text(s, dir, ".inc", iso_povray_write_include, err);
@@ -340,16 +370,17 @@ static iso_status render_scene(const char *program, const char *dir, const iso_p
                                iso_image *image, iso_error *err)
 {
     const size_t n = s->options->intervals;
-    const double split = s->options->extrapolate ? 1.0 / 3 : 0;
+    const bool extrapolated = s->options->extrapolate && !s->options->isosurface;
+    const double split = extrapolated ? 1.0 / 3 : 0;
     const run_progress coarse_run = {progress, 0, split}, fine_run = {progress, split, 1};
     iso_image coarse = {0};
     iso_status status = ISO_OK;
     iso_progress_report(progress, "povray: rendering", 0);
-    if (s->options->extrapolate)
+    if (extrapolated)
         status = render_once(program, dir, s, n / 2, &coarse_run, &coarse, err);
     if (status == ISO_OK)
         status = render_once(program, dir, s, n, &fine_run, image, err);
-    if (status == ISO_OK && s->options->extrapolate)
+    if (status == ISO_OK && extrapolated)
         extrapolate(image, &coarse, n, n / 2);
     iso_image_destroy(&coarse);
     iso_progress_report(progress, "povray: rendering", 1);

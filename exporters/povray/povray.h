@@ -17,9 +17,10 @@
  * brightest possible colour. Alpha comes from a second pass without emission
  * over white.
  *
- * Isosurface: instead of the media, the first hit of a ray with value = iso,
- * opaque, in the TF's colour there times the shade of the pre-computed
- * direction (no T: C = c(iso) shade(d), A = 1). */
+ * Isosurface: instead of the media, the first point of a ray inside the box
+ * where the value is at least iso, opaque: C = c(iso) shade(d), A = 1, with the
+ * TF's colour c and the shade of the pre-computed direction. The same as
+ * ISO_QUADRATURE_FIRST_HIT. */
 #ifndef ISO_EXPORT_POVRAY_H
 #define ISO_EXPORT_POVRAY_H
 

@@ -40,6 +40,11 @@ static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identif
                "    scale <%zu, %zu, %zu> translate -0.5 } }\n", identifier, s->name, suffix, n[0] + 2, n[1] + 2, n[2] + 2);
 }
 
+static const char *object_name(const iso_povray_scene *s)
+{
+    return s->options->isosurface ? "Iso_Surface" : "Iso_Volume";
+}
+
 static void write_header(FILE *f, const iso_povray_scene *s)
 {
     const iso_geometry *g = s->geometry;
@@ -50,9 +55,9 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "// %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm.\n"
             "//\n"
             "//     #include \"%s.inc\"\n"
-            "//     object { Iso_Volume transform { Iso_To_World } }\n"
+            "//     object { %s transform { Iso_To_World } }\n"
             "//\n"
-            "// Iso_Volume stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
+            "// %s stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
             "// Iso_To_World turns and stretches it as the data say, and makes it about 100 units across. Scale it as you\n"
             "// like, but not far below that: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
             "//\n"
@@ -67,8 +72,8 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
             "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
             "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
-            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name,
-            s->options->intervals);
+            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
+            object_name(s), s->options->intervals);
 }
 
 static void write_placement(FILE *f, const iso_povray_scene *s)
@@ -277,7 +282,10 @@ static void write_diffuse(FILE *f, const iso_povray_scene *s)
                 v->shading.diffuse * l->intensity, l->direction.x, l->direction.y, l->direction.z,
                 ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
     }
-    fprintf(f, " }\n#declare Iso_Diffuse = density {\n"
+    fprintf(f, " }\n");
+    if (s->options->isosurface)
+        return;
+    fprintf(f, "#declare Iso_Diffuse = density {\n"
                "    function { %smin(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z)))%s }\n"
                "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n", lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
@@ -323,12 +331,15 @@ static void write_specular(FILE *f, const iso_povray_scene *s)
     fprintf(f, " }\n#declare Iso_Specular_Of = function (dx, dy, dz, vx, vy, vz, v) {\n"
                "    Iso_Specular_Unit(dx, dy, dz, vx / v, vy / v, vz / v, sqrt(dx*dx + dy*dy + dz*dz + %.17g)) }\n"
                "#declare Iso_Specular_At = function (dx, dy, dz, vx, vy, vz) {\n"
-               "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n"
-               "#declare Iso_Specular = density {\n"
+               "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n",
+            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
+    if (s->options->isosurface)
+        return;
+    fprintf(f, "#declare Iso_Specular = density {\n"
                "    function { %smin(1, Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
                "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z)))%s }\n"
                "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
-            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS, lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
+            lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
 
 static void write_media(FILE *f, const iso_povray_scene *s)
@@ -356,18 +367,51 @@ static void write_media(FILE *f, const iso_povray_scene *s)
                "    interior { Iso_Interior } }\n");
 }
 
+/* Opaque, in the TF's colour at the value times the shade of the stored
+ * direction: POV-Ray's own normals are gradients of the trilinear field, which
+ * jump from cell to cell. */
+static void write_surface(FILE *f, const iso_povray_scene *s)
+{
+    const double specular = specular_sum(s->view), peak = 1 + specular;
+    double rgbs[4];
+    iso_tf_lookup(&s->view->tf, s->options->iso, rgbs);
+    fprintf(f, "// ---- the surface ----------------------------------------------------------\n"
+               "// The first point of a ray where the value is at least Iso_Surface_Value. max_gradient bounds the slope of\n"
+               "// the field: a smaller one is faster and loses pixels.\n"
+               "#declare Iso_Surface_Value = %.17g;\n"
+               "#declare Iso_Surface_Shade = function (x, y, z) {\n"
+               "    (Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z))", s->options->iso);
+    if (specular > 0)
+        fprintf(f, "\n    + %.17g * Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
+                   "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))", specular);
+    fprintf(f, ") * %.17g }\n"
+               "#declare Iso_Surface = isosurface {\n"
+               "    function { (Iso_Surface_Value - %.17g) * %.17g - Iso_Stored(x, y, z) }\n"
+               "    contained_by { box { 0, Iso_Box } }\n"
+               "    threshold 0 accuracy 1e-6 max_gradient %.9g\n"
+               "    pigment { function { min(1, Iso_Surface_Shade(x, y, z)) }\n"
+               "        color_map { [0 rgb 0] [1 rgb <%.9g, %.9g, %.9g> * Iso_Emission * %.17g] } }\n"
+               "    finish { emission 1 ambient 0 diffuse 0 } }\n", 1 / peak, s->scalar.lo,
+            1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, rgbs[0], rgbs[1], rgbs[2], peak);
+}
+
 void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
 {
     write_header(f, s);
     write_placement(f, s);
     write_fields(f, s);
-    write_transfer_function(f, s);
+    if (!s->options->isosurface)
+        write_transfer_function(f, s);
     fprintf(f, "// ---- shading: two-sided, Blinn-Phong ---------------------------------------\n");
-    write_opaque(f, s);
+    if (!s->options->isosurface)
+        write_opaque(f, s);
     write_diffuse(f, s);
     if (specular_sum(s->view) > 0)
         write_specular(f, s);
-    write_media(f, s);
+    if (s->options->isosurface)
+        write_surface(f, s);
+    else
+        write_media(f, s);
 }
 
 static void write_vector(FILE *f, const char *name, iso_vec3 v)
@@ -430,8 +474,9 @@ void iso_povray_write_scene(FILE *f, const iso_povray_scene *s)
                "#end\n\n", b[0], b[1], b[2]);
     write_camera(f, s);
     fprintf(f, "#include \"%s.inc\"\n"
-               "object { Iso_Volume transform { Iso_To_World } }\n\n", s->name);
-    write_planes(f, s);
+               "object { %s transform { Iso_To_World } }\n\n", s->name, object_name(s));
+    if (!s->options->isosurface)
+        write_planes(f, s);
 }
 
 void iso_povray_write_ini(FILE *f, const iso_povray_scene *s)

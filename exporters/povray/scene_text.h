@@ -21,7 +21,7 @@ typedef struct iso_povray_scene {
     const iso_view *view;
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
-    double max_gradient; /* of the scalar, per voxel; for the isosurface */
+    double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
     iso_vec3 center_mm;  /* world to POV-Ray: (world - center) * units_per_mm */
     double units_per_mm;
     double peak_extinction, peak_color; /* of the TF: what its tables are divided by; at least 1 for colour */

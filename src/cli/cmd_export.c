@@ -12,7 +12,7 @@
 typedef struct export_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
-    char *to, *output, *scene, *size;
+    char *to, *output, *scene, *size, *isosurface;
     int level, level_count, half;
     double step;
     const iso_cli *cli;
@@ -62,6 +62,14 @@ static iso_status to_povray(const export_job *job, iso_error *err)
     o.planes = 0;
     o.extrapolate = false;
     o.df3_bits = 16;
+    double value[3] = {0};
+    iso_status status = ISO_OK;
+    if (job->arguments->isosurface)
+        status = iso_cli_parse_numbers(job->arguments->isosurface, "--isosurface", value, err);
+    if (status != ISO_OK)
+        return status;
+    o.isosurface = job->arguments->isosurface != NULL;
+    o.iso = value[0];
     return iso_povray_export(job->pyramid, (size_t)job->arguments->level, job->view, job->arguments->output, &o,
                              job->progress, err);
 }
@@ -148,6 +156,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume", "VALUE"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),

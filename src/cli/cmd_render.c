@@ -12,7 +12,7 @@
 typedef struct render_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
-    char *scene, *with, *output, *png, *size, *source, *quadrature;
+    char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface;
     int level, intervals, planes, samples, seed;
     double step;
     const char *shader_dir;
@@ -45,6 +45,12 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted converged, midpoint or povray", a->quadrature);
     if (a->quadrature && renderer != ISO_WITH_REFERENCE)
         return iso_fail(err, ISO_E_USAGE, "--quadrature is for --with reference alone");
+    if (a->isosurface) {
+        double value[3];
+        status = iso_cli_parse_numbers(a->isosurface, "--isosurface", value, err);
+        opt->isosurface = true;
+        opt->iso = value[0];
+    }
     opt->quadrature = (iso_quadrature)q;
     opt->step_voxels = a->step;
     opt->intervals = (size_t)a->intervals;
@@ -52,7 +58,7 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     opt->samples = a->samples;
     opt->seed = a->seed;
     opt->threads = cli->threads;
-    return ISO_OK;
+    return status;
 }
 
 static iso_status save_image(const render_arguments *a, const iso_cli *cli, const iso_image *image, const char *version,
@@ -145,6 +151,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float or on-the-fly; reference and gl", "SOURCE"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint or povray", "RULE"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference and povray: the first hit of this value, opaque", "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},

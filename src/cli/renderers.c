@@ -51,7 +51,8 @@ static iso_status render_reference(const iso_level *level, iso_code code, const 
                                    iso_image *image, const iso_progress *progress, iso_error *err)
 {
     iso_reference_options o = iso_reference_defaults();
-    o.quadrature = opt->quadrature;
+    o.quadrature = opt->isosurface ? ISO_QUADRATURE_FIRST_HIT : opt->quadrature;
+    o.iso = opt->iso;
     o.source = opt->source;
     o.step_voxels = opt->step_voxels;
     o.threads = opt->threads;
@@ -95,6 +96,8 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
         set_povray_step(&p->levels[level], opt->step_voxels, &o);
     }
     o.float_directions = opt->source == ISO_FROM_FLOAT;
+    o.isosurface = opt->isosurface;
+    o.iso = opt->iso;
     o.threads = opt->threads;
     return iso_povray_render(p, level, view, &o, image, progress, err);
 }
@@ -106,6 +109,9 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     *image = (iso_image){0};
     if (level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
+    if (opt->isosurface && opt->renderer != ISO_WITH_REFERENCE && opt->renderer != ISO_WITH_POVRAY)
+        return iso_fail(err, ISO_E_USAGE, "isosurfaces are rendered by reference and povray, not by %s",
+                        iso_renderer_name(opt->renderer));
     const iso_level *l = &p->levels[level];
     double start = iso_clock_seconds(), drawing = -1;
     iso_status status = ISO_OK;

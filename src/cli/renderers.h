@@ -39,6 +39,8 @@ typedef struct iso_render_options {
     size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
     bool extrapolate;              /* POV-Ray, with intervals */
     int samples, seed;             /* Cycles; 0: defaults */
+    bool isosurface;               /* first hit of the value iso; the reference and POV-Ray */
+    double iso;
     int threads;
 } iso_render_options;
 iso_render_options iso_render_defaults(iso_renderer r);

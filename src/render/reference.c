@@ -185,16 +185,23 @@ static double to_next_plane(double p, double d)
     return (plane - q) / d;
 }
 
+/* The end of the piece of the ray that starts at a and stays in one cell. */
+static double cell_end(const ray_state *ray, double a, double least, double t1)
+{
+    iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
+    double step = fmin(to_next_plane(p.x, ray->direction.x),
+                       fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
+    return fmin(a + least + step, t1);
+}
+
+/* Skips slivers of rounding at the planes; far below any tolerance. */
+static const double least_piece = 1e-9;
+
 static stretch integrate_converged(const ray_state *ray, double t0, double t1, double tolerance)
 {
     stretch whole = {{0}, 0};
-    /* Skips slivers of rounding at the planes; far below any tolerance. */
-    double least = 1e-9 * (t1 - t0);
     for (double a = t0; a < t1;) {
-        iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
-        double step = fmin(to_next_plane(p.x, ray->direction.x),
-                           fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
-        double b = fmin(a + least + step, t1);
+        double b = cell_end(ray, a, least_piece * (t1 - t0), t1);
         double weight = exp(-whole.depth);
         if (weight < 1e-12)
             break;
@@ -202,6 +209,54 @@ static stretch integrate_converged(const ray_state *ray, double t0, double t1, d
         a = b > a ? b : t1;
     }
     return whole;
+}
+
+static double value_at(const ray_state *ray, double t)
+{
+    return iso_sample_scalar(ray->sampler, iso_madd(ray->origin, ray->direction, t));
+}
+
+/* The first t in [a, b], a piece inside one cell, where the value is at least
+ * iso; infinite when there is none. The value is a cubic of t there: its Bezier
+ * points bound it, and what they cannot exclude is halved. */
+static double first_hit(const ray_state *ray, double iso, double a, double b, int depth)
+{
+    enum { max_depth = 44 };
+    double s[4];
+    for (int i = 0; i < 4; ++i)
+        s[i] = value_at(ray, a + (b - a) * i / 3);
+    const double inner[2] = {(-5 * s[0] + 18 * s[1] - 9 * s[2] + 2 * s[3]) / 6,
+                             (2 * s[0] - 9 * s[1] + 18 * s[2] - 5 * s[3]) / 6};
+    if (s[0] >= iso)
+        return a;
+    if (fmax(s[3], fmax(inner[0], inner[1])) < iso)
+        return INFINITY;
+    if (depth >= max_depth)
+        return s[3] >= iso ? b : INFINITY;
+    const double front = first_hit(ray, iso, a, 0.5 * (a + b), depth + 1);
+    return isfinite(front) ? front : first_hit(ray, iso, 0.5 * (a + b), b, depth + 1);
+}
+
+/* Opaque where it is hit: an infinite depth behind. */
+static stretch hit_surface(const ray_state *ray, double t0, double t1, double iso)
+{
+    stretch s = {{0}, 0};
+    double t = INFINITY;
+    for (double a = t0; a < t1 && !isfinite(t);) {
+        double b = cell_end(ray, a, least_piece * (t1 - t0), t1);
+        t = first_hit(ray, iso, a, b, 0);
+        a = b > a ? b : t1;
+    }
+    if (!isfinite(t))
+        return s;
+    double rgbs[4];
+    iso_tf_lookup(&ray->view->tf, iso, rgbs);
+    const double light = shade(ray->view, iso_sample_normal(ray->sampler, iso_madd(ray->origin, ray->direction, t)),
+                               ray->to_viewer);
+    for (int c = 0; c < 3; ++c)
+        s.color[c] = light * rgbs[c];
+    s.depth = INFINITY;
+    return s;
 }
 
 /* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
@@ -240,6 +295,8 @@ static void render_pixel(const iso_sampler *sampler, const iso_view *view, const
             s = integrate_converged(&state, t0, t1, opt->tolerance);
         else if (opt->quadrature == ISO_QUADRATURE_MIDPOINT)
             s = integrate_midpoint(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
+        else if (opt->quadrature == ISO_QUADRATURE_FIRST_HIT)
+            s = hit_surface(&state, t0, t1, opt->iso);
         else
             s = sum_intervals(&state, t0, t1, opt->intervals);
     }

@@ -3,14 +3,16 @@
  * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a
  * linear ramp of extinction; a sphere. Results do not depend on threads.
  *
- * Three quadratures:
+ * Quadratures:
  *   converged  rays are cut where the trilinear cell changes, each piece is
  *              integrated by Romberg-extrapolated midpoint sums and halved until
  *              the change is below tolerance: no step is left in the result.
  *   midpoint   what the GL ray caster does: segments [k ds, (k+1) ds] clipped to
  *              the box, sample in the middle, 1 - exp(-sigma length).
  *   povray     what POV-Ray's method 2 does: N equal intervals a ray, weight
- *              tau exp(-tau / 2) (see exporters/povray). */
+ *              tau exp(-tau / 2) (see exporters/povray).
+ *   first hit  no quadrature: the first point of the ray inside the box where
+ *              the value is at least iso, opaque, C = c(iso) shade(d). */
 #ifndef ISO_REFERENCE_H
 #define ISO_REFERENCE_H
 
@@ -20,7 +22,12 @@
 #include "render/field.h"
 #include "render/scene.h"
 
-typedef enum iso_quadrature { ISO_QUADRATURE_CONVERGED, ISO_QUADRATURE_MIDPOINT, ISO_QUADRATURE_POVRAY } iso_quadrature;
+typedef enum iso_quadrature {
+    ISO_QUADRATURE_CONVERGED,
+    ISO_QUADRATURE_MIDPOINT,
+    ISO_QUADRATURE_POVRAY,
+    ISO_QUADRATURE_FIRST_HIT
+} iso_quadrature;
 
 typedef struct iso_reference_options {
     iso_quadrature quadrature;
@@ -28,6 +35,7 @@ typedef struct iso_reference_options {
     double step_voxels; /* midpoint; 0: the view's */
     size_t intervals;   /* povray */
     double tolerance;   /* converged: of a pixel's value */
+    double iso;         /* first hit: the value of the surface */
     int threads;
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);
