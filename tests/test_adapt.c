@@ -90,7 +90,7 @@ static void histograms_equal_a_direct_sum_of_trilinear_lookups(void **state)
     iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
     for (size_t level = 1; level < p.level_count; ++level) {
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, level, 8, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, level, 8, 1, 2, &j, &err));
         assert_equals_direct_sum(&p, level, &j);
         iso_joint_destroy(&j);
     }
@@ -103,7 +103,7 @@ static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
     iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
     for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, 1, bits, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, 1, 2, &j, &err));
         assert_within(j.z.step, 1, 0); /* 3000 values fit */
         assert_true(j.z.count == (size_t)1 << bits && j.s.count == 4096);
         uint64_t sum = 0;
@@ -135,17 +135,17 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
     iso_joint whole, other;
-    assert_ok(iso_joint_compute(&p, 2, 8, 1, &whole, &err));
-    assert_ok(iso_joint_compute(&p, 2, 8, 5, &other, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, 1, 1, &whole, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, 1, 5, &other, &err));
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_builder *b;
-    assert_ok(iso_joint_begin(&whole.z, &whole.s, n, m, 2, 2, &b, &err));
+    assert_ok(iso_joint_begin(&whole.z, &whole.s, 1, n, m, 2, 2, &b, &err));
     for (size_t z = 0; z < n[2]; z += 3) {
         size_t end = z + 3 < n[2] ? z + 3 : n[2], first, count;
         iso_joint_needs(b, z, end, &first, &count);
         assert_true(count <= 3 && first + count <= m[2]);
-        assert_ok(iso_joint_add(b, z, end, p.levels[0].scalar + z * n[0] * n[1], p.levels[2].scalar + first * m[0] * m[1], &err));
+        assert_ok(iso_joint_add(b, z, end, p.levels[0].scalar + z * n[0] * n[1], p.levels[2].scalar + first * m[0] * m[1], NULL, &err));
     }
     assert_ok(iso_joint_end(b, &other, &err));
     assert_same_joint(&whole, &other);
@@ -161,16 +161,16 @@ static void stored_histograms_come_back_and_foreign_ones_are_refused(void **stat
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
         iso_joint j, back;
-        assert_ok(iso_joint_compute(&p, 1, bits, 1, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, 1, 1, &j, &err));
         assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
-        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, j.voxel_count, &back, &err));
+        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, 1, j.voxel_count, &back, &err));
         assert_same_joint(&j, &back);
         iso_joint_destroy(&back);
-        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, 1, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
         iso_bins other = j.z;
         other.step *= 1.01;
-        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, j.voxel_count, &back, &err), ISO_E_FORMAT);
-        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, j.voxel_count, &back, &err), ISO_E_IO);
+        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, 1, j.voxel_count, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, 1, j.voxel_count, &back, &err), ISO_E_IO);
         iso_joint_destroy(&j);
     }
     iso_pyramid_destroy(&p);
@@ -190,7 +190,7 @@ typedef struct entry {
 /* A histogram of BINS x BINS bins of step 2 from 10; entries ascend. */
 static iso_joint make_joint(const entry *entries, size_t count)
 {
-    iso_joint j = {.z = {BINS, 10, 2}, .s = {BINS, 10, 2}, .entry_count = count};
+    iso_joint j = {.z = {BINS, 10, 2}, .s = {BINS, 10, 2}, .class_count = 1, .entry_count = count};
     j.row_start = calloc(BINS + 1, sizeof *j.row_start);
     j.entry_z = malloc((count + 1) * sizeof *j.entry_z);
     j.entry_count_of = malloc((count + 1) * sizeof *j.entry_count_of);
@@ -455,6 +455,81 @@ static void judgement_is_the_error_at_the_voxels(void **state)
     iso_joint_destroy(&j);
 }
 
+/* 12 x 8 x 8 voxels: a homogeneous block of value 50 in the planes x < 4, and a plate of 100 in x = 7 and 8. The plate
+ * fills half of its coarse voxels, so at level 1 it has the value 50 too. */
+static iso_pyramid shared_value_pyramid(bool with_block)
+{
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){12, 8, 8}, (double[]){1, 1, 1});
+    iso_volume v;
+    iso_pyramid p;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "v", &err));
+    for (size_t z = 0; z < 8; ++z)
+        for (size_t y = 0; y < 8; ++y) {
+            uint8_t *row = (uint8_t *)v.data + (z * 8 + y) * 12;
+            for (size_t x = 0; with_block && x < 4; ++x)
+                row[x] = 50;
+            row[7] = row[8] = 100;
+        }
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
+    iso_volume_destroy(&v);
+    return p;
+}
+
+static void a_tissue_that_shares_a_value_keeps_the_original_tf(void **state)
+{
+    (void)state;
+    /* 100 is opaque, 50 is not */
+    iso_tf_table tf = {.count = 256, .lo = 0, .hi = 255, .entries = calloc(4 * 256, sizeof(float))}, out;
+    for (size_t i = 80; i < 256; ++i)
+        tf.entries[4 * i] = 1, tf.entries[4 * i + 3] = 2;
+    for (int with_block = 0; with_block < 2; ++with_block) {
+        iso_pyramid p = shared_value_pyramid(with_block);
+        iso_adapt_options opt = iso_adapt_defaults();
+        iso_adapt_judgement v;
+        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+        /* 2 x 4 x 4 coarse voxels of the block light up, as many as the plate has */
+        assert_within(v.false_visible, with_block, 0);
+        assert_int_equal(v.use_original, with_block);
+        assert_true((out.entries[4 * 50 + 3] > 0.01f) == !with_block);
+        iso_tf_table_destroy(&out);
+        opt.fall_back = false;
+        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+        assert_more_than(out.entries[4 * 50 + 3], 0.01); /* the planted fault: without the indicator the block shows */
+        iso_tf_table_destroy(&out);
+        iso_pyramid_destroy(&p);
+    }
+    iso_tf_table_destroy(&tf);
+}
+
+static void classes_split_homogeneous_voxels_from_mixed_ones(void **state)
+{
+    (void)state;
+    iso_pyramid p = shared_value_pyramid(true);
+    iso_joint one, split;
+    assert_ok(iso_joint_compute(&p, 1, 8, 1, 1, &one, &err));
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_JOINT_CLASSES, 2, &split, &err));
+    assert_int_equal(split.voxel_count, one.voxel_count);
+    for (size_t s = 0; s < one.s.count; ++s) { /* the classes of a row sum to the row */
+        uint64_t whole = 0, parts = 0;
+        for (size_t i = one.row_start[s]; i < one.row_start[s + 1]; ++i)
+            whole += one.entry_count_of[i];
+        for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
+            for (size_t i = split.row_start[c * one.s.count + s]; i < split.row_start[c * one.s.count + s + 1]; ++i)
+                parts += split.entry_count_of[i];
+        assert_int_equal(whole, parts);
+    }
+    /* value 50: class 0 holds the block alone, and the plate has the class of deviation 50, the largest there is */
+    assert_more_than((double)count_of(&split, 50, 50), 100);
+    assert_int_equal(count_of(&split, 50, 100), 0);
+    assert_more_than((double)count_of(&split, 7 * 256 + 50, 100), 10);
+    assert_int_equal(count_of(&split, 7 * 256 + 50, 50), 0);
+    iso_joint_destroy(&one);
+    iso_joint_destroy(&split);
+    iso_pyramid_destroy(&p);
+}
+
 static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **state)
 {
     (void)state;
@@ -493,6 +568,8 @@ int main(void)
         cmocka_unit_test(options_outside_their_limits_are_refused),
         cmocka_unit_test(a_table_as_a_tf_file_gives_the_same_entries_back),
         cmocka_unit_test(judgement_is_the_error_at_the_voxels),
+        cmocka_unit_test(a_tissue_that_shares_a_value_keeps_the_original_tf),
+        cmocka_unit_test(classes_split_homogeneous_voxels_from_mixed_ones),
         cmocka_unit_test(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

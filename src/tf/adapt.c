@@ -341,7 +341,7 @@ static void rms_errors(const iso_joint *j, const iso_tf_table *tf, const iso_tf_
 iso_adapt_judgement iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted,
                                     const iso_geometry *level0, size_t level)
 {
-    iso_adapt_judgement r;
+    iso_adapt_judgement r = {0};
     double length_mm = iso_geometry_mean_spacing_mm(level0);
     rms_errors(j, tf, adapted, length_mm, &r.rms_original, &r.rms_adapted);
     rms_errors(j, tf, adapted, ldexp(length_mm, (int)level), &r.deep_rms_original, &r.deep_rms_adapted);
@@ -374,14 +374,16 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
             *judgement = verdict;
         return copy_table(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, 1, opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);
     if (status == ISO_OK)
         status = iso_adapter_apply(adapter, tf, level0, level, table, err);
     if (status == ISO_OK)
         verdict = iso_adapt_judge(&joint, tf, table, level0, level);
-    verdict.use_original = verdict.use_original && opt->fall_back;
+    if (status == ISO_OK && opt->fall_back)
+        status = iso_adapt_false_visible(p, level, &joint.z, tf, table, opt->threads, &verdict.false_visible, err);
+    verdict.use_original = opt->fall_back && (verdict.use_original || verdict.false_visible > ISO_FALSE_VISIBLE_LIMIT);
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);
         status = copy_table(tf, table, err);

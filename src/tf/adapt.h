@@ -83,10 +83,26 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 typedef struct iso_adapt_judgement {
     double rms_original, rms_adapted;           /* over a level-0 voxel */
     double deep_rms_original, deep_rms_adapted; /* over a voxel of the level */
+    double false_visible;                       /* iso_adapt_false_visible() */
     bool use_original;
 } iso_adapt_judgement;
 iso_adapt_judgement iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
                                     const iso_geometry *level0, size_t level);
+
+/* Voxels of the level that an adapted TF shows although none of their fine
+ * voxels is visible, against those that hold something visible: what a tissue
+ * costs that shares its value with a thin structure. Errors of single voxels do
+ * not tell (an adapted TF always has the smaller), this does: it finds where
+ * something appears in front of the empty background. Visible: opacity above
+ * ISO_VISIBLE_OPACITY over one voxel of the level; shown: above
+ * ISO_SHOWN_OPACITY. z: bins of level 0. No rendering; one pass over level 0. */
+#define ISO_VISIBLE_OPACITY 0.002
+#define ISO_SHOWN_OPACITY 0.02
+/* Above this the original TF is kept. Between .07 and .09 nothing changed on
+ * the volumes that it was chosen with (doc/adaptive-tf.md). */
+#define ISO_FALSE_VISIBLE_LIMIT 0.08
+iso_status iso_adapt_false_visible(const iso_pyramid *p, size_t level, const iso_bins *z, const iso_tf_table *tf,
+                                   const iso_tf_table *adapted, int threads, double *fraction, iso_error *err);
 
 /* All of it for one level of a pyramid: what renderers and exporters call. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy

@@ -86,13 +86,13 @@ typedef struct counter {
     uint32_t *tables; /* two dense ones: neighbours fall into different ones, so that an increment need not wait for the last */
     pair_map map;
     float *blended, *expanded;
-    uint32_t *z_bins, *s_bins;
+    uint32_t *z_bins, *s_bins, *class_bins;
     bool failed;
 } counter;
 
 struct iso_joint_builder {
     iso_bins z, s;
-    size_t fine[3], coarse[3], level;
+    size_t classes, fine[3], coarse[3], level;
     int thread_count;
     bool dense;
     counter *counters; /* one a thread */
@@ -100,6 +100,11 @@ struct iso_joint_builder {
     pair_map map;
     uint64_t voxel_count;
 };
+
+static size_t pair_count(const iso_joint_builder *b)
+{
+    return b->z.count * b->s.count * b->classes;
+}
 
 static void free_counter(counter *c)
 {
@@ -109,17 +114,18 @@ static void free_counter(counter *c)
     free(c->expanded);
     free(c->z_bins);
     free(c->s_bins);
+    free(c->class_bins);
 }
 
 static bool make_counter(counter *c, const iso_joint_builder *b)
 {
-    size_t pairs = b->z.count * b->s.count;
     c->blended = malloc(b->coarse[0] * sizeof *c->blended);
     c->expanded = malloc(b->fine[0] * sizeof *c->expanded);
     c->z_bins = malloc(b->fine[0] * sizeof *c->z_bins);
     c->s_bins = malloc(b->fine[0] * sizeof *c->s_bins);
-    c->tables = b->dense ? calloc(2 * pairs, sizeof *c->tables) : NULL;
-    return c->blended && c->expanded && c->z_bins && c->s_bins && (c->tables || !b->dense);
+    c->tables = b->dense ? calloc(2 * pair_count(b), sizeof *c->tables) : NULL;
+    c->class_bins = malloc(b->fine[0] * sizeof *c->class_bins);
+    return c->blended && c->expanded && c->z_bins && c->s_bins && c->class_bins && (c->tables || !b->dense);
 }
 
 void iso_joint_abandon(iso_joint_builder *b)
@@ -134,12 +140,15 @@ void iso_joint_abandon(iso_joint_builder *b)
     free(b);
 }
 
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, const size_t fine_size[3], const size_t coarse_size[3],
-                           size_t level, int threads, iso_joint_builder **builder, iso_error *err)
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes, const size_t fine_size[3],
+                           const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
+                           iso_error *err)
 {
     *builder = NULL;
     if (level < 1 || level > 30)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
+    if (classes != 1 && classes != ISO_JOINT_CLASSES)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu classes, must be 1 or %d", classes, ISO_JOINT_CLASSES);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
             return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
@@ -147,10 +156,10 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, const size_t fi
     iso_joint_builder *b = calloc(1, sizeof *b);
     if (!b)
         return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
-    *b = (iso_joint_builder){.z = *z, .s = *s, .level = level, .thread_count = iso_threads(threads)};
+    *b = (iso_joint_builder){.z = *z, .s = *s, .classes = classes, .level = level, .thread_count = iso_threads(threads)};
     memcpy(b->fine, fine_size, sizeof b->fine);
     memcpy(b->coarse, coarse_size, sizeof b->coarse);
-    size_t pairs = z->count * s->count;
+    size_t pairs = pair_count(b);
     b->dense = pairs <= DENSE_PAIRS;
     if (b->dense && pairs > 1 << 20 && b->thread_count > 4)
         b->thread_count = 4; /* tables of 128 MiB each */
@@ -181,7 +190,7 @@ static void count_row(const iso_joint_builder *b, counter *c)
             c->failed = !map_add(&c->map, (uint32_t)(c->s_bins[x] * z_count + c->z_bins[x]), 1);
         return;
     }
-    uint32_t *even = c->tables, *odd = c->tables + z_count * b->s.count;
+    uint32_t *even = c->tables, *odd = c->tables + pair_count(b);
     size_t x = 0;
     for (; x + 1 < n; x += 2) {
         ++even[c->s_bins[x] * z_count + c->z_bins[x]];
@@ -191,8 +200,8 @@ static void count_row(const iso_joint_builder *b, counter *c)
         ++even[c->s_bins[x] * z_count + c->z_bins[x]];
 }
 
-static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
-                    const float *coarse, size_t coarse_z0)
+/* Level k's row at the fine voxels of row (y, z). */
+static void lookup_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *coarse, size_t coarse_z0)
 {
     iso_phase py = iso_phase_at(y, b->level, b->coarse[1]), pz = iso_phase_at(z, b->level, b->coarse[2]);
     size_t plane = b->coarse[0] * b->coarse[1];
@@ -203,15 +212,28 @@ static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, 
                               pz.weight_right * py.weight_left, pz.weight_right * py.weight_right};
     iso_blend_rows(rows, weights, b->coarse[0], c->blended);
     iso_expand_row(c->blended, b->coarse[0], b->level, b->fine[0], c->expanded);
-    iso_nearest_bins(c->expanded, b->fine[0], (float)b->s.lo, (float)(1 / b->s.step), (uint32_t)b->s.count, c->s_bins);
-    iso_nearest_bins(fine_row, b->fine[0], (float)b->z.lo, (float)(1 / b->z.step), (uint32_t)b->z.count, c->z_bins);
+}
+
+static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
+                    const float *coarse, const float *classes, size_t coarse_z0)
+{
+    size_t n = b->fine[0];
+    lookup_row(b, c, y, z, coarse, coarse_z0);
+    iso_nearest_bins(c->expanded, n, (float)b->s.lo, (float)(1 / b->s.step), (uint32_t)b->s.count, c->s_bins);
+    iso_nearest_bins(fine_row, n, (float)b->z.lo, (float)(1 / b->z.step), (uint32_t)b->z.count, c->z_bins);
+    if (b->classes > 1) {
+        lookup_row(b, c, y, z, classes, coarse_z0);
+        iso_nearest_bins(c->expanded, n, 0, 1, (uint32_t)b->classes, c->class_bins);
+        for (size_t x = 0; x < n; ++x)
+            c->s_bins[x] += c->class_bins[x] * (uint32_t)b->s.count;
+    }
     count_row(b, c);
 }
 
 /* The threads' counts go to the sums. */
 static bool merge(iso_joint_builder *b)
 {
-    size_t pairs = b->z.count * b->s.count;
+    size_t pairs = pair_count(b);
     bool good = true;
     for (int t = 0; t < b->thread_count; ++t) {
         counter *c = &b->counters[t];
@@ -228,7 +250,8 @@ static bool merge(iso_joint_builder *b)
     return good;
 }
 
-iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse, iso_error *err)
+iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse,
+                         const float *classes, iso_error *err)
 {
     size_t ny = b->fine[1], nx = b->fine[0], first, count, part = (size_t)b->thread_count;
     iso_joint_needs(b, z0, z1, &first, &count);
@@ -236,7 +259,7 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
     for (size_t t = 0; t < part; ++t) {
         size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
         for (size_t r = row0; r < row1; ++r)
-            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, first);
+            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, classes, first);
     }
     b->voxel_count += (uint64_t)((z1 - z0) * ny * nx);
     return merge(b) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
@@ -244,10 +267,10 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
 
 /* ---- rows ----------------------------------------------------------------------- */
 
-static iso_status make_rows(iso_joint *joint, const iso_bins *z, const iso_bins *s, size_t entry_count, iso_error *err)
+static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t entry_count, iso_error *err)
 {
-    *joint = (iso_joint){.z = *z, .s = *s, .entry_count = entry_count};
-    joint->row_start = calloc(s->count + 1, sizeof *joint->row_start);
+    *joint = (iso_joint){.z = b->z, .s = b->s, .class_count = b->classes, .entry_count = entry_count};
+    joint->row_start = calloc(iso_joint_row_count(joint) + 1, sizeof *joint->row_start);
     joint->entry_z = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_z);
     joint->entry_count_of = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_count_of);
     if (joint->row_start && joint->entry_z && joint->entry_count_of)
@@ -267,7 +290,7 @@ static void put_entry(iso_joint *joint, size_t at, size_t key, uint64_t count)
 
 static void sum_rows(iso_joint *joint)
 {
-    for (size_t i = 0; i < joint->s.count; ++i)
+    for (size_t i = 0; i < iso_joint_row_count(joint); ++i)
         joint->row_start[i + 1] += joint->row_start[i];
 }
 
@@ -285,7 +308,7 @@ static int compare_pairs(const void *a, const void *b)
 static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
 {
     pair *pairs = malloc((b->map.used ? b->map.used : 1) * sizeof *pairs);
-    iso_status status = pairs ? make_rows(joint, &b->z, &b->s, b->map.used, err)
+    iso_status status = pairs ? make_rows(joint, b, b->map.used, err)
                               : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", b->map.used);
     if (status == ISO_OK) {
         size_t used = 0;
@@ -301,12 +324,13 @@ static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, is
     return status;
 }
 
-static iso_status rows_from_table(const uint64_t *table, const iso_bins *z, const iso_bins *s, iso_joint *joint, iso_error *err)
+static iso_status rows_from_table(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
 {
-    size_t pairs = z->count * s->count, entries = 0;
+    const uint64_t *table = b->table;
+    size_t pairs = pair_count(b), entries = 0;
     for (size_t i = 0; i < pairs; ++i)
         entries += table[i] > 0;
-    iso_status status = make_rows(joint, z, s, entries, err);
+    iso_status status = make_rows(joint, b, entries, err);
     if (status != ISO_OK)
         return status;
     for (size_t i = 0, at = 0; i < pairs; ++i)
@@ -319,7 +343,7 @@ static iso_status rows_from_table(const uint64_t *table, const iso_bins *z, cons
 iso_status iso_joint_end(iso_joint_builder *b, iso_joint *joint, iso_error *err)
 {
     *joint = (iso_joint){0};
-    iso_status status = b->dense ? rows_from_table(b->table, &b->z, &b->s, joint, err) : rows_from_map(b, joint, err);
+    iso_status status = b->dense ? rows_from_table(b, joint, err) : rows_from_map(b, joint, err);
     iso_joint_abandon(b);
     return status;
 }
@@ -334,27 +358,87 @@ void iso_joint_destroy(iso_joint *joint)
     *joint = (iso_joint){0};
 }
 
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, int threads, iso_joint *joint, iso_error *err)
+/* ---- deviation classes -------------------------------------------------------------- */
+
+static double class_coordinate(const float *fine, const size_t n[3], size_t z0, size_t level, const size_t at[3], double half_range)
+{
+    size_t lo[3], hi[3], count = 1;
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = at[a] << level;
+        hi[a] = lo[a] + ((size_t)1 << level) < n[a] ? lo[a] + ((size_t)1 << level) : n[a];
+        count *= hi[a] - lo[a];
+    }
+    const double shift = (double)fine[((lo[2] - z0) * n[1] + lo[1]) * n[0] + lo[0]]; /* small differences, no cancellation */
+    double sum = 0, square = 0;
+    for (size_t z = lo[2]; z < hi[2]; ++z)
+        for (size_t y = lo[1]; y < hi[1]; ++y) {
+            const float *row = fine + ((z - z0) * n[1] + y) * n[0];
+            for (size_t x = lo[0]; x < hi[0]; ++x) {
+                double d = (double)row[x] - shift;
+                sum += d;
+                square += d * d;
+            }
+        }
+    double mean = sum / (double)count, variance = fmax(square / (double)count - mean * mean, 0);
+    return half_range > 0 ? (ISO_JOINT_CLASSES - 1) * sqrt(fmin(sqrt(variance) / half_range, 1)) : 0;
+}
+
+void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
+                            size_t c1, double half_range, int threads, float *out)
+{
+    size_t rows = (c1 - c0) * coarse_size[1];
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+    for (size_t r = 0; r < rows; ++r)
+        for (size_t x = 0; x < coarse_size[0]; ++x) {
+            const size_t at[3] = {x, r % coarse_size[1], c0 + r / coarse_size[1]};
+            out[r * coarse_size[0] + x] = (float)class_coordinate(fine, fine_size, c0 << level, level, at, half_range);
+        }
+}
+
+/* ---- a pyramid in memory ------------------------------------------------------------- */
+
+static iso_status count_all(const iso_pyramid *p, size_t level, const float *classes, iso_joint_builder *b, iso_error *err)
+{
+    const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
+    const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
+    size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
+    iso_status status = ISO_OK;
+    for (size_t z0 = 0; status == ISO_OK && z0 < n[2]; z0 += slab) {
+        size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
+        iso_joint_needs(b, z0, z1, &first, &count);
+        status = iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1],
+                               classes ? classes + first * m[0] * m[1] : NULL, err);
+    }
+    return status;
+}
+
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_t classes, int threads, iso_joint *joint,
+                             iso_error *err)
 {
     *joint = (iso_joint){0};
     if (level < 1 || level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to %zu", level, p->level_count - 1);
     if (bits < 8 || bits > 16)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits, must be 8 to 16", bits);
-    const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
-    const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
+    if (classes > 1 && bits > 12)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with classes, must be 8 to 12", bits);
+    const iso_level *fine = &p->levels[0];
+    const size_t *n = fine->geometry.size, *m = p->levels[level].geometry.size;
     iso_bins z, s;
     iso_joint_builder *b;
+    float *planes = NULL;
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    iso_status status = iso_joint_begin(&z, &s, n, m, level, threads, &b, err);
-    if (status != ISO_OK)
-        return status;
-    size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
-    for (size_t z0 = 0; status == ISO_OK && z0 < n[2]; z0 += slab) {
-        size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
-        iso_joint_needs(b, z0, z1, &first, &count);
-        status = iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1], err);
+    iso_status status = iso_joint_begin(&z, &s, classes, n, m, level, threads, &b, err);
+    if (status == ISO_OK && classes > 1) {
+        planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
+        if (!planes)
+            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the classes of %zu voxels", m[0] * m[1] * m[2]);
+        else
+            iso_joint_class_planes(fine->scalar, n, m, level, 0, m[2], (fine->max - fine->min) / 2, threads, planes);
     }
+    if (status == ISO_OK)
+        status = count_all(p, level, planes, b, err);
+    free(planes);
     if (status == ISO_OK)
         return iso_joint_end(b, joint, err);
     iso_joint_abandon(b);

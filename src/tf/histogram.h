@@ -19,6 +19,12 @@
  * 3 (2k + 1) or so binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
  * Counts are integers, so threads and slabs change nothing.
  *
+ * Classes split each row by the deviation of the fine values inside the coarse
+ * voxel: a homogeneous tissue and the partial voxels of a thin structure that
+ * share a value s fall apart. Class coordinate (classes - 1) sqrt(2 deviation /
+ * range), looked up like s, then rounded. The root spends classes on small
+ * deviations; range / 2 is the largest there can be.
+ *
  * Kept as rows of (z, count), z ascending; stored dense or sparse, whichever is
  * smaller. */
 #ifndef ISO_TF_HISTOGRAM_H
@@ -30,6 +36,7 @@
 #include "pyramid/pyramid.h"
 
 #define ISO_JOINT_MAX_ROWS 4096
+#define ISO_JOINT_CLASSES 8
 
 typedef struct iso_bins {
     size_t count;
@@ -38,19 +45,26 @@ typedef struct iso_bins {
 
 typedef struct iso_joint {
     iso_bins z, s;
+    size_t class_count;   /* 1, or ISO_JOINT_CLASSES: then row c * s.count + i is bin i of class c */
     uint64_t voxel_count; /* the sum of all counts */
     size_t entry_count;
-    size_t *row_start; /* s.count + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
+    size_t *row_start; /* rows + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
     uint16_t *entry_z; /* bins of z */
     uint64_t *entry_count_of;
 } iso_joint;
 
+static inline size_t iso_joint_row_count(const iso_joint *j)
+{
+    return j->s.count * j->class_count;
+}
+
 /* The bins for values in [min, max] of level 0. bits 8 to 16. */
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s);
 
-/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16).
- * ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, int threads, iso_joint *joint, iso_error *err);
+/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16). classes:
+ * 1 or ISO_JOINT_CLASSES. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_t classes, int threads, iso_joint *joint,
+                             iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
 /* ---- the same plane by plane, for volumes larger than memory ---------------- */
@@ -58,29 +72,36 @@ void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 typedef struct iso_joint_builder iso_joint_builder;
 
 /* fine_size: of level 0; coarse_size: of level `level`. */
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, const size_t fine_size[3], const size_t coarse_size[3],
-                           size_t level, int threads, iso_joint_builder **builder, iso_error *err);
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes, const size_t fine_size[3],
+                           const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
+                           iso_error *err);
 /* The coarse planes [*first, *first + *count) that the fine planes [z0, z1) look at. */
 void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
-/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(). At most 2^31 voxels at once. */
+/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(); classes:
+ * those planes of class coordinates, NULL with 1 class. At most 2^31 voxels at once. */
 iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
-                         iso_error *err);
+                         const float *classes, iso_error *err);
 /* Frees the builder in every case. */
 iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
 void iso_joint_abandon(iso_joint_builder *builder);
 
+/* Class coordinates of the coarse planes [c0, c1), in [0, ISO_JOINT_CLASSES - 1]. fine: level 0's
+ * planes from c0 2^level on. half_range: (max - min) / 2 of level 0. */
+void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
+                            size_t c1, double half_range, int threads, float *out);
+
 /* ---- beside the level -------------------------------------------------------- */
 
-/* DIR/level_K_jointBITS.nrrd, gzip: dense (z fastest, then s), or sparse, three
+/* DIR/level_K_jointBITS.nrrd (with classes level_K_jointBITSxCLASSES.nrrd), gzip: dense (z fastest, then s), or sparse, three
  * numbers an entry: z, s, count. Bins stand in the file's geometry. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
 /* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, size_t classes,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads what is stored in `dir`, else computes it and stores it there. dir may
  * be NULL; a folder that cannot be written is no failure. */
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, int threads, iso_joint *joint,
-                            iso_error *err);
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, size_t classes, int threads,
+                            iso_joint *joint, iso_error *err);
 
 /* Bytes of the smaller form before compression, for Table 1's figures. */
 double iso_joint_stored_bytes(const iso_joint *joint);

@@ -8,9 +8,11 @@
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
-static char *file_path(const char *dir, size_t level, int bits)
+static char *file_path(const char *dir, size_t level, int bits, size_t classes)
 {
     char *path = NULL;
+    if (classes > 1)
+        return asprintf(&path, "%s/level_%zu_joint%dx%zu.nrrd", dir, level, bits, classes) < 0 ? NULL : path;
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
 
@@ -24,19 +26,19 @@ static bool fits_32_bits(const iso_joint *j)
 
 static bool sparse_is_smaller(const iso_joint *j)
 {
-    return 3 * j->entry_count < j->z.count * j->s.count;
+    return 3 * j->entry_count < j->z.count * iso_joint_row_count(j);
 }
 
 double iso_joint_stored_bytes(const iso_joint *j)
 {
-    double numbers = sparse_is_smaller(j) ? 3.0 * (double)j->entry_count : (double)j->z.count * (double)j->s.count;
+    double numbers = sparse_is_smaller(j) ? 3.0 * (double)j->entry_count : (double)j->z.count * (double)iso_joint_row_count(j);
     return numbers * (fits_32_bits(j) ? 4 : 8);
 }
 
 /* Axis x steps through z, axis y through s; the first sample lies at (z.lo, s.lo). */
 static iso_geometry bins_geometry(const iso_joint *j, bool sparse)
 {
-    size_t size[3] = {sparse ? 3 : j->z.count, sparse ? (j->entry_count ? j->entry_count : 1) : j->s.count, 1};
+    size_t size[3] = {sparse ? 3 : j->z.count, sparse ? (j->entry_count ? j->entry_count : 1) : iso_joint_row_count(j), 1};
     double spacing[3] = {j->z.step, j->s.step, 1};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     g.origin_mm = iso_v3(j->z.lo - j->z.step / 2, j->s.lo - j->s.step / 2, 0);
@@ -61,10 +63,10 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
     bool sparse = sparse_is_smaller(j);
     iso_geometry g = bins_geometry(j, sparse);
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits);
+    char *path = file_path(dir, level, bits, j->class_count);
     iso_status status = path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
-    for (size_t s = 0; status == ISO_OK && s < j->s.count; ++s)
+    for (size_t s = 0; status == ISO_OK && s < iso_joint_row_count(j); ++s)
         for (size_t i = j->row_start[s]; i < j->row_start[s + 1]; ++i) {
             if (sparse) {
                 put_number(&v, 3 * i, j->entry_z[i]);
@@ -80,17 +82,18 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 }
 
 /* Fills the rows from the file's numbers; false when they are not what save writes. */
-static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_joint *j, iso_error *err)
+static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, size_t classes,
+                            iso_joint *j, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     bool sparse = n[0] == 3 && z->count != 3;
-    size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
-    if (!sparse && (n[0] != z->count || n[1] != s->count))
-        return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, s->count);
+    size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0, rows = s->count * classes;
+    if (!sparse && (n[0] != z->count || n[1] != rows))
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
-    *j = (iso_joint){.z = *z, .s = *s, .entry_count = entries};
-    j->row_start = calloc(s->count + 1, sizeof *j->row_start);
+    *j = (iso_joint){.z = *z, .s = *s, .class_count = classes, .entry_count = entries};
+    j->row_start = calloc(rows + 1, sizeof *j->row_start);
     j->entry_z = malloc((entries + 1) * sizeof *j->entry_z);
     j->entry_count_of = malloc((entries + 1) * sizeof *j->entry_count_of);
     if (!j->row_start || !j->entry_z || !j->entry_count_of)
@@ -100,7 +103,7 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
         if (count == 0)
             continue;
         uint64_t zi = sparse ? get_number(v, 3 * i) : i % z->count, si = sparse ? get_number(v, 3 * i + 1) : i / z->count;
-        if (zi >= z->count || si >= s->count || (at > 0 && si * z->count + zi <= last_key))
+        if (zi >= z->count || si >= rows || (at > 0 && si * z->count + zi <= last_key))
             return iso_fail(err, ISO_E_FORMAT, "%s: entry %zu is (%llu, %llu), out of order or of range", path, i,
                             (unsigned long long)zi, (unsigned long long)si);
         last_key = (size_t)(si * z->count + zi);
@@ -109,17 +112,17 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
         j->voxel_count += count;
         ++j->row_start[si + 1];
     }
-    for (size_t i = 0; i < s->count; ++i)
+    for (size_t i = 0; i < rows; ++i)
         j->row_start[i + 1] += j->row_start[i];
     return ISO_OK;
 }
 
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, size_t classes,
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits);
+    char *path = file_path(dir, level, bits, classes);
     iso_status status = path ? iso_volume_load(path, &v, err) : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
         status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
@@ -132,7 +135,7 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     if (status == ISO_OK)
-        status = read_rows(&v, path, z, s, j, err);
+        status = read_rows(&v, path, z, s, classes, j, err);
     if (status == ISO_OK && j->voxel_count != voxel_count)
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
@@ -143,16 +146,17 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
     return status;
 }
 
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, int threads, iso_joint *j, iso_error *err)
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, size_t classes, int threads,
+                            iso_joint *j, iso_error *err)
 {
     iso_bins z, s;
     const iso_level *fine = &p->levels[0];
     if (bits < 8 || bits > 16 || level < 1 || level >= p->level_count)
-        return iso_joint_compute(p, level, bits, threads, j, err); /* names the value and the limit */
+        return iso_joint_compute(p, level, bits, classes, threads, j, err); /* names the value and the limit */
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    if (dir && iso_joint_load(dir, level, bits, &z, &s, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
+    if (dir && iso_joint_load(dir, level, bits, &z, &s, classes, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
         return ISO_OK;
-    iso_status status = iso_joint_compute(p, level, bits, threads, j, err);
+    iso_status status = iso_joint_compute(p, level, bits, classes, threads, j, err);
     if (status == ISO_OK && dir)
         iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */
     return status;
