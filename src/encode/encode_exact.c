@@ -4,19 +4,7 @@
 #include "encode/decode_double.h"
 #include "encode/encode_kernel.h"
 #include "encode/fit.h"
-
-/* The order of |components|, largest first. */
-static void rank(const double v[3], int order[3])
-{
-    order[0] = 0, order[1] = 1, order[2] = 2;
-    for (int pass = 0; pass < 2; ++pass)
-        for (int i = 0; i < 2 - pass; ++i)
-            if (fabs(v[order[i]]) < fabs(v[order[i + 1]])) {
-                int swap = order[i];
-                order[i] = order[i + 1];
-                order[i + 1] = swap;
-            }
-}
+#include "encode/region48.h"
 
 /* ---- fit ---- */
 
@@ -39,7 +27,7 @@ static void fit_one(const float *direction, uint8_t *bytes)
     int order[3];
     for (int a = 0; a < 3 && length > 0; ++a)
         u[a] /= length;
-    rank(u, order);
+    iso_rank(u, order);
     for (int m = -127; m <= 127 && length > 0; ++m) { /* of the largest component */
         double e[3], at = m / u[order[0]], middle = rint(at * u[order[1]]), low = rint(at * u[order[2]]);
         e[order[0]] = m;
@@ -74,7 +62,7 @@ static double inverse_f(double y)
     return 2 * y / (k + sqrt(k * k + 4 * l * y));
 }
 
-static iso_vec3 transform(iso_vec3 U)
+iso_vec3 iso_region48_transform(iso_vec3 U)
 {
     double lo = 0, hi = 1; /* f(t) <= t, so S <= 1 */
     for (int i = 0; i < 50; ++i) {
@@ -87,23 +75,18 @@ static iso_vec3 transform(iso_vec3 U)
     return iso_v3(inverse_f(hi * U.x), inverse_f(hi * U.y), inverse_f(hi * U.z));
 }
 
-static double nearest_odd(double x)
-{
-    return 2 * floor(0.5 * x) + 1;
-}
-
 /* Odd (a, b, c), a >= b >= c > 0, whose decoded direction is nearest to the
  * sorted unit vector d. Lengths up to 1/3 add no direction: three times the
  * vector is on the lattice too. At each length all neighbours of the rounding
  * are tried. */
 static iso_vec3 region48_search(iso_vec3 d)
 {
-    iso_vec3 t = transform(iso_v3((d.x - d.y) / d.x, (d.y - d.z) / d.x, d.z / d.x));
+    iso_vec3 t = iso_region48_transform(iso_v3((d.x - d.y) / d.x, (d.y - d.z) / d.x, d.z / d.x));
     iso_vec3 best = {0, 0, 0};
     double best_distance = INFINITY;
     for (double a = 255; a > 85; a -= 2)
         for (int i = 0; i < 9; ++i) {
-            double b = nearest_odd(a * (t.y + t.z)) + 2 * (i % 3) - 2, c = nearest_odd(a * t.z) + 2 * (i / 3) - 2;
+            double b = iso_nearest_odd(a * (t.y + t.z)) + 2 * (i % 3) - 2, c = iso_nearest_odd(a * t.z) + 2 * (i / 3) - 2;
             if (b > a || c > b || c < 1)
                 continue;
             iso_vec3 e = {a, b, c}, off = iso_sub(iso_normalize(iso_decode_region48(e)), d);
@@ -120,16 +103,14 @@ static void region48_one(const float *direction, uint8_t *bytes)
 {
     double v[3] = {direction[0], direction[1], direction[2]};
     int order[3];
-    rank(v, order);
+    iso_rank(v, order);
     iso_vec3 sorted = {fabs(v[order[0]]), fabs(v[order[1]]), fabs(v[order[2]])};
     if (!(sorted.x > 0)) {
         bytes[0] = bytes[1] = bytes[2] = 128;
         return;
     }
     iso_vec3 e = region48_search(iso_normalize(sorted));
-    double ranked[3] = {e.x, e.y, e.z};
-    for (int a = 0; a < 3; ++a)
-        bytes[order[a]] = (uint8_t)(int)((v[order[a]] < 0 ? 255 - ranked[a] : 255 + ranked[a]) / 2);
+    iso_region48_bytes(v, order, e, bytes);
 }
 
 void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count)

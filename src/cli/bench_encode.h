@@ -1,0 +1,21 @@
+/* bench_encode.h - the parts of `bench encode` that reproduce or refute the
+ * paper. Each prints a table (text) and adds its results to root. */
+#ifndef ISO_CLI_BENCH_ENCODE_H
+#define ISO_CLI_BENCH_ENCODE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
+iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
+
+/* "convexity": how far between voxels the paper's warp leaves the directions it lies between. */
+iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err);
+
+/* "coherence": directions whose length is a weight, by code. */
+iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso_error *err);
+
+#endif

@@ -1,0 +1,27 @@
+/* encode_paper.h - the encoder of code region48 as gradients-2017 section 4.3
+ * describes it: the transform T from a table, then a linear search along the
+ * transformed direction. Kept to reproduce the paper's tables 3 and 4; the code's
+ * own encoder (encode_region48.c) needs no table and finds the same. */
+#ifndef ISO_ENCODE_PAPER_H
+#define ISO_ENCODE_PAPER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* T at the barycentric points (i, j, size-1-i-j) / (size-1): the diagonal plane of
+ * a cube of size^3 entries, as in the paper's Figure 13. */
+typedef struct iso_paper_table {
+    size_t size;
+    double (*entries)[3]; /* size * size; row i, column j; those with i + j >= size stay unused */
+} iso_paper_table;
+
+/* size 2 to 1024: ISO_E_RANGE; ISO_E_MEMORY. */
+iso_status iso_paper_table_create(size_t size, iso_paper_table *table, iso_error *err);
+void iso_paper_table_destroy(iso_paper_table *table);
+
+void iso_paper_encode(const iso_paper_table *table, const float *restrict directions, uint8_t *restrict bytes,
+                      size_t count);
+
+#endif
