@@ -31,7 +31,7 @@ static const char thin_tf[] =
 typedef struct scene_case {
     iso_field_kind field;
     iso_type type;
-    double shear;
+    double shear, scale;
     bool orthographic;
     size_t level;
     const char *tf;
@@ -45,7 +45,7 @@ typedef struct subject {
 } subject;
 
 /* Unequal odd sizes and spacings, rotated axes; overhanging at level 1. */
-static iso_geometry skew_geometry(double shear)
+static iso_geometry skew_geometry(double shear, double scale)
 {
     const size_t size[3] = {31, 45, 23};
     const double spacing[3] = {1, 1.25, 2.5}, c = cos(0.5), s = sin(0.5);
@@ -55,6 +55,10 @@ static iso_geometry skew_geometry(double shear)
         for (int k = 0; k < 3; ++k)
             g.index_to_world.m[r][k] = turn.m[r][k] * spacing[k] + (k == 1 ? shear * turn.m[r][0] : 0);
     g.origin_mm = iso_v3(-31.25, 7.5, 60.125);
+    if (scale > 0) {
+        g.index_to_world = iso_mat3_scale(g.index_to_world, scale);
+        g.origin_mm = iso_scale(g.origin_mm, scale);
+    }
     return g;
 }
 
@@ -82,7 +86,7 @@ static void make_view(const char *dir, const iso_pyramid *p, const scene_case *c
 static subject open_subject(const scene_case *c)
 {
     subject s = {.dir = iso_make_temp_dir()};
-    iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear), .seed = 5};
+    iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear, c->scale), .seed = 5};
     iso_volume v = {0};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
@@ -158,19 +162,20 @@ static void check_case(const scene_case *c, double limit)
 static void a_soft_opaque_border_agrees_in_perspective(void **state)
 {
     (void)state;
-    check_case(&(scene_case){ISO_FIELD_NOISE, ISO_I16, 0, false, 0, soft_tf}, SMOOTH_LIMIT);
+    check_case(&(scene_case){ISO_FIELD_NOISE, ISO_I16, 0, 1, false, 0, soft_tf}, SMOOTH_LIMIT);
 }
 
 static void an_overhanging_sheared_level_agrees_orthographically(void **state)
 {
     (void)state;
-    check_case(&(scene_case){ISO_FIELD_RAMP, ISO_F32, 0.4, true, 1, soft_tf}, SMOOTH_LIMIT);
+    check_case(&(scene_case){ISO_FIELD_RAMP, ISO_F32, 0.4, 1, true, 1, soft_tf}, SMOOTH_LIMIT);
 }
 
-static void thin_shells_agree_at_a_coarse_level(void **state)
+/* Voxels of a tenth of a micrometre: Blender's single precision would lose them in its own unit. */
+static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **state)
 {
     (void)state;
-    check_case(&(scene_case){ISO_FIELD_SHELLS, ISO_U8, 0, true, 1, thin_tf}, THIN_LIMIT);
+    check_case(&(scene_case){ISO_FIELD_SHELLS, ISO_U8, 0, 1e-4, true, 1, thin_tf}, THIN_LIMIT);
 }
 
 /* Error bar: the pictures at h/8 and h/16 are apart by what h/16 still errs, or more. Then the planted faults: each
@@ -178,7 +183,7 @@ static void thin_shells_agree_at_a_coarse_level(void **state)
 static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **state)
 {
     (void)state;
-    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, false, 0, thin_tf});
+    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
     iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
     double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
     assert_at_most(error, THIN_LIMIT);
@@ -290,7 +295,7 @@ static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
 static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
 {
     (void)state;
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
     char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
     iso_tf_table tables[2];
@@ -382,7 +387,7 @@ static void check_nothing_left(const char *dir, const char *stem)
 static void failures_are_told_and_leave_no_file(void **state)
 {
     (void)state;
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     iso_blender_options opt = iso_blender_defaults();
     iso_image image;
     char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
@@ -411,7 +416,7 @@ static void failures_are_told_and_leave_no_file(void **state)
 static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
 {
     (void)state;
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     int n = asprintf(&text,
@@ -446,7 +451,7 @@ int main(void)
         cmocka_unit_test(the_version_is_a_number),
         cmocka_unit_test(a_soft_opaque_border_agrees_in_perspective),
         cmocka_unit_test(an_overhanging_sheared_level_agrees_orthographically),
-        cmocka_unit_test(thin_shells_agree_at_a_coarse_level),
+        cmocka_unit_test(thin_shells_under_the_microscope_agree_at_a_coarse_level),
         cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
         cmocka_unit_test(an_exported_scene_can_be_moved_switched_and_turned),
         cmocka_unit_test(ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not),

@@ -48,7 +48,33 @@ iso_status iso_blender_version(char *version, size_t size, iso_error *err)
     return status;
 }
 
-/* ---- the description ---- */
+/* ---- Blender's units ---- */
+
+/* A unit is a millimetre, but for volumes that are so small or so large that
+ * single precision and Cycles' fixed offsets do not suit them. */
+static double units_per_mm(const iso_geometry *g)
+{
+    const double least = 1, most = 1e4, radius = iso_geometry_box_radius_mm(g);
+    return radius >= least && radius <= most ? 1 : pow(10, 2 - ceil(log10(radius)));
+}
+
+/* A copy that shares the voxels, its geometry in units. Free its levels. */
+static iso_status in_units(const iso_pyramid *p, double units, iso_pyramid *copy, iso_error *err)
+{
+    *copy = *p;
+    copy->levels = malloc(p->level_count * sizeof *copy->levels);
+    if (!copy->levels)
+        return iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    memcpy(copy->levels, p->levels, p->level_count * sizeof *copy->levels);
+    for (size_t k = 0; k < p->level_count; ++k) {
+        iso_geometry *g = &copy->levels[k].geometry;
+        g->index_to_world = iso_mat3_scale(g->index_to_world, units);
+        g->origin_mm = iso_scale(g->origin_mm, units);
+    }
+    return ISO_OK;
+}
+
+/* ---- the description: all lengths in units, g the geometry in units ---- */
 
 static json_t *vec_json(iso_vec3 v) { return iso_json_numbers((double[]){v.x, v.y, v.z}, 3); }
 
@@ -85,15 +111,17 @@ static void describe_box(json_t *about, const iso_geometry *g)
     json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
 }
 
-static json_t *describe_camera(const iso_camera *c, const iso_geometry *g)
+static json_t *describe_camera(const iso_camera *c, double units, const iso_geometry *g)
 {
-    double far = iso_norm(iso_sub(c->position, iso_geometry_box_center_mm(g))) + 4 * iso_geometry_box_radius_mm(g);
-    return json_pack("{sb sf so so so so sf sf}", "orthographic", c->orthographic, "half_height", c->half_height,
-                     "position", vec_json(c->position), "forward", vec_json(c->forward), "right", vec_json(c->right),
-                     "up", vec_json(c->up), "clip_start", 1e-3 * iso_geometry_min_spacing_mm(g), "clip_end", far);
+    iso_vec3 position = iso_scale(c->position, units);
+    double far = iso_norm(iso_sub(position, iso_geometry_box_center_mm(g))) + 4 * iso_geometry_box_radius_mm(g);
+    return json_pack("{sb sf so so so so sf sf}", "orthographic", c->orthographic, "half_height",
+                     c->half_height * (c->orthographic ? units : 1), "position", vec_json(position), "forward",
+                     vec_json(c->forward), "right", vec_json(c->right), "up", vec_json(c->up), "clip_start",
+                     1e-3 * iso_geometry_min_spacing_mm(g), "clip_end", far);
 }
 
-static json_t *describe_ramp(const iso_tf_table *t)
+static json_t *describe_ramp(const iso_tf_table *t, double units)
 {
     iso_color_ramp ramp;
     iso_color_ramp_fit(t, &ramp);
@@ -102,19 +130,19 @@ static json_t *describe_ramp(const iso_tf_table *t)
         json_array_append_new(stops, iso_json_numbers((double[]){ramp.position[i], ramp.rgba[i][0], ramp.rgba[i][1],
                                                                  ramp.rgba[i][2], ramp.rgba[i][3]}, 5));
     return json_pack("{so sf sf sf sf sf}", "stops", stops, "lo", t->lo, "hi", t->hi, "max_extinction",
-                     ramp.max_extinction, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
+                     ramp.max_extinction / units, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
 }
 
-static json_t *describe_tf(const iso_tf_table *tables, size_t count)
+static json_t *describe_tf(const iso_tf_table *tables, size_t count, double units)
 {
     json_t *all = json_array();
     for (size_t k = 0; k < count; ++k) {
         json_t *entries = json_array();
         for (size_t i = 0; i < 4 * tables[k].count; ++i)
-            json_array_append_new(entries, json_real((double)tables[k].entries[i]));
+            json_array_append_new(entries, json_real((double)tables[k].entries[i] / (i % 4 == 3 ? units : 1)));
         json_array_append_new(all, json_pack("{sf sf so}", "lo", tables[k].lo, "hi", tables[k].hi, "entries", entries));
     }
-    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&tables[0]));
+    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&tables[0], units));
 }
 
 static json_t *describe_lights(const iso_view *view)
@@ -151,16 +179,17 @@ static iso_status check_options(const iso_pyramid *p, size_t level, size_t count
     return ISO_OK;
 }
 
-static json_t *describe_scene(const iso_view *view, const iso_geometry *g, const char *name,
+static json_t *describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
                               const iso_blender_options *opt)
 {
-    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf sf}", "schema", "isoshade.blender/1",
+    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1",
                               "name", name, "samples", opt->samples, "seed", opt->seed, "max_steps", MAX_STEPS, "image",
                               (json_int_t)view->width, (json_int_t)view->height, "background",
-                              iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, g),
+                              iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, units, g),
                               "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
                               view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
-                              "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels);
+                              "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels, "units_per_mm",
+                              units);
     if (about)
         describe_box(about, g);
     return about;
@@ -238,21 +267,25 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
     *image = (iso_image){0};
+    iso_pyramid scaled = {0};
     iso_status status = check_options(p, level, 1, opt, err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    double units = units_per_mm(&p->levels[0].geometry);
     char *vdb = iso_path_join(folder, "volume.vdb"), *exr = iso_path_join(folder, "picture.exr");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
-    status = iso_vdb_save(p, level, 1, vdb, &vdb_options, progress, err);
+    status = in_units(p, units, &scaled, err);
+    if (status == ISO_OK)
+        status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
     if (status == ISO_OK) {
-        const iso_level *l = &p->levels[level];
-        json_t *about = describe_scene(view, &l->geometry, "isoshade", opt);
+        const iso_level *l = &scaled.levels[level];
+        json_t *about = describe_scene(view, units, &l->geometry, "isoshade", opt);
         json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, opt)));
-        json_object_set_new(about, "tf", describe_tf(&view->tf, 1));
+        json_object_set_new(about, "tf", describe_tf(&view->tf, 1, units));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "render", json_string(exr));
         status = run_blender(about, folder, opt, progress, err);
@@ -267,6 +300,7 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
     else
         iso_image_destroy(image);
     iso_remove_tree(folder);
+    free(scaled.levels);
     free(exr);
     free(vdb);
     free(folder);
@@ -300,13 +334,13 @@ static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const
     return status;
 }
 
-static json_t *describe_export(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
+static json_t *describe_export(const iso_pyramid *p, double units, size_t first, size_t count, const iso_view *view,
                                const iso_tf_table *tables, const char *blend_path, const iso_blender_options *opt)
 {
     const char *base = iso_path_base(blend_path);
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)fmin((double)(strlen(base) - strlen(".blend")), 50), base);
-    json_t *about = describe_scene(view, &p->levels[first].geometry, name, opt);
+    json_t *about = describe_scene(view, units, &p->levels[first].geometry, name, opt);
     json_t *levels = json_array();
     for (size_t k = first; k < first + count; ++k) {
         char *path = vdb_path(blend_path, k, count), relative[300];
@@ -315,7 +349,7 @@ static json_t *describe_export(const iso_pyramid *p, size_t first, size_t count,
         free(path);
     }
     json_object_set_new(about, "levels", levels);
-    json_object_set_new(about, "tf", tables ? describe_tf(tables, count) : describe_tf(&view->tf, 1));
+    json_object_set_new(about, "tf", tables ? describe_tf(tables, count, units) : describe_tf(&view->tf, 1, units));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", json_string(p->source ? p->source : ""));
     return about;
@@ -332,17 +366,21 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         return status;
     char *folder = iso_make_temp_dir();
     iso_output *outs = calloc(count + 1, sizeof *outs); /* the grids, then the .blend */
+    iso_pyramid scaled = {0};
+    double units = units_per_mm(&p->levels[0].geometry);
     if (!folder || !outs)
         status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    if (status == ISO_OK)
+        status = in_units(p, units, &scaled, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = write_grid(p, first + i, count, blend_path, &outs[i], progress, err);
+        status = write_grid(&scaled, first + i, count, blend_path, &outs[i], progress, err);
     if (status == ISO_OK)
         status = iso_output_begin(&outs[count], blend_path, err);
     char *target = status == ISO_OK ? realpath(outs[count].temp_path, NULL) : NULL;
     if (status == ISO_OK && !target)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
     if (status == ISO_OK) {
-        json_t *about = describe_export(p, first, count, view, tables, blend_path, opt);
+        json_t *about = describe_export(&scaled, units, first, count, view, tables, blend_path, opt);
         json_object_set_new(about, "save", json_string(target));
         status = run_blender(about, folder, opt, progress, err);
     }
@@ -352,6 +390,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         iso_output_abandon(&outs[i]);
     if (folder)
         iso_remove_tree(folder);
+    free(scaled.levels);
     free(target);
     free(outs);
     free(folder);

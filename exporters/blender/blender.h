@@ -28,7 +28,9 @@ iso_blender_options iso_blender_defaults(void);
 /* Version of the program found, such as "3.4.1". ISO_E_MISSING. */
 iso_status iso_blender_version(char *version, size_t size, iso_error *err);
 
-/* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved.
+/* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved. A
+ * Blender unit is a millimetre, or a power of ten of it where the volume is
+ * smaller than 1 mm or larger than 10 m; the VDB is in the same unit.
  * ISO_E_USAGE when blend_path does not end in .blend. */
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err);

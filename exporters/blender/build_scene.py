@@ -1,7 +1,7 @@
 """Builds the Blender scene of an isoshade volume, and saves or renders it.
 
 Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json
-blender.c writes the description, plain numbers in mm; nothing is decided here but how Blender is told. The picture
+blender.c writes the description, plain numbers in Blender units; nothing is decided here but how Blender is told. The picture
 is that of render/scene.h:
 
     emission = sigma(s) shade(d) c(s),  absorption = sigma(s),  shade = ka + sum of I (kd |n.l| + ks |n.h|^p)
@@ -122,7 +122,7 @@ def table_properties(table):
 
 
 def transfer_function_group(tf):
-    """Scalar to colour and extinction per mm: entry (s - lo) (N - 1) / (hi - lo), at the texels' centres."""
+    """Scalar to colour and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centres."""
     group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketVector', "Table", (0, 1, 1)),
                                                  ('NodeSocketFloat', "Row", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
@@ -155,7 +155,7 @@ def ramp_group(ramp):
     for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
         stop.position = position
         stop.color = (red, green, blue, alpha)
-    extinction = group.math('MULTIPLY', node.outputs["Alpha"], ramp["max_extinction"], label="alpha 1 in 1/mm")
+    extinction = group.math('MULTIPLY', node.outputs["Alpha"], ramp["max_extinction"], label="extinction of alpha 1")
     return group.finish(Color=node.outputs["Color"], Extinction=extinction)
 
 
@@ -240,7 +240,9 @@ def isoshade_group(about, frame):
                       attribute_name="isoshade_step")
     position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
     incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
-    ray = group.vector('NORMALIZE', group.transform('VECTOR', incoming, 'WORLD', 'OBJECT'))
+    # Its length is the object's own units to one of the world along the ray: extinction follows the object's scale.
+    travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
+    ray = group.vector('NORMALIZE', travel)
 
     exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
                        Table=table.outputs["Vector"], Row=row.outputs["Fac"])
@@ -250,7 +252,8 @@ def isoshade_group(about, frame):
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
                             exact["Extinction"])
     inside = group.call(box_group(about["world_to_box"]), Position=position, Ray=ray, Step=step.outputs["Fac"])["Inside"]
-    sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, inside), group.given["Density Scale"], label="sigma")
+    seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
+    sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
     shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
     for i in range(lights):
         shading[f"Light {i + 1}"] = group.given[f"Light {i + 1}"]
@@ -290,7 +293,7 @@ def material(about, frame):
 def volume_object(name, path, collection):
     data = bpy.data.volumes.new(name)
     data.filepath = path
-    data.render.space = 'OBJECT'
+    data.render.space = 'WORLD'  # 'OBJECT' takes the smallest component of the turned step, near 0 for some turns
     data.render.clipping = 0.0  # else small values are cut away before the shader sees them
     thing = bpy.data.objects.new(name, data)
     collection.objects.link(thing)
@@ -311,8 +314,7 @@ def frame_object(about, collection):
     return thing
 
 
-def camera_object(about, collection):
-    camera = about["camera"]
+def camera_object(camera, collection):
     data = bpy.data.cameras.new("isoshade camera")
     data.sensor_fit = 'VERTICAL'
     if camera["orthographic"]:
@@ -422,9 +424,9 @@ def calibrate(about):
     extent = 2.0 * about["size"]
     found = []
     for right, up, forward in (((1, 0, 0), (0, 1, 0), (0, 0, -1)), ((0, 1, 0), (0, 0, 1), (-1, 0, 0))):
-        scene.camera = camera_object({"camera": {
+        scene.camera = camera_object({
             "orthographic": True, "half_height": extent / 2, "clip_start": 1e-3, "clip_end": 10 * extent, "right": right,
-            "up": up, "forward": forward, "position": [-2 * extent * a for a in forward]}}, scene.collection)
+            "up": up, "forward": forward, "position": [-2 * extent * a for a in forward]}, scene.collection)
         path = os.path.join(about["folder"], "calibration.exr")
         render(scene, path)
         found += [c * extent for c in emission_centroid(path)]
@@ -479,11 +481,11 @@ def build(about, shift):
     scene = bpy.context.scene
     scene.name = about["name"]
     configure(scene, about)
-    scene.unit_settings.scale_length = 0.001  # a Blender unit is a millimetre
+    scene.unit_settings.scale_length = 0.001 / about["units_per_mm"]
     scene.unit_settings.length_unit = 'MILLIMETERS'
     frame = frame_object(about, scene.collection)
     add_levels(about, shift, frame, material(about, frame), scene.collection)
-    scene.camera = camera_object(about, scene.collection)
+    scene.camera = camera_object(about["camera"], scene.collection)
     return scene
 
 
@@ -497,7 +499,7 @@ and intensity; Density Scale for more or less opacity. The colour map is the ima
 packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
 differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
 
-A unit is a millimetre. Cycles renders {samples} sample(s) at a step of {step:.4g} mm; a longer step is faster, a shorter one
+A millimetre is {units:g} Blender unit(s). Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
 turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
 moved back by that. Other versions of Blender may differ; export again with the one that you use.
@@ -509,7 +511,7 @@ def explain(about, shift):
     several = 'Its property "level" chooses the level of the pyramid that is seen.\n' if len(about["levels"]) > 1 else ""
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
-                             levels=several, stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
+                             levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
                              alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
                              blender=bpy.app.version_string, shift=shift))
     scene = bpy.context.scene
