@@ -62,6 +62,15 @@ check opacity_changes_the_palette sh -c '! cmp -s seen.csv p.csv'
 expect a_constant_volume_has_the_zero_vector_alone 0 "$ISOSHADE" palette flat.nrrd -q -o flat.csv
 check one_entry test "$(wc -l <flat.csv)" = 2
 
+scene=$(dirname "$ISOSHADE")/../../refscenes/marschner-lobb.scene.json
+expect a_render_from_the_palette 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with reference --gradients palette --palette p.csv -o palette.exr -q
+expect and_one_from_the_codes 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with reference -o codes.exr -q
+expect they_are_close 0 "$ISOSHADE" compare palette.exr codes.exr --max-rmse 0.02
+expect but_not_equal 1 "$ISOSHADE" compare palette.exr codes.exr --max-abs 0.0001
+expect nearest_entries_render 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with gl --gradients palette-nearest --palette p.csv -o nearest.exr -q
+expect a_palette_without_its_source_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --palette p.csv -o x.exr -q
+expect a_source_without_its_palette_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --gradients palette -o x.exr -q
+expect a_palette_that_is_none_is_refused 4 "$ISOSHADE" render v.iso --scene "$scene" --gradients palette --palette p.inc -o x.exr -q
 expect nothing_to_fit_to_is_refused 2 "$ISOSHADE" palette -q
 expect both_inputs_are_refused 2 "$ISOSHADE" palette v.nrrd --ellipsoid 100 -q
 expect an_unknown_method_is_refused 2 "$ISOSHADE" palette v.nrrd -q --method median

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "cli/cli.h"
 #include "cli/input.h"
+#include "cli/palette_level.h"
 #include "cli/palette_picture.h"
 #include "encode/palette.h"
 #include "pyramid/pyramid.h"
@@ -168,8 +169,6 @@ static iso_status volume_set(const palette_args *a, const char *path, iso_direct
     return status;
 }
 
-static size_t voxels(const iso_level *l) { return iso_geometry_voxel_count(&l->geometry); }
-
 /* Levels first to last; their directions are those before encoding where the pyramid keeps them, else decoded ones. */
 static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_t first, size_t last,
                               iso_direction_set *set, iso_error *err)
@@ -177,9 +176,8 @@ static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_
     const iso_level *finest = &p->levels[0];
     iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
     iso_direction_pool *pool = NULL;
-    float *table = NULL, *decoded = malloc(3 * voxels(&p->levels[first]) * sizeof *decoded);
-    iso_status status = decoded ? iso_direction_pool_create(&pool, a->cli->threads, err)
-                                : iso_fail(err, ISO_E_MEMORY, "no memory for a level's directions");
+    float *table = NULL;
+    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && a->tf)
         status = opacity_weights(a->tf, &finest->geometry, finest->min, finest->max, &w, &table, err);
     for (size_t k = first; k <= last && status == ISO_OK; ++k) {
@@ -188,16 +186,18 @@ static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_
             status = iso_fail(err, ISO_E_RANGE, "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
             break;
         }
-        if (!l->directions)
-            iso_code_decode_all(p->options.code, l->codes, decoded, voxels(l));
-        status = iso_palette_sample_field(pool, l->directions ? l->directions : decoded, l->scalar, l->magnitude,
-                                          voxels(l), &w, err);
+        const float *directions;
+        float *owned;
+        status = iso_cli_level_directions(l, p->options.code, &directions, &owned, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
+                                              iso_geometry_voxel_count(&l->geometry), &w, err);
+        free(owned);
     }
     if (status == ISO_OK)
         status = iso_direction_pool_finish(pool, set, err);
     iso_direction_pool_destroy(pool);
     free(table);
-    free(decoded);
     return status;
 }
 
@@ -253,13 +253,12 @@ static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_p
                                      iso_error *err)
 {
     const iso_level *l = &p->levels[k];
-    float *decoded = malloc(3 * voxels(l) * sizeof *decoded);
-    if (!decoded)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its directions", path);
-    if (!l->directions)
-        iso_code_decode_all(p->options.code, l->codes, decoded, voxels(l));
-    iso_status status = save_indices(palette, &l->geometry, l->directions ? l->directions : decoded, path, err);
-    free(decoded);
+    const float *directions;
+    float *owned;
+    iso_status status = iso_cli_level_directions(l, p->options.code, &directions, &owned, err);
+    if (status == ISO_OK)
+        status = save_indices(palette, &l->geometry, directions, path, err);
+    free(owned);
     return status;
 }
 

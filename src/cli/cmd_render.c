@@ -6,13 +6,14 @@
 #include "base/file.h"
 #include "cli/adapted.h"
 #include "cli/cli.h"
+#include "cli/palette_level.h"
 #include "cli/renderers.h"
 #include "cli/subject.h"
 
 typedef struct render_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
-    char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface;
+    char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed;
     double step;
     const char *shader_dir;
@@ -61,6 +62,25 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     return status;
 }
 
+static bool is_from_palette(iso_direction_source source)
+{
+    return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
+}
+
+/* --palette and --gradients palette need each other. */
+static iso_status attach_palette(const render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
+                                 iso_palette *palette, iso_error *err)
+{
+    if (!a->palette && !is_from_palette(opt->source))
+        return ISO_OK;
+    if (!a->palette || !is_from_palette(opt->source))
+        return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --gradients palette or palette-nearest go together");
+    iso_status status = iso_palette_load_csv(a->palette, palette, err);
+    if (status == ISO_OK && (size_t)a->level < p->level_count)
+        status = iso_cli_attach_palette(&p->levels[a->level], p->options.code, palette, err);
+    return status;
+}
+
 static iso_status save_image(const render_arguments *a, const iso_cli *cli, const iso_image *image, const char *version,
                              double step_voxels, iso_error *err)
 {
@@ -105,6 +125,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     iso_renderers renderers = {.shader_dir = a->shader_dir};
     iso_render_options opt;
     iso_pyramid pyramid = {0};
+    iso_palette palette = {0};
     iso_view view = {0};
     iso_image image = {0};
     char version[320] = "";
@@ -112,11 +133,13 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     iso_status status = take_options(a, cli, &opt, err);
     build.threads = cli->threads;
     build.level_count = (size_t)a->level + 1;
-    build.keep_float = opt.source == ISO_FROM_FLOAT;
+    build.keep_float = opt.source == ISO_FROM_FLOAT || is_from_palette(opt.source);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
     if (status == ISO_OK)
         status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK)
+        status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
@@ -131,6 +154,9 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
         report(a, cli, &pyramid, &view, version, seconds);
     iso_image_destroy(&image);
     iso_view_destroy(&view);
+    if ((size_t)a->level < pyramid.level_count)
+        iso_cli_detach_palette(&pyramid.levels[a->level]);
+    iso_palette_destroy(&palette);
     iso_pyramid_destroy(&pyramid);
     iso_renderers_end(&renderers);
     return status;
@@ -148,7 +174,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float or on-the-fly; reference and gl", "SOURCE"},
+        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
+        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint or povray", "RULE"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference and povray: the first hit of this value, opaque", "VALUE"},

@@ -25,6 +25,7 @@
 
 #include "base/progress.h"
 #include "encode/code.h"
+#include "encode/palette.h"
 #include "gradient/gradient.h"
 #include "volume/volume.h"
 
@@ -63,6 +64,9 @@ typedef struct iso_level {
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
+    /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
+    const iso_palette *palette;
+    const uint16_t *palette_index;
 } iso_level;
 
 typedef struct iso_pyramid {

@@ -209,7 +209,7 @@ static iso_status get_program(iso_gl *gl, const iso_view *view, bool shaded, boo
 {
     char defines[256];
     snprintf(defines, sizeof defines,
-             "#define DIRECTION_SOURCE 1\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
+             "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
              "#define SKIP_EMPTY %d\n#define BRICKS 1\n",
              shaded ? view->light_count : 0, shaded && view->shading.specular > 0, skip_empty);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);

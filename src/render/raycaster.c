@@ -5,15 +5,16 @@
 #include <stdlib.h>
 
 #include "brick/occupancy.h"
+#include "render/gl_palette.h"
 #include "render/gl_context.h"
 #include "render/gl_uniforms.h"
 #include "render/sampler.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
-    GLuint scalar, directions, tf, occupancy;
+    GLuint scalar, directions, tf, occupancy, palette; /* directions: the indices, with a palette */
     bool skip_empty;
     double value_per_texel; /* value = min + texel * value_per_texel */
     double direction_scale, direction_offset;
@@ -125,8 +126,8 @@ static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
 
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[4] = {t->scalar, t->directions, t->tf, t->occupancy};
-    glDeleteTextures(4, names);
+    const GLuint names[5] = {t->scalar, t->directions, t->tf, t->occupancy, t->palette};
+    glDeleteTextures(5, names);
 }
 
 /* Decides whether empty bricks are skipped, and uploads their distances if so. */
@@ -153,9 +154,15 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
-static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, const iso_gl_options *opt,
-                         const iso_tf_table *tf, level_textures *t, iso_error *err)
+static bool is_from_palette(iso_direction_source source)
 {
+    return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
+}
+
+static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, const iso_gl_options *opt,
+                         const iso_view *view, level_textures *t, iso_error *err)
+{
+    const iso_tf_table *tf = &view->tf;
     iso_direction_source source = opt->source;
     *t = (level_textures){0};
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
@@ -166,8 +173,13 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && source == ISO_FROM_CODES)
         status = upload_codes(gl, level, code, t, err);
+    else if (status == ISO_OK && is_from_palette(source))
+        status = iso_gl_upload_indices(gl, level, &t->directions, err);
     else if (status == ISO_OK && source != ISO_FROM_ON_THE_FLY)
         status = upload_vectors(gl, level, code, source, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_PALETTE);
+    if (status == ISO_OK && is_from_palette(source))
+        status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
         status = upload_occupancy(gl, level, opt, tf, t, err);
@@ -184,7 +196,8 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     const iso_geometry *g = &level->geometry;
     iso_gl_set_int(program, "scalar", UNIT_SCALAR);
     iso_gl_set_int(program, "tf", UNIT_TF);
-    iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
+    iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
+    iso_gl_set_int(program, "palette", UNIT_PALETTE);
     iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
     iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
     iso_gl_set_vec3(program, "voxel", voxel);
@@ -214,11 +227,14 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
 static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
                               bool skip_empty, GLuint *program, iso_error *err)
 {
+    static const int shader_sources[ISO_SOURCE_COUNT] = {
+        [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
+        [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4};
     char defines[320];
     snprintf(defines, sizeof defines,
-             "#define DIRECTION_SOURCE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
+             "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n",
-             opt->source == ISO_FROM_CODES ? 0 : opt->source == ISO_FROM_ON_THE_FLY ? 2 : 1,
+             shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
              view->shading.specular > 0, skip_empty);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
@@ -235,7 +251,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     level_textures textures;
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
-        status = upload(gl, level, code, opt, &view->tf, &textures, err);
+        status = upload(gl, level, code, opt, view, &textures, err);
     if (status != ISO_OK)
         return status;
     status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);

@@ -43,6 +43,9 @@ typedef struct iso_gl_options {
     iso_gl_skip skip;
     size_t brick_voxels;         /* of the skipped bricks */
     size_t repeats;              /* draws; the time is that of the fastest */
+    bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
+                                  * lights, with one direction to the viewer; exact for orthographic cameras and the
+                                  * nearest entry, else shades are filtered instead of directions */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

@@ -16,12 +16,19 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
             return iso_fail(err, ISO_E_RANGE, "the level holds no float directions; build with --keep-float");
         s->vectors = level->directions;
     }
-    if (source != ISO_FROM_CODES && source != ISO_FROM_DECODED)
+    bool from_palette = source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
+    if (from_palette && (!level->palette || !level->palette_index))
+        return iso_fail(err, ISO_E_RANGE, "the level holds no palette, and directions from one are asked for");
+    if (source == ISO_FROM_FLOAT || source == ISO_FROM_ON_THE_FLY)
         return ISO_OK;
     s->owned = malloc(count * 3 * sizeof *s->owned);
     if (!s->owned)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
     s->vectors = s->owned;
+    if (from_palette) {
+        iso_palette_decode(level->palette, level->palette_index, s->owned, count);
+        return ISO_OK;
+    }
     if (source == ISO_FROM_DECODED) {
         iso_code_decode_all(code, level->codes, s->owned, count);
         return ISO_OK;
@@ -103,6 +110,26 @@ static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
     return square > 0 ? iso_scale(g, 1 / sqrt(square)) : g;
 }
 
+/* The voxel that holds the point, the nearest one outside of the grid. */
+static size_t voxel_at(const iso_geometry *g, iso_vec3 index)
+{
+    const double p[3] = {index.x, index.y, index.z};
+    size_t at = 0;
+    for (int a = 2; a >= 0; --a) {
+        double last = (double)(g->size[a] - 1);
+        at = at * g->size[a] + (size_t)(p[a] > 0 ? (p[a] < last ? p[a] : last) : 0);
+    }
+    return at;
+}
+
+static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)
+{
+    const float *v = s->vectors + 3 * voxel;
+    double d[3] = {(double)v[0], (double)v[1], (double)v[2]}, n[3];
+    iso_code_normal(d, n);
+    return iso_v3(n[0], n[1], n[2]);
+}
+
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
 {
     if (s->bricks) {
@@ -113,6 +140,8 @@ iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
     }
     if (!s->vectors)
         return normal_on_the_fly(s, index);
+    if (s->source == ISO_FROM_PALETTE_NEAREST)
+        return normal_of_voxel(s, voxel_at(&s->level->geometry, index));
     stencil at = stencil_at(&s->level->geometry, index);
     double e[3] = {0}, n[3];
     for (int c = 0; c < 8; ++c)

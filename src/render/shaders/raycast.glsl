@@ -5,7 +5,8 @@
 // A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
 // show in the image. Its samples are floats, from the middle of the first segment.
 //
-// Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly), DECODER (of code_decode.h), LIGHT_COUNT,
+// Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
+// voxels, 4 of one), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1).
 
 uniform dvec2 image_size;
@@ -32,6 +33,11 @@ uniform vec3 bricks_per_volume;    // p to bricks
 uniform sampler3D layout_of_bricks; // xyz: where the brick's node (0,0,0) is in the cache; w: 2^-level, 0: left out
 uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinates of the cache
 uniform vec3 last_node;             // p of the volume's last node
+#endif
+
+#if DIRECTION_SOURCE >= 3
+uniform usampler3D palette_index;
+uniform sampler2D palette;        // an entry: its direction, and its shade under the lights
 #endif
 
 uniform sampler3D directions;
@@ -138,11 +144,37 @@ vec4 classify(float s)
     return mix(texelFetch(tf, ivec2(i, 0), 0), texelFetch(tf, ivec2(i + 1, 0), 0), x - float(i));
 }
 
+#if DIRECTION_SOURCE >= 3
+vec4 entry_of(ivec3 i)
+{
+    i = clamp(i, ivec3(0), textureSize(palette_index, 0) - 1);
+    return texelFetch(palette, ivec2(int(texelFetch(palette_index, i, 0).r), 0), 0);
+}
+
+vec4 entry_at(vec3 p)
+{
+    vec3 q = p * vec3(textureSize(palette_index, 0));
+#if DIRECTION_SOURCE == 4
+    return entry_of(ivec3(floor(q)));
+#else
+    ivec3 i = ivec3(floor(q - 0.5));
+    vec3 f = q - 0.5 - vec3(i);
+    vec4 near = mix(mix(entry_of(i), entry_of(i + ivec3(1, 0, 0)), f.x),
+                    mix(entry_of(i + ivec3(0, 1, 0)), entry_of(i + ivec3(1, 1, 0)), f.x), f.y);
+    vec4 far = mix(mix(entry_of(i + ivec3(0, 0, 1)), entry_of(i + ivec3(1, 0, 1)), f.x),
+                   mix(entry_of(i + ivec3(0, 1, 1)), entry_of(i + ivec3(1, 1, 1)), f.x), f.y);
+    return mix(near, far, f.z);
+#endif
+}
+#endif
+
 vec3 normal_at(vec3 p)
 {
 #if DIRECTION_SOURCE == 0
     vec3 e = textureLod(directions, p, 0.0).rgb * direction_scale + direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
+#elif DIRECTION_SOURCE >= 3
+    return iso_shading_normal(entry_at(p).xyz);
 #elif DIRECTION_SOURCE == 1
     return iso_shading_normal(textureLod(directions, p, 0.0).rgb);
 #else
@@ -163,6 +195,15 @@ float shade(vec3 n, vec3 halfway[LIGHT_COUNT + 1])
 #endif
     }
     return sum;
+}
+
+float shade_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
+{
+#if SHADE_TABLE
+    return entry_at(p).w;
+#else
+    return shade(normal_at(p), halfway);
+#endif
 }
 
 // 1 - exp(-x) loses its digits for small x.
@@ -202,7 +243,7 @@ void main()
         if (k >= ray.length)
             break;
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
-        sum += weight * shade(normal_at(where.xyz), halfway) * c.rgb;
+        sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;
     }
 #else
@@ -212,7 +253,7 @@ void main()
         vec4 c = where.w > 0.0 ? classify(scalar_at(where.xyz)) : vec4(0.0);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         if (weight > 0.0)
-            sum += weight * shade(normal_at(where.xyz), halfway) * c.rgb;
+            sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;
     }
 #endif
