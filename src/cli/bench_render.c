@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "render/raycaster.h"
+#include "render/bricks_gl.h"
 #include "volume/synthetic.h"
 
 typedef struct render_options {
     iso_cli_input input;
-    int size, image, runs;
+    int size, image, runs, bricks;
     double step_voxels;
 } render_options;
 
@@ -102,6 +102,136 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     return status;
 }
 
+/* ---- bricks ------------------------------------------------------------------- */
+
+typedef enum bench_texture { TEXTURE_UNIFORM, TEXTURE_OWN, TEXTURE_BAKED, TEXTURE_COUNT } bench_texture;
+static const char *const texture_names[TEXTURE_COUNT] = {"uniform", "bricks-own", "bricks-baked"};
+
+/* Fine in a box of bricks in the middle, coarse around it; returns the part of all bricks that are fine and touch a
+ * coarse one. */
+static double fill_box(const iso_node_levels *n, const size_t box[3], uint8_t *levels)
+{
+    size_t inner = 1, fine = 1;
+    for (size_t i = 0; i < iso_brick_count(n); ++i) {
+        const size_t b[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+        levels[i] = 0;
+        for (int a = 0; a < 3; ++a) {
+            size_t first = (n->count[a] - box[a]) / 2;
+            levels[i] = levels[i] || b[a] < first || b[a] >= first + box[a];
+        }
+    }
+    for (int a = 0; a < 3; ++a) {
+        size_t first = (n->count[a] - box[a]) / 2, faces = (first > 0) + (first + box[a] < n->count[a]);
+        fine *= box[a];
+        inner *= box[a] > faces ? box[a] - faces : 0;
+    }
+    return (double)(fine - inner) / (double)iso_brick_count(n);
+}
+
+/* The box whose part of transition bricks is nearest to a quarter. */
+static double fill_quarter(const iso_node_levels *n, uint8_t *levels)
+{
+    size_t best[3] = {0, 0, 0};
+    double nearest = 1;
+    for (size_t z = 1; z <= n->count[2]; ++z)
+        for (size_t y = 1; y <= n->count[1]; ++y)
+            for (size_t x = 1; x <= n->count[0]; ++x) {
+                double part = fill_box(n, (const size_t[3]){x, y, z}, levels);
+                if (fabs(part - 0.25) < nearest) {
+                    nearest = fabs(part - 0.25);
+                    best[0] = x, best[1] = y, best[2] = z;
+                }
+            }
+    return fill_box(n, best, levels);
+}
+
+static iso_status measure_texture(iso_gl *gl, const iso_pyramid *p, const iso_brick_field *field,
+                                  const render_options *opt, bench_gradients gradients, bench_texture texture,
+                                  double *seconds, iso_error *err)
+{
+    iso_scene scene = make_scene(opt, TF_DENSE, gradients);
+    iso_gl_brick_options options = iso_gl_brick_defaults();
+    iso_brick_field f = *field;
+    iso_gl_brick_stats stats;
+    iso_view view;
+    iso_image image;
+    if (texture == TEXTURE_UNIFORM)
+        return measure(gl, p, opt, TF_DENSE, gradients, LOOP_PLAIN, seconds, err);
+    const iso_level *level = &p->levels[0];
+    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
+    if (status != ISO_OK)
+        return status;
+    f.faces = texture == TEXTURE_BAKED ? ISO_FACES_BAKED : ISO_FACES_OWN;
+    options.shaded = gradients != GRADIENTS_NONE;
+    options.skip = ISO_GL_SKIP_NEVER;
+    options.repeats = (size_t)opt->runs + 1;
+    status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
+    if (status == ISO_OK) {
+        *seconds = stats.seconds;
+        iso_image_destroy(&image);
+    }
+    iso_view_destroy(&view);
+    return status;
+}
+
+static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const iso_brick_field *field,
+                                  double transition, const render_options *opt, iso_error *err)
+{
+    json_t *root = iso_cli_json(cli), *cases = json_array();
+    json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
+    json_object_set_new(root, "image", json_integer(opt->image));
+    json_object_set_new(root, "transition_bricks", json_real(transition));
+    if (!cli->json)
+        printf("%s, image %d x %d, bricks of %d, %.0f %% of them in transition; milliseconds, least of %d\n%-12s %12s "
+               "%12s %12s %22s\n",
+               iso_gl_describe(gl).renderer, opt->image, opt->image, opt->bricks, 100 * transition, opt->runs,
+               "gradients", texture_names[0], texture_names[1], texture_names[2], "baked / own, / uniform");
+    iso_status status = ISO_OK;
+    for (int g = GRADIENTS_NONE; g <= GRADIENTS_CODES && status == ISO_OK; ++g) {
+        double seconds[TEXTURE_COUNT];
+        for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
+            status = measure_texture(gl, p, field, opt, (bench_gradients)g, (bench_texture)t, &seconds[t], err);
+            if (status == ISO_OK)
+                json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
+                                                       texture_names[t], "tf", "dense", "gradients", gradients_names[g],
+                                                       "step_voxels", opt->step_voxels, "milliseconds",
+                                                       1e3 * seconds[t]));
+        }
+        if (!cli->json && status == ISO_OK)
+            printf("%-12s %12.1f %12.1f %12.1f %12.3f %9.3f\n", gradients_names[g], 1e3 * seconds[TEXTURE_UNIFORM],
+                   1e3 * seconds[TEXTURE_OWN], 1e3 * seconds[TEXTURE_BAKED],
+                   seconds[TEXTURE_BAKED] / seconds[TEXTURE_OWN], seconds[TEXTURE_BAKED] / seconds[TEXTURE_UNIFORM]);
+    }
+    json_object_set_new(root, "cases", cases);
+    if (cli->json && status == ISO_OK)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+    return status;
+}
+
+static iso_status bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const render_options *opt,
+                               iso_error *err)
+{
+    iso_node_levels n;
+    iso_status status =
+        iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks, 2, true, cli->threads, err);
+    if (status != ISO_OK)
+        return status;
+    iso_node_levels_round(&n);
+    uint8_t *levels = malloc(iso_brick_count(&n));
+    if (!levels)
+        status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", iso_brick_count(&n));
+    if (status == ISO_OK) {
+        double transition = fill_quarter(&n, levels);
+        const iso_brick_field field = {.nodes = &n, .levels = levels};
+        status = run_brick_cases(cli, gl, p, &field, transition, opt, err);
+    }
+    free(levels);
+    iso_node_levels_destroy(&n);
+    return status;
+}
+
 /* The volume that is named, or two thin shells. */
 static iso_status load(const iso_cli *cli, const render_options *opt, iso_pyramid *p, iso_error *err)
 {
@@ -138,7 +268,7 @@ static iso_status bench(const iso_cli *cli, const render_options *opt, iso_error
         return status;
     status = load(cli, opt, &p, err);
     if (status == ISO_OK) {
-        status = run_cases(cli, gl, &p, opt, err);
+        status = opt->bricks ? bench_bricks(cli, gl, &p, opt, err) : run_cases(cli, gl, &p, opt, err);
         iso_pyramid_destroy(&p);
     }
     iso_gl_destroy(gl);
@@ -154,6 +284,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels a side", "N"},
         {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
+        {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
         POPT_TABLEEND,
     };
@@ -172,7 +303,10 @@ const iso_command iso_bench_render = {
     .usage = "[VOLUME] [options]",
     .details = "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "
                "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
-               "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.",
-    .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n",
+               "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
+               "With --bricks: one texture, bricks on their own (discontinuous) and bricks with baked faces (smooth), a "
+               "quarter\nof the bricks in transition.",
+    .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
     .run = run,
 };

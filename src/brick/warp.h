@@ -1,0 +1,58 @@
+/* warp.h - the smooth transitions of mixed-resolution-2008, section 4, on the CPU:
+ * as the paper has them, and mended. For comparison with brick/bricks.h.
+ *
+ * Two levels. Fine samples are the voxel centres i + 1/2, coarse ones stand half-way
+ * between them, at even positions 2 j (the mean of the eight voxels around), so that
+ * the faces of bricks pass through coarse samples. In a coarse brick the function is
+ * trilinear among coarse samples; in a fine brick among fine ones, except within half
+ * a voxel of a coarse neighbour:
+ *
+ *     fine     o-----o-----o-----o      depth v = 0
+ *             /       \   / \     \     trapezoids over coarse cells, Eq. 6, 7;
+ *     face   x---------x---------x      v = 1/2       triangles between, Eq. 8, 9
+ *
+ * Each axis along the face is mapped so; axes across it (one of a face, two of an edge,
+ * three of a corner primitive) shrink towards the face. The value is
+ *     f = (1 - 2v) F(top) + 2v C(foot),
+ * top on the line of fine samples, foot on that of coarse ones.
+ *
+ * written  One trilinear fetch at the warped place, from bricks whose duplicated border
+ *          voxels hold the nearest coarse sample where a brick they adjoin is coarse
+ *          (section 4.3); faces before edges before corners (section 4.1). Not
+ *          continuous where fine and coarse bricks meet by an edge or a corner alone:
+ *          one copy of a border voxel cannot serve two primitives that need different
+ *          values, and a face primitive keeps fine values on a line where the bricks
+ *          beside it have coarse ones.
+ * mended   The primitive of the greatest depth, min of (1/2 - distance) over its axes,
+ *          and two fetches, one from each level's own samples. Continuous.
+ *
+ * The figures of the paper are not in its text; the primitives are read from the words. */
+#ifndef ISO_WARP_H
+#define ISO_WARP_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/linalg.h"
+#include "base/status.h"
+
+typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_MENDED, ISO_WARP_MODE_COUNT } iso_warp_mode;
+
+typedef struct iso_warp_field {
+    size_t size[3];      /* voxels: whole bricks */
+    size_t brick_voxels; /* even */
+    const float *fine;   /* not owned */
+    float *coarse;       /* owned; size / 2 + 1 samples along each axis */
+    const uint8_t *levels; /* 0 fine, 1 coarse; a brick each, x fastest */
+    iso_warp_mode mode;
+} iso_warp_field;
+
+/* ISO_E_RANGE when the size is not whole bricks of an even side, ISO_E_MEMORY. levels and mode are the caller's. */
+iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, const size_t size[3], size_t brick_voxels,
+                                 iso_error *err);
+void iso_warp_field_destroy(iso_warp_field *f); /* accepts empty and NULL */
+
+/* The function of one brick at index position p in its closed box: on a face, the limit from that side. */
+double iso_warp_sample_in(const iso_warp_field *f, const size_t brick[3], const double p[3]);
+
+#endif
