@@ -20,14 +20,15 @@ expect() { # name, exit code, command ...
 chart() { "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/marschner-lobb.scene.json --size 24 --quiet "$@"; }
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1
 
-expect a_chart_is_drawn 0 chart --levels 2 --steps 1,0.25 --want 1/50 -o "$dir/c"
+expect a_chart_is_drawn 0 chart --levels 2 --steps 1,0.25 --codes snorm,region48 --filters moments,naive --want 1/50 -o "$dir/c"
 for file in pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json; do
     check "$file"_is_there test -s "$dir/c/$file"
 done
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
-# 2 steps of: level 0: 2 codes, floats, on the fly; level 1: the first three by 3 filters, and on the fly
-check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (4 + 3 * 3 + 1)))
+# 2 steps of: level 0: 2 codes, floats, on the fly; level 1, by both transfer functions: codes and floats by 2 filters, on the fly
+check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (4 + 2 * (2 * 3 + 1))))
+check adapted_transfer_functions_are_there grep -q 'level 1 adapted TF; snorm moments' "$dir/c/pareto.csv"
 check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
 check the_text_of_the_svg_is_text grep -q '>bytes of the level: scalars and directions<' "$dir/c/pareto.svg"
 
@@ -60,6 +61,8 @@ done
 for bad in 0 1, ,1 x 1x nan; do
     expect "steps_$bad"_is_refused 2 chart --steps="$bad" -o "$dir/n"
 done
+expect a_code_without_a_texture_is_refused 2 chart --codes oct24 -o "$dir/n"
+expect an_unknown_filter_is_refused 2 chart --filters moments,magic -o "$dir/n"
 expect povray_is_refused 2 chart --with povray -o "$dir/n"
 expect an_output_is_needed 2 chart
 check no_folder_is_left test -z "$(find "$dir" -maxdepth 1 -name '.*-*')"

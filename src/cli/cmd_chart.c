@@ -14,12 +14,13 @@
 #include "compare/chart.h"
 #include "compare/metrics.h"
 #include "compare/pareto.h"
+#include "tf/adapt.h"
 
 ISO_EMBED(pareto_gp, "src/compare/pareto.gp");
 
 typedef struct chart_arguments {
     iso_cli_input input;
-    char *scene, *output, *size, *with, *steps, *want_text, *style;
+    char *scene, *output, *size, *with, *steps, *codes, *filters, *want_text, *style;
     int level_count;
     double budget_seconds;
     double want; /* 0: none */
@@ -32,6 +33,7 @@ typedef struct chart_case {
     iso_direction_filter filter;
     iso_direction_source source;
     iso_code code;
+    bool adapted; /* the level's own transfer function */
     double step_voxels;
     double relative_cost; /* samples along all rays, times the fetches of one */
     double seconds, bytes;
@@ -42,6 +44,7 @@ typedef struct chart_case {
 typedef struct chart_run {
     iso_pyramid pyramids[ISO_DIRECTION_COUNT]; /* one a direction filter; empty where not asked for */
     iso_view view;
+    iso_tf_table adapted[64]; /* one a level, from 1 on */
     iso_renderers renderers;
     iso_image reference;
     chart_case *cases;
@@ -82,19 +85,64 @@ static iso_status parse_steps(const char *text, double *steps, size_t room, size
     }
 }
 
-static iso_status parse_with(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err)
+static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
 {
-    memset(wanted, 0, ISO_RENDERER_COUNT * sizeof *wanted);
+    iso_renderer r = ISO_WITH_GL;
+    iso_status status = iso_renderer_from_name(word, &r, err);
+    if (status == ISO_OK && r == ISO_WITH_POVRAY)
+        return iso_fail(err, ISO_E_USAGE, "--with povray: POV-Ray has no step to choose; wanted gl, reference or cycles");
+    flags[r] = true;
+    return status;
+}
+
+static iso_status take_code(const char *word, bool *flags, iso_error *err)
+{
+    iso_code code = ISO_CODE_SNORM;
+    iso_status status = iso_code_from_name(word, &code, err);
+    if (status == ISO_OK && !iso_code_describe(code)->is_textured)
+        return iso_fail(err, ISO_E_USAGE, "--codes: a texture cannot filter \"%s\"", word);
+    flags[code] = true;
+    return status;
+}
+
+static iso_status take_filter(const char *word, bool *flags, iso_error *err)
+{
+    iso_direction_filter filter = ISO_DIRECTION_MOMENTS;
+    iso_status status = iso_direction_filter_from_name(word, &filter, err);
+    flags[filter] = true;
+    return status;
+}
+
+/* "a,b,c": sets the flag of each. */
+static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
+{
     char *copy = strdup(list), *rest = copy;
     iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
-        iso_renderer r = ISO_WITH_GL;
-        status = iso_renderer_from_name(name, &r, err);
-        if (status == ISO_OK && r == ISO_WITH_POVRAY)
-            status = iso_fail(err, ISO_E_USAGE, "--with povray: POV-Ray has no step to choose; wanted gl, reference or cycles");
-        wanted[r] = true;
-    }
+    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
+        status = take(word, flags, err);
     free(copy);
+    return status;
+}
+
+/* Which renderers, codes, filters and steps the grid has. */
+typedef struct chart_grid {
+    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT];
+    double steps[16];
+    size_t step_count;
+} chart_grid;
+
+static iso_status parse_grid(const chart_arguments *a, chart_grid *g, iso_error *err)
+{
+    *g = (chart_grid){.step_count = 0};
+    for (int c = 0; c < ISO_CODE_COUNT && !a->codes; ++c)
+        g->codes[c] = iso_code_describe((iso_code)c)->is_textured;
+    iso_status status = parse_list(a->with ? a->with : "gl", take_renderer, g->with, err);
+    if (status == ISO_OK && a->codes)
+        status = parse_list(a->codes, take_code, g->codes, err);
+    if (status == ISO_OK)
+        status = parse_list(a->filters ? a->filters : "moments", take_filter, g->filters, err);
+    if (status == ISO_OK)
+        status = parse_steps(a->steps ? a->steps : "2,1,0.5,0.25,0.125", g->steps, 16, &g->step_count, err);
     return status;
 }
 
@@ -105,8 +153,8 @@ static void describe(const chart_case *c, char *text, size_t size)
         snprintf(gradients, sizeof gradients, "%s", iso_code_describe(c->code)->name);
     else
         snprintf(gradients, sizeof gradients, "%s", iso_direction_source_name(c->source));
-    snprintf(text, size, "%s; level %zu; %s%s%s; step %g", iso_renderer_name(c->renderer), c->level, gradients,
-             c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? " " : "",
+    snprintf(text, size, "%s; level %zu%s; %s%s%s; step %g", iso_renderer_name(c->renderer), c->level,
+             c->adapted ? " adapted TF" : "", gradients, c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? " " : "",
              c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? iso_direction_filter_name(c->filter) : "", c->step_voxels);
 }
 
@@ -146,11 +194,12 @@ static bool is_distinct(const chart_case *c, const iso_direction_filter first)
         return false; /* it gets decoded directions */
     if ((c->level == 0 || c->source == ISO_FROM_ON_THE_FLY) && c->filter != first)
         return false;
+    if (c->level == 0 && c->adapted)
+        return false;
     return c->source == ISO_FROM_CODES || c->code == ISO_CODE_SNORM;
 }
 
-static iso_status make_grid(chart_run *run, const bool with[ISO_RENDERER_COUNT], const double *steps, size_t step_count,
-                            iso_error *err)
+static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
 {
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_FLOAT, ISO_FROM_ON_THE_FLY};
     iso_direction_filter first = ISO_DIRECTION_COUNT;
@@ -158,21 +207,22 @@ static iso_status make_grid(chart_run *run, const bool with[ISO_RENDERER_COUNT],
         if (run->pyramids[f].level_count)
             first = (iso_direction_filter)f;
     size_t levels = run->pyramids[first].level_count;
-    size_t room = (size_t)ISO_RENDERER_COUNT * levels * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT * step_count;
+    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT * g->step_count;
     run->cases = calloc(room, sizeof *run->cases);
     if (!run->cases)
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", room);
     for (size_t i = 0; i < room; ++i) {
         size_t rest = i;
         chart_case c = {.metrics = {.rmse = NAN}};
-        c.step_voxels = steps[rest % step_count], rest /= step_count;
+        c.step_voxels = g->steps[rest % g->step_count], rest /= g->step_count;
         c.code = (iso_code)(rest % ISO_CODE_COUNT), rest /= ISO_CODE_COUNT;
         c.source = sources[rest % 3], rest /= 3;
         c.filter = (iso_direction_filter)(rest % ISO_DIRECTION_COUNT), rest /= ISO_DIRECTION_COUNT;
+        c.adapted = rest % 2, rest /= 2;
         c.level = rest % levels, rest /= levels;
         c.renderer = (iso_renderer)rest;
         const iso_pyramid *p = &run->pyramids[c.filter];
-        if (!with[c.renderer] || c.level >= p->level_count || !is_distinct(&c, first))
+        if (!g->with[c.renderer] || (c.source == ISO_FROM_CODES && !g->codes[c.code]) || c.level >= p->level_count || !is_distinct(&c, first))
             continue;
         if (c.source == ISO_FROM_FLOAT && !p->levels[c.level].directions)
             continue; /* a pyramid without floats */
@@ -217,13 +267,16 @@ static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error 
     opt.threads = threads;
     iso_level levels[64];
     iso_pyramid p;
+    iso_view view = run->view; /* borrowed, but for an adapted transfer function */
     uint8_t *codes;
+    if (c->adapted)
+        view.tf = run->adapted[c->level];
     iso_status status = with_code(base, c, levels, &p, &codes, err);
     c->seconds = INFINITY;
     for (int k = 0; k < 3 && status == ISO_OK && (k == 0 || c->seconds < 0.2); ++k) {
         iso_image image;
         double seconds;
-        status = iso_render_with(&run->renderers, &p, c->level, &run->view, &opt, &image, &seconds, NULL, err);
+        status = iso_render_with(&run->renderers, &p, c->level, &view, &opt, &image, &seconds, NULL, err);
         if (status == ISO_OK && k == 0)
             status = iso_metrics_measure(&run->reference, &image, &c->metrics, err);
         if (status == ISO_OK)
@@ -301,6 +354,7 @@ static json_t *case_json(const chart_case *c)
                           "direction_filter",
                           c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_direction_filter_name(c->filter)),
                           "step_voxels", c->step_voxels, "milliseconds", 1e3 * c->seconds, "bytes", c->bytes);
+    json_object_set_new(o, "tf", json_string(c->adapted ? "adapted" : "original"));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
     json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
@@ -405,24 +459,25 @@ static void print_front(const chart_run *run, const chart_arguments *a, const si
 }
 
 /* A volume gives a pyramid for each filter; a pyramid on disk is what it is. */
-static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
+static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const chart_grid *g, const iso_cli *cli,
+                                iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    const char *path = cli->arguments[0];
     iso_status status = ISO_OK;
-    for (int f = 0; f < ISO_DIRECTION_COUNT && status == ISO_OK; ++f) {
+    bool on_disk = iso_pyramid_is_one(cli->arguments[0]), done = false;
+    for (int f = 0; f < ISO_DIRECTION_COUNT && status == ISO_OK && !done; ++f) {
         iso_pyramid_options opt = iso_pyramid_defaults();
         iso_pyramid p = {0};
+        if (!g->filters[f] && !on_disk)
+            continue;
         opt.level_count = (size_t)a->level_count;
         opt.direction_filter = (iso_direction_filter)f;
         opt.keep_float = true;
         opt.threads = cli->threads;
-        status = iso_cli_load_pyramid(path, &a->input, &opt, &progress, &p, err);
-        if (status != ISO_OK)
-            break;
-        run->pyramids[p.options.direction_filter] = p;
-        if (iso_pyramid_is_one(path) || a->level_count == 1)
-            break;
+        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &opt, &progress, &p, err);
+        if (status == ISO_OK)
+            run->pyramids[p.options.direction_filter] = p;
+        done = on_disk;
     }
     return status;
 }
@@ -433,6 +488,17 @@ static iso_pyramid *first_pyramid(chart_run *run)
     while (f + 1 < ISO_DIRECTION_COUNT && !run->pyramids[f].level_count)
         ++f;
     return &run->pyramids[f];
+}
+
+static iso_status adapt_levels(chart_run *run, const iso_cli *cli, iso_error *err)
+{
+    const iso_pyramid *p = first_pyramid(run);
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = cli->threads;
+    iso_status status = ISO_OK;
+    for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k)
+        status = iso_adapt_level(p, NULL, k, &run->view.tf, &opt, &run->adapted[k], NULL, err);
+    return status;
 }
 
 /* The arbiter: level 0, no step left, directions as floats where the pyramid has them. */
@@ -471,18 +537,16 @@ static iso_status finish(chart_run *run, const chart_arguments *a, const iso_cli
 static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error *err)
 {
     chart_run run = {.start_seconds = iso_clock_seconds()};
-    bool with[ISO_RENDERER_COUNT];
-    double steps[16];
-    size_t step_count;
-    iso_status status = parse_with(a->with ? a->with : "gl", with, err);
+    chart_grid grid;
+    iso_status status = parse_grid(a, &grid, err);
     if (status == ISO_OK)
-        status = parse_steps(a->steps ? a->steps : "2,1,0.5,0.25,0.125", steps, 16, &step_count, err);
-    if (status == ISO_OK)
-        status = load_pyramids(&run, a, cli, err);
+        status = load_pyramids(&run, a, &grid, cli, err);
     if (status == ISO_OK)
         status = iso_cli_load_view(a->scene, first_pyramid(&run), a->size, &run.view, err);
     if (status == ISO_OK)
-        status = make_grid(&run, with, steps, step_count, err);
+        status = adapt_levels(&run, cli, err);
+    if (status == ISO_OK)
+        status = make_grid(&run, &grid, err);
     if (status == ISO_OK)
         status = make_reference(&run, cli, err);
     if (status == ISO_OK)
@@ -490,6 +554,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     if (status == ISO_OK)
         status = finish(&run, a, cli, err);
     free(run.cases);
+    for (size_t k = 0; k < sizeof run.adapted / sizeof *run.adapted; ++k)
+        iso_tf_table_destroy(&run.adapted[k]);
     iso_image_destroy(&run.reference);
     iso_view_destroy(&run.view);
     for (int f = 0; f < ISO_DIRECTION_COUNT; ++f)
@@ -521,6 +587,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "cheap settings first, while they fit", "SECONDS"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, "of gl (default), reference, cycles", "LIST"},
         {"steps", 0, POPT_ARG_STRING, &a.steps, 0, "ray steps in voxels of the level (2,1,0.5,0.25,0.125)", "LIST"},
+        {"codes", 0, POPT_ARG_STRING, &a.codes, 0, "direction codes (all that textures filter)", "LIST"},
+        {"filters", 0, POPT_ARG_STRING, &a.filters, 0, "direction filters of coarse levels (moments)", "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
@@ -535,7 +603,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = chart(&a, &cli, err);
     iso_cli_end(&cli);
-    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.want_text, a.style};
+    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.codes, a.filters, a.want_text, a.style};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
@@ -545,10 +613,11 @@ const iso_command iso_command_chart = {
     .name = "chart",
     .summary = "speed against accuracy: which setting is good enough for a scene",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
-    .details = "Renders the scene with every renderer, level, direction filter, kind of gradients, code and step, the cheap ones\n"
-               "first, within the budget, and compares each with the converged reference of level 0. A setting is on the front\n"
-               "when no other is as fast (or as small) and as exact. DIR holds pareto.svg, pareto.pdf, pareto.csv, chart.json;\n"
-               "edit style.gp or pareto.gp and run gnuplot there to restyle. Exit code 1: no setting has the wanted error.",
+    .details = "Renders the scene with every renderer, level, transfer function (the scene's, and the level's own), direction\n"
+               "filter, kind of gradients, code and step, the cheap ones first, within the budget, and compares each with the\n"
+               "converged reference of level 0. A setting is on the front when no other is as fast (or as small) and as exact.\n"
+               "DIR holds pareto.svg, pareto.pdf, pareto.csv and chart.json; edit style.gp or pareto.gp and run gnuplot there to\n"
+               "restyle. Exit code 1: no setting has the wanted error.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
                 "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 96 --want 1/255 -o chart\n"
                 "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --steps 1,0.5 --budget 20 --json -o chart2\n",
