@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/process.h"
+#include "compare/statistics.h"
 #include "povray/df3.h"
 #include "povray/povray.h"
 #include "render/reference.h"
@@ -185,6 +186,8 @@ static comparison converged(size_t level)
 {
     comparison c = lock_step(level, false, 256);
     c.quadrature = ISO_QUADRATURE_CONVERGED;
+    c.view.width = 24; /* the converged reference is the slow side */
+    c.view.height = 18;
     c.options.intervals = 120;
     c.options.planes = 1;
     c.options.extrapolate = true;
@@ -332,6 +335,42 @@ static void converged_agrees_and_rejects_planted_faults(void **state)
 {
     (void)state;
     check_faults(converged, true, converged_rmse);
+}
+
+static void halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars(void **state)
+{
+    (void)state;
+    comparison c = converged(1);
+    iso_image images[3], limit, reference;
+    double error[3], order, limit_error;
+    iso_extrapolation bar;
+    c.options.planes = 0;
+    c.options.extrapolate = false;
+    render_reference(&c.pyramid, 1, &c.view, c.quadrature, 1, 0, &reference);
+    for (size_t i = 0; i < 3; ++i) {
+        c.options.intervals = (size_t)30 << i;
+        render_povray(&c.pyramid, c.level, &c.view, &c.options, &images[i]);
+        largest_difference(&images[i], &reference, &error[i]);
+    }
+    assert_ok(iso_observed_order(&images[0], &images[1], &images[2], 2, &order, &err));
+    assert_ok(iso_richardson(&images[1], &images[2], 2, 2, &limit, &bar, &err));
+    /* Second order; where cells' borders fall between the samples is chance, and scatters it. */
+    assert_within(log2(error[0] / error[1]), 2, 0.5);
+    assert_within(log2(error[1] / error[2]), 2, 0.5);
+    assert_within(order, 2, 0.5);
+    /* Independent errors e and 4 e of the two finest would leave 1.9 e in the limit, at a bar of 1.4 e. */
+    largest_difference(&limit, &reference, &limit_error);
+    assert_true(iso_limits_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
+    iso_image_destroy(&reference);
+    plant_half_voxel_shift(&c);
+    render_reference(&c.pyramid, 1, &c.view, c.quadrature, 1, 0, &reference);
+    largest_difference(&limit, &reference, &limit_error);
+    assert_false(iso_limits_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
+    iso_image_destroy(&reference);
+    for (size_t i = 0; i < 3; ++i)
+        iso_image_destroy(&images[i]);
+    iso_image_destroy(&limit);
+    end_comparison(&c);
 }
 
 static void an_isosurface_is_the_first_hit_of_the_reference(void **state)
@@ -545,6 +584,7 @@ int main(void)
         cmocka_unit_test(lock_step_agrees_with_float_directions),
         cmocka_unit_test(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults),
         cmocka_unit_test(converged_agrees_and_rejects_planted_faults),
+        cmocka_unit_test(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars),
         cmocka_unit_test(an_isosurface_is_the_first_hit_of_the_reference),
         cmocka_unit_test(an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing),
         cmocka_unit_test(df3_files_are_big_endian_with_a_rim_of_edge_values),

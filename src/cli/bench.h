@@ -9,6 +9,7 @@
 #define ISO_BENCH_LIST(X) \
     X(build) \
     X(consistency) \
+    X(convergence) \
     X(encode) \
     X(render)
 

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# bench convergence and isosurfaces: two renderers down to one limit; charts; messages; nothing half-written.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+scene=$PWD/refscenes/marschner-lobb.scene.json
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+check() { # name, condition as a command
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
+}
+expect() { # name, exit code, command ...
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >out 2>err
+    code=$?
+    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 err)"; failed=1; fi
+}
+"$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x2.5 --rotate 1,2,3,40 -o v.nrrd -q || exit 1
+
+expect gl_and_povray_converge 0 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --size 24 --steps 3 --json -o conv
+check both_agree_with_the_reference test "$(grep -c '"agrees": true' out)" = 2
+for file in convergence.csv convergence.gp convergence.svg style.gp; do check "the_chart_has_$file" test -s conv/$file; done
+expect an_unknown_renderer_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --with gl,radiance
+expect one_step_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --steps 1
+expect a_missing_scene_is_refused 2 "$ISOSHADE" bench convergence v.nrrd
+mkdir mine && touch mine/file
+expect a_foreign_folder_is_not_replaced 3 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --with gl --size 8 --steps 2 -o mine
+check and_keeps_its_files test -e mine/file
+
+# 16-bit values: the middle of the range
+for with in reference povray; do
+    expect "an_isosurface_by_$with" 0 "$ISOSHADE" render v.nrrd --scene "$scene" --with $with --size 32 --isosurface 32768 -o $with.exr
+done
+expect agrees 0 "$ISOSHADE" compare reference.exr povray.exr --max-abs 2e-5
+expect a_value_that_is_not_a_number_is_refused 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --isosurface x -o no.exr
+expect a_renderer_without_isosurfaces_says_so 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with cycles --isosurface 3 -o no.exr
+expect an_exported_isosurface 0 "$ISOSHADE" export v.nrrd --to povray --scene "$scene" --isosurface 32768 -o surface
+check has_its_object grep -q 'isosurface {' surface/surface.inc
+check nothing_half_written_is_left test -z "$(find . -name '.*' -mindepth 1; ls no.exr 2>/dev/null)"
+exit $failed
