@@ -1,5 +1,6 @@
 /* cmd_export.c - a level for other programs: OpenVDB, Blender, POV-Ray. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "blender/blender.h"
@@ -22,7 +23,7 @@ typedef struct export_arguments {
 typedef struct export_job {
     const export_arguments *arguments;
     const iso_pyramid *pyramid;
-    const iso_view *view;
+    iso_view *view; /* with the scene's own transfer function */
     const iso_progress *progress;
     json_t *results; /* with --json: what a target has to say */
 } export_job;
@@ -35,23 +36,53 @@ static iso_status to_vdb(const export_job *job, iso_error *err)
                         job->arguments->output, &o, job->progress, err);
 }
 
-static iso_status to_blender(const export_job *job, iso_error *err)
+/* The table of level k: a copy of the scene's, adapted where that is asked for. */
+static iso_status level_table(const export_job *job, size_t k, iso_tf_table *table, iso_error *err)
 {
-    iso_blender_options o = iso_blender_defaults();
-    o.step_voxels = job->arguments->step > 0 ? job->arguments->step : job->view->step_voxels;
-    o.threads = job->arguments->cli->threads;
+    const export_arguments *a = job->arguments;
+    iso_view view = *job->view;
+    size_t bytes = 4 * view.tf.count * sizeof *view.tf.entries;
+    view.tf.entries = malloc(bytes);
+    if (!view.tf.entries)
+        return iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    memcpy(view.tf.entries, job->view->tf.entries, bytes);
     iso_status status =
-        iso_blender_export_levels(job->pyramid, (size_t)job->arguments->level, (size_t)job->arguments->level_count, job->view,
-                                  NULL, job->arguments->output, &o, job->progress, err);
+        iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, &view, a->cli->threads, err);
+    *table = view.tf;
+    return status;
+}
+
+static void tell_ramp(const export_job *job, const iso_tf_table *table)
+{
     iso_color_ramp ramp;
-    iso_color_ramp_fit(&job->view->tf, &ramp);
-    if (status == ISO_OK && job->results)
+    iso_color_ramp_fit(table, &ramp);
+    if (job->results)
         json_object_set_new(job->results, "color_ramp",
                             json_pack("{sI sf sf}", "stops", (json_int_t)ramp.count, "max_color_difference",
                                       ramp.color_loss, "max_opacity_difference", ramp.alpha_loss));
-    else if (status == ISO_OK)
+    else
         printf("colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
                ramp.count, ramp.color_loss, ramp.alpha_loss);
+}
+
+static iso_status to_blender(const export_job *job, iso_error *err)
+{
+    const export_arguments *a = job->arguments;
+    size_t first = (size_t)a->level, count = (size_t)a->level_count;
+    iso_blender_options o = iso_blender_defaults();
+    o.step_voxels = a->step > 0 ? a->step : job->view->step_voxels;
+    o.threads = a->cli->threads;
+    iso_tf_table *tables = calloc(count, sizeof *tables);
+    iso_status status = tables ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    for (size_t k = 0; k < count && status == ISO_OK; ++k)
+        status = level_table(job, first + k, &tables[k], err);
+    if (status == ISO_OK)
+        status = iso_blender_export_levels(job->pyramid, first, count, job->view, tables, a->output, &o, job->progress, err);
+    if (status == ISO_OK)
+        tell_ramp(job, &tables[0]);
+    for (size_t k = 0; tables && k < count; ++k)
+        iso_tf_table_destroy(&tables[k]);
+    free(tables);
     return status;
 }
 
@@ -66,6 +97,9 @@ static iso_status to_povray(const export_job *job, iso_error *err)
     iso_status status = ISO_OK;
     if (job->arguments->isosurface)
         status = iso_cli_parse_numbers(job->arguments->isosurface, "--isosurface", value, err);
+    if (status == ISO_OK)
+        status = iso_cli_adapt_view(&job->arguments->adapted, job->arguments->cli->arguments[0], job->pyramid,
+                                    (size_t)job->arguments->level, job->view, job->arguments->cli->threads, err);
     if (status != ISO_OK)
         return status;
     o.isosurface = job->arguments->isosurface != NULL;
@@ -123,8 +157,6 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                           a->level + a->level_count - 1, pyramid.level_count - 1);
     if (status == ISO_OK && target->needs_scene)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
-    if (status == ISO_OK && target->needs_scene)
-        status = iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], &pyramid, (size_t)a->level, &view, a->cli->threads, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     const export_job job = {a, &pyramid, &view, &progress, root};
     if (status == ISO_OK)
