@@ -273,7 +273,7 @@ def material(about, frame):
     tree.nodes.clear()
     node = tree.nodes.new('ShaderNodeGroup')
     node.node_tree = isoshade_group(about, frame)
-    node.label = "isoshade"
+    node.name = node.label = "isoshade"
     node.width = 240
     shading = about["shading"]
     for name in ("Ambient", "Diffuse", "Specular", "Power"):
@@ -443,18 +443,6 @@ def calibrate(about):
 # ---- the scene -------------------------------------------------------------------------------------------------
 
 
-def switch_by_property(frame, thing, level):
-    """Shows the level that the frame's property names; the expression is simple enough to run without Python."""
-    for target in ("hide_render", "hide_viewport"):
-        driver = thing.driver_add(target).driver
-        driver.type = 'SCRIPTED'
-        chosen = driver.variables.new()
-        chosen.name = "level"
-        chosen.targets[0].id = frame
-        chosen.targets[0].data_path = '["level"]'
-        driver.expression = f"level != {level}"
-
-
 def add_levels(about, shift, frame, look, collection):
     levels = about["levels"]
     if len(levels) > 1:
@@ -472,8 +460,8 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_table"] = table_properties(about["tf"]["tables"][level["row"]])
         thing["isoshade_row"] = float(level["row"])
         thing["isoshade_step"] = float(level["step"])
-        if len(levels) > 1:
-            switch_by_property(frame, thing, level["level"])
+        for hidden in ("hide_render", "hide_viewport") if len(levels) > 1 else ():
+            drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})
 
 
 def build(about, shift):
@@ -484,9 +472,67 @@ def build(about, shift):
     scene.unit_settings.scale_length = 0.001 / about["units_per_mm"]
     scene.unit_settings.length_unit = 'MILLIMETERS'
     frame = frame_object(about, scene.collection)
-    add_levels(about, shift, frame, material(about, frame), scene.collection)
+    look = material(about, frame)
+    add_levels(about, shift, frame, look, scene.collection)
+    if "save" in about:
+        light_handles(about, look, scene.collection)
     scene.camera = camera_object(about["camera"], scene.collection)
     return scene
+
+
+# ---- handles ---------------------------------------------------------------------------------------------------
+
+
+def sun_object(number, light, about, collection):
+    """A sun whose z axis points towards the light, beside the volume."""
+    data = bpy.data.lights.new(f"isoshade light {number}", 'SUN')
+    data.energy = light["intensity"]
+    data.angle = 0
+    thing = bpy.data.objects.new(data.name, data)
+    towards = Vector(light["direction"])
+    frame = Matrix(about["box_to_world"])
+    middle = frame @ Vector((0.5, 0.5, 0.5, 1))
+    reach = (frame.to_3x3() @ Vector((1, 1, 1))).length
+    rotation = towards.to_track_quat('Z', 'Y')
+    thing.matrix_world = Matrix.LocRotScale(middle.xyz + reach * towards, rotation, (1, 1, 1))
+    collection.objects.link(thing)
+    return thing
+
+
+def drive(owner, path, index, expression, variables):
+    """Expressions of arithmetic, sin and cos alone: Blender evaluates them even where a file may not run Python."""
+    curve = owner.driver_add(path, index) if index is not None else owner.driver_add(path)
+    curve.driver.type = 'SCRIPTED'
+    for name, (thing, kind) in variables.items():
+        variable = curve.driver.variables.new()
+        variable.name = name
+        target = variable.targets[0]
+        if kind.startswith("ROT_"):
+            variable.type = 'TRANSFORMS'
+            target.id = thing
+            target.transform_type = kind
+            target.rotation_mode = 'XYZ'
+            target.transform_space = 'WORLD_SPACE'
+        else:
+            if not isinstance(thing, bpy.types.Object):
+                target.id_type = 'LIGHT'
+            target.id = thing
+            target.data_path = kind
+    curve.driver.expression = expression
+
+
+def light_handles(about, look, collection):
+    """Turning a sun turns the volume's light: its z axis, from its angles, drives the direction."""
+    tree = look.node_tree
+    node = tree.nodes["isoshade"]
+    axis = ("cos(z) * sin(y) * cos(x) + sin(z) * sin(x)", "sin(z) * sin(y) * cos(x) - cos(z) * sin(x)", "cos(y) * cos(x)")
+    for i, light in enumerate(about["lights"]):
+        sun = sun_object(i + 1, light, about, collection)
+        number = list(node.inputs).index(node.inputs[f"Light {i + 1}"])
+        for c in range(3):
+            drive(tree, f'nodes["isoshade"].inputs[{number}].default_value', c, axis[c],
+                  {"x": (sun, 'ROT_X'), "y": (sun, 'ROT_Y'), "z": (sun, 'ROT_Z')})
+        drive(tree, f'nodes["isoshade"].inputs[{number + 1}].default_value', None, "energy", {"energy": (sun.data, "energy")})
 
 
 # ---- what a person finds who opens the file --------------------------------------------------------------------
@@ -494,8 +540,8 @@ def build(about, shift):
 README = """{name}, exported by isoshade{source}
 
 The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
-{levels}Material "{name}", group "isoshade": ambient, diffuse, specular, power; lights by direction (towards the light)
-and intensity; Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
+{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
+"isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
 packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
 differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
 
