@@ -7,6 +7,7 @@
 #include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -101,28 +102,88 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
     return ISO_OK;
 }
 
+static int remove_below(const char *path, const struct stat *st, int type, struct FTW *ftw)
+{
+    (void)st;
+    (void)type;
+    return ftw->level > 0 ? remove(path) : 0;
+}
+
+void iso_output_clear(const iso_output *out)
+{
+    nftw(out->temp_path, remove_below, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+/* What stands at the final path may be replaced: nothing, an empty directory, or one of ours. */
+static iso_status check_replaceable(const iso_output *out, const char *path, const char *marker, iso_error *err)
+{
+    if (!iso_path_exists(out->final_path))
+        return ISO_OK;
+    char *mark = iso_path_join(out->final_path, marker);
+    bool ours = mark && iso_path_exists(mark);
+    bool empty = rmdir(out->final_path) == 0; /* an empty directory is no loss */
+    free(mark);
+    if (ours || empty)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: exists and holds no %s, so it is not replaced", path, marker);
+}
+
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err)
 {
     iso_status status = reserve(out, path, err);
     if (status != ISO_OK)
         return status;
-    if (iso_path_exists(out->final_path)) {
-        char *mark = iso_path_join(out->final_path, marker);
-        bool ours = mark && iso_path_exists(mark);
-        bool empty = rmdir(out->final_path) == 0; /* an empty directory is no loss */
-        free(mark);
-        if (!ours && !empty) {
-            status = iso_fail(err, ISO_E_IO, "%s: exists and holds no %s, so it is not replaced", path, marker);
-            iso_output_abandon(out);
-            return status;
-        }
+    status = check_replaceable(out, path, marker, err);
+    if (status == ISO_OK) {
+        iso_remove_tree(out->temp_path);
+        if (mkdir(out->temp_path, 0777) != 0)
+            status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
     }
-    iso_remove_tree(out->temp_path);
-    if (mkdir(out->temp_path, 0777) != 0) {
+    if (status != ISO_OK)
+        iso_output_abandon(out);
+    return status;
+}
+
+iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
+                                 iso_error *err)
+{
+    *resumed = false;
+    iso_status status = reserve(out, path, err);
+    if (status != ISO_OK)
+        return status;
+    char *dir = iso_path_dir(out->final_path), *temp = NULL;
+    if (!dir || asprintf(&temp, "%s/.%s.partial", dir, iso_path_base(out->final_path)) < 0)
+        temp = NULL;
+    free(dir);
+    free(out->temp_path);
+    out->temp_path = temp;
+    status = temp ? check_replaceable(out, path, marker, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status != ISO_OK) {
+        free(out->final_path); /* a temporary of an earlier run stays */
+        free(out->temp_path);
+        *out = (iso_output){0};
+        return status;
+    }
+    *resumed = resume && iso_path_is_dir(temp);
+    if (mkdir(temp, 0777) != 0 && errno != EEXIST) {
         status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
         iso_output_abandon(out);
+        return status;
     }
-    return status;
+    int fd = open(temp, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        status = iso_fail(err, ISO_E_IO, "%s: another process is making it: %s", path, strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        free(out->final_path);
+        free(out->temp_path);
+        *out = (iso_output){0};
+        return status;
+    }
+    out->lock = fd + 1;
+    if (!*resumed)
+        iso_output_clear(out);
+    return ISO_OK;
 }
 
 /* A directory cannot be renamed over a full one: the old one steps aside first. */
@@ -152,14 +213,22 @@ iso_status iso_output_commit(iso_output *out, iso_error *err)
     return status;
 }
 
-void iso_output_abandon(iso_output *out)
+void iso_output_keep(iso_output *out)
 {
     if (!out || !out->temp_path)
         return;
-    iso_remove_tree(out->temp_path);
+    if (out->lock > 0)
+        close(out->lock - 1);
     free(out->temp_path);
     free(out->final_path);
     *out = (iso_output){0};
+}
+
+void iso_output_abandon(iso_output *out)
+{
+    if (out && out->temp_path)
+        iso_remove_tree(out->temp_path);
+    iso_output_keep(out);
 }
 
 static int remove_entry(const char *path, const struct stat *st, int type, struct FTW *ftw)

@@ -14,6 +14,7 @@
 typedef struct iso_output {
     char *final_path; /* what the user named */
     char *temp_path;  /* where to write */
+    int lock;         /* 1 + the descriptor that locks the temporary; 0: none */
 } iso_output;
 
 /* Reserves a temporary file name beside path. Writers that take a path write
@@ -25,11 +26,23 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
  * else ISO_E_IO, and nothing of the user's is lost. */
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
 
+/* The same for work that may be killed and taken up again: the temporary has the
+ * fixed name .NAME.partial. With `resume` one that is there keeps its files, and
+ * *resumed says so; else it is emptied. ISO_E_IO while another process works in it. */
+iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
+                                 iso_error *err);
+
+/* Removes what is in a temporary directory. */
+void iso_output_clear(const iso_output *out);
+
 /* Renames into place. On failure the temporary is removed. */
 iso_status iso_output_commit(iso_output *out, iso_error *err);
 
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
 void iso_output_abandon(iso_output *out);
+
+/* As abandon, but leaves the temporary where it is, to be taken up. */
+void iso_output_keep(iso_output *out);
 
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);

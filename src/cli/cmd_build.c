@@ -9,12 +9,12 @@
 #include "base/parallel.h"
 #include "cli/cli.h"
 #include "cli/input.h"
-#include "pyramid/pyramid.h"
+#include "pyramid/pyramid_stream.h"
 
 typedef struct build_options {
     char *output, *scalar_filter, *direction_filter, *code;
-    int levels, gauss_radius, keep_float, keep_magnitude;
-    double gauss_sigma;
+    int levels, gauss_radius, keep_float, keep_magnitude, resume;
+    double gauss_sigma, memory_mb;
 } build_options;
 
 /* NAME.iso in the current folder; to be freed. */
@@ -58,53 +58,78 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
     return ISO_OK;
 }
 
-static void report(const iso_cli *cli, const iso_pyramid *p, const char *output, double seconds)
+static json_t *levels_to_json(const iso_stream_report *r)
 {
-    json_t *root = iso_cli_json(cli), *levels = json_array(), *options = json_object_get(root, "options");
-    json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(p->options.scalar_filter)));
-    json_object_set_new(options, "direction_filter", json_string(iso_direction_filter_name(p->options.direction_filter)));
-    json_object_set_new(options, "code", json_string(iso_code_describe(p->options.code)->name));
-    json_object_set_new(root, "output", json_string(output));
-    json_object_set_new(root, "seconds", json_real(seconds));
-    for (size_t k = 0; k < p->level_count; ++k) {
-        const iso_level *l = &p->levels[k];
-        const size_t *n = l->geometry.size;
-        if (!cli->json)
-            printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, n[0], n[1], n[2], iso_type_name(l->stored_type),
-                   l->min, l->max);
+    json_t *levels = json_array();
+    for (size_t k = 0; k < r->level_count; ++k) {
+        const size_t *n = r->levels[k].geometry.size;
         json_array_append_new(levels, json_pack("{s:[I,I,I], s:s, s:f, s:f}", "size", (json_int_t)n[0], (json_int_t)n[1],
-                                                (json_int_t)n[2], "type", iso_type_name(l->stored_type), "min", l->min,
-                                                "max", l->max));
+                                                (json_int_t)n[2], "type", iso_type_name(r->levels[k].type), "min",
+                                                r->levels[k].min, "max", r->levels[k].max));
     }
-    json_object_set_new(root, "levels", levels);
-    if (cli->json) {
-        iso_cli_print_json(root);
-    } else {
-        printf("%s\n", output);
-        json_decref(root);
+    return levels;
+}
+
+static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const iso_stream_report *r, const char *output)
+{
+    json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
+    json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(opt->scalar_filter)));
+    json_object_set_new(options, "direction_filter", json_string(iso_direction_filter_name(opt->direction_filter)));
+    json_object_set_new(options, "gradient", json_string(iso_gradient_name(opt->gradient.method)));
+    json_object_set_new(options, "code", json_string(iso_code_describe(opt->code)->name));
+    json_object_set_new(root, "output", json_string(output));
+    json_object_set_new(root, "levels", levels_to_json(r));
+    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f}", "read", r->seconds_read, "build",
+                                                   r->seconds_build, "write", r->seconds_write, "total", r->seconds_total));
+    json_object_set_new(root, "slab_planes", json_integer((json_int_t)r->slab_planes));
+    json_object_set_new(root, "buffer_bytes", json_integer((json_int_t)r->buffer_bytes));
+    json_object_set_new(root, "resumed_at_plane", json_integer((json_int_t)r->resumed_at_plane));
+    json_object_set_new(root, "peak_rss_bytes", json_real(iso_peak_rss_bytes()));
+    iso_cli_print_json(root);
+}
+
+static void print_text(const iso_stream_report *r, const char *output)
+{
+    for (size_t k = 0; k < r->level_count; ++k) {
+        const size_t *n = r->levels[k].geometry.size;
+        printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, n[0], n[1], n[2], iso_type_name(r->levels[k].type),
+               r->levels[k].min, r->levels[k].max);
     }
+    if (r->resumed_at_plane > 0)
+        printf("resumed at plane %zu\n", r->resumed_at_plane);
+    printf("%s\n", output);
+}
+
+typedef struct open_user {
+    const char *path;
+    const iso_cli_input *input;
+} open_user;
+
+static iso_status open_input(void *user, iso_volume_source **source, iso_error *err)
+{
+    const open_user *u = user;
+    return iso_cli_open_source(u->path, u->input, source, err);
 }
 
 static iso_status build(const iso_cli *cli, const iso_cli_input *input, const build_options *in, iso_error *err)
 {
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
-    iso_volume v = {0};
-    iso_pyramid p = {0};
+    iso_stream_report report;
     iso_progress progress = iso_cli_progress(cli);
-    const double start = iso_clock_seconds();
+    open_user user = {path, input};
+    const iso_stream_input source = {open_input, &user, path};
+    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576), .resume = in->resume};
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = iso_cli_load_volume(path, input, &v, err);
+        status = iso_cli_check_range("--memory", in->memory_mb, 1, 1e9, err);
     if (status == ISO_OK)
-        status = iso_pyramid_build(&v, path, &opt, &p, &progress, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_save(&p, output, err);
-    if (status == ISO_OK)
-        report(cli, &p, output, iso_clock_seconds() - start);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
+        status = iso_pyramid_stream(&source, &opt, &stream, output, &report, &progress, err);
+    if (status == ISO_OK && cli->json)
+        print_json(cli, &opt, &report, output);
+    else if (status == ISO_OK)
+        print_text(&report, output);
     free(output);
     return status;
 }
@@ -114,7 +139,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const iso_pyramid_options defaults = iso_pyramid_defaults();
     build_options in = {.levels = (int)defaults.level_count,
                         .gauss_radius = (int)defaults.gauss_radius,
-                        .gauss_sigma = defaults.gauss_sigma_voxels};
+                        .gauss_sigma = defaults.gauss_sigma_voxels,
+                        .memory_mb = 512};
     iso_cli_input input;
     iso_cli_input_defaults(&input);
     struct poptOption options[] = {
@@ -128,6 +154,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "of gauss and eq1", "VOXELS"},
         {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "store the directions as floats, too", NULL},
         {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "store the gradient magnitudes", NULL},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "of buffers, at most", "MB"},
+        {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "go on where a killed build of the same job stood", NULL},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };
@@ -149,7 +177,8 @@ const iso_command iso_command_build = {
     .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
     .usage = "VOLUME [-o NAME.iso] [options]",
     .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. Directions come from the\n"
-               "gradients of the finest level, whatever the level.",
+               "gradients of the finest level, whatever the level. The volume is read in slabs, so it may be larger\n"
+               "than memory. Until it is complete the folder is called .NAME.iso.partial.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",

@@ -333,6 +333,15 @@ float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats)
     return c->carry;
 }
 
+size_t iso_cascade_bytes(const iso_cascade *c)
+{
+    size_t floats = c->carry ? carry_row_floats(c) * c->size[c->tile_top][1] * c->size[c->tile_top][2] : 0;
+    for (size_t i = 0; i < c->wide_count; ++i)
+        for (size_t k = 1; k < c->level_count; ++k)
+            floats += c->wide[i].slot_count * c->wide[i].components * c->size[k][0] * c->size[k][1];
+    return floats * sizeof(float);
+}
+
 size_t iso_cascade_carry_level(const iso_cascade *c)
 {
     return c->tile_top;

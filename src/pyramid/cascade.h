@@ -68,6 +68,9 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
 float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats);
 size_t iso_cascade_carry_level(const iso_cascade *c);
 
+/* Memory that it holds between slabs. */
+size_t iso_cascade_bytes(const iso_cascade *c);
+
 /* Of the level's scalars so far; min > max when there are none. */
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max);
 void iso_cascade_set_range(iso_cascade *c, size_t level, double min, double max); /* to go on with */

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"
+#include "pyramid/pyramid_layout.h"
 
 static const char *const scalar_names[ISO_SCALAR_COUNT] = {"mean", "gauss"};
 static const char *const direction_names[ISO_DIRECTION_COUNT] = {"moments", "eq1", "naive"};
@@ -53,7 +54,7 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
     return iso_fail(err, ISO_E_USAGE, "unknown direction filter \"%s\", must be one of: moments, eq1, naive", name);
 }
 
-static iso_status check_options(const iso_pyramid_options *opt, iso_error *err)
+iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err)
 {
     const size_t max_radius = ISO_FILTER_MAX_TAPS / 2;
     if (opt->level_count < 1 || opt->level_count > 32)
@@ -64,6 +65,9 @@ static iso_status check_options(const iso_pyramid_options *opt, iso_error *err)
         return iso_fail(err, ISO_E_RANGE, "Gaussian sigma: %g voxels, must be 0.1 to 100", opt->gauss_sigma_voxels);
     if (!iso_code_describe(opt->code)->is_textured)
         return iso_fail(err, ISO_E_RANGE, "code %s: not for pyramids, whose codes are 3 bytes that a texture can filter",
+                        iso_code_describe(opt->code)->name);
+    if (!iso_code_describe(opt->code)->is_textured)
+        return iso_fail(err, ISO_E_RANGE, "code: %s, a pyramid stores codes of 3 bytes that a texture can filter",
                         iso_code_describe(opt->code)->name);
     return ISO_OK;
 }
@@ -111,7 +115,7 @@ static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p
     iso_status status = iso_cascade_create(&g, v->type, opt, scale, &cascade, err);
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         iso_level *l = &p->levels[k];
-        const iso_type type = k == 0 && iso_type_bytes(v->type) <= 2 ? v->type : ISO_F32;
+        const iso_type type = k == 0 ? iso_layout_type(v->type) : ISO_F32;
         if (!create_level(l, &g, type, opt))
             status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for level %zu of %zu x %zu x %zu voxels", k,
                               g.size[0], g.size[1], g.size[2]);
@@ -137,7 +141,7 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
 {
     double range = 0;
     *out = (iso_pyramid){.options = *opt};
-    iso_status status = check_options(opt, err);
+    iso_status status = iso_pyramid_check_options(opt, err);
     if (status == ISO_OK)
         status = sample_range(v, source, &range, err);
     if (status != ISO_OK)

@@ -5,59 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "base/file.h"
 #include "base/json.h"
-#include "pyramid/pyramid.h"
+#include "pyramid/pyramid_layout.h"
 
-#define SCHEMA "isoshade.pyramid/1"
-#define MARKER "pyramid.json"
-#define ALIGNMENT 64
-
-/* One file of a level. */
-typedef struct level_file {
-    const char *key, *suffix;
-    size_t components;
-    iso_type type;
-    void *data; /* float, or bytes where the key is "codes" */
-} level_file;
-
-enum { FILE_SCALAR, FILE_CODES, FILE_DIRECTIONS, FILE_MAGNITUDE, FILE_COUNT };
-
-static void list_files(const iso_level *l, iso_code code, level_file files[FILE_COUNT])
-{
-    files[FILE_SCALAR] = (level_file){"scalar", "", 1, l->stored_type, l->scalar};
-    files[FILE_CODES] = (level_file){"codes", "_dir", 3, iso_code_describe(code)->is_signed ? ISO_I8 : ISO_U8, l->codes};
-    files[FILE_DIRECTIONS] = (level_file){"directions", "_grad", 3, ISO_F32, l->directions};
-    files[FILE_MAGNITUDE] = (level_file){"magnitude", "_mag", 1, ISO_F32, l->magnitude};
-}
-
-/* The text before the samples: NRRD0004, raw, little-endian. Space origin is the
- * centre of the first voxel. A comment fills it up to a multiple of ALIGNMENT
- * bytes, so that a mapped file has its samples aligned. To be freed. */
-static char *make_header(const iso_geometry *g, const level_file *f)
-{
-    const iso_mat3 *m = &g->index_to_world;
-    iso_vec3 o = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
-    const bool vector = f->components > 1;
-    char *text = NULL;
-    int n = asprintf(&text,
-                     "NRRD0004\ntype: %s\ndimension: %d\nspace dimension: 3\nsizes: %s%zu %zu %zu\n"
-                     "space directions: %s(%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
-                     "centers: %scell cell cell\nkinds: %sdomain domain domain\nendian: little\nencoding: raw\n"
-                     "space origin: (%.17g,%.17g,%.17g)\n",
-                     iso_type_name(f->type), vector ? 4 : 3, vector ? "3 " : "", g->size[0], g->size[1], g->size[2],
-                     vector ? "none " : "", m->m[0][0], m->m[1][0], m->m[2][0], m->m[0][1], m->m[1][1], m->m[2][1],
-                     m->m[0][2], m->m[1][2], m->m[2][2], vector ? "??? " : "", vector ? "vector " : "", o.x, o.y, o.z);
-    if (n < 0)
-        return NULL;
-    char *padded = NULL;
-    int fill = (ALIGNMENT - (n + 4) % ALIGNMENT) % ALIGNMENT; /* "# ", the fill, two line ends */
-    n = asprintf(&padded, "%s# %*s\n\n", text, fill, "");
-    free(text);
-    return n < 0 ? NULL : padded;
-}
 
 static void floats_to_type(const float *in, iso_type type, size_t count, void *out)
 {
@@ -87,88 +39,46 @@ static void type_to_floats(const void *in, iso_type type, size_t count, float *o
 
 enum { CHUNK = 1 << 16 }; /* values converted at a time */
 
-/* Writes header and samples; *hash is XXH3 of the whole file. */
-static bool write_samples(FILE *file, const char *header, const level_file *f, size_t count, size_t *bytes,
-                          XXH64_hash_t *hash)
+/* Writes header and samples; f->bytes and f->hash follow. data: floats, or bytes where f is of codes. */
+static bool write_samples(FILE *file, const char *header, level_file *f, const void *data, size_t count)
 {
-    const bool plain = f->type == ISO_F32 || f->data == NULL || strcmp(f->key, "codes") == 0;
+    const bool plain = f->type == ISO_F32 || f->components == 3;
     const size_t width = iso_type_bytes(f->type);
     XXH3_state_t *state = XXH3_createState();
     char *chunk = malloc(CHUNK * sizeof(float));
-    bool good = state && chunk;
+    bool good = state && chunk && fputs(header, file) >= 0;
     if (good) {
         XXH3_64bits_reset(state);
         XXH3_64bits_update(state, header, strlen(header));
-        good = fputs(header, file) >= 0;
-        *bytes = strlen(header) + count * width;
+        f->bytes = strlen(header) + count * width;
     }
     for (size_t at = 0; at < count && good; at += CHUNK) {
         const size_t n = count - at < CHUNK ? count - at : CHUNK;
-        const char *from = chunk;
-        if (plain)
-            from = (const char *)f->data + at * width;
-        else
-            floats_to_type((const float *)f->data + at, f->type, n, chunk);
+        const char *from = plain ? (const char *)data + at * width : chunk;
+        if (!plain)
+            floats_to_type((const float *)data + at, f->type, n, chunk);
         XXH3_64bits_update(state, from, n * width);
         good = fwrite(from, width, n, file) == n;
     }
-    *hash = good ? XXH3_64bits_digest(state) : 0;
+    f->hash = good ? XXH3_64bits_digest(state) : 0;
     free(chunk);
     XXH3_freeState(state);
     return good;
 }
 
-static iso_status save_file(const char *dir, const iso_geometry *g, size_t level, const level_file *f, json_t *files,
+static iso_status save_file(const char *dir, const iso_geometry *g, size_t level, level_file *f, const void *data,
                             iso_error *err)
 {
-    char name[64], digest[32];
-    snprintf(name, sizeof name, "level_%zu%s.nrrd", level, f->suffix);
-    char *path = iso_path_join(dir, name), *header = make_header(g, f);
-    size_t bytes = 0;
-    XXH64_hash_t hash = 0;
-    iso_status status = ISO_OK;
+    char name[64];
+    iso_layout_name(f, level, name);
+    char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f);
     FILE *file = path && header ? fopen(path, "wb") : NULL;
-    bool good = file && write_samples(file, header, f, f->components * iso_geometry_voxel_count(g), &bytes, &hash);
+    bool good = file && write_samples(file, header, f, data, f->components * iso_geometry_voxel_count(g));
     if (file && fclose(file) != 0)
         good = false;
-    if (good) {
-        snprintf(digest, sizeof digest, "%016llx", (unsigned long long)hash);
-        json_object_set_new(files, f->key, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", (json_int_t)bytes,
-                                                     "xxh3_64", digest));
-    } else {
-        status = iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", dir, name, strerror(errno));
-    }
     free(header);
     free(path);
-    return status;
-}
-
-static json_t *geometry_to_json(const iso_geometry *g)
-{
-    return json_pack("{s:[I,I,I], s:o, s:o, s:o}", "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
-                     (json_int_t)g->size[2], "index_to_world", iso_json_numbers(&g->index_to_world.m[0][0], 9),
-                     "origin_mm", iso_json_numbers(&g->origin_mm.x, 3), "box_index", iso_json_numbers(g->box_index, 3));
-}
-
-static json_t *options_to_json(const iso_pyramid_options *o)
-{
-    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
-                     "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
-                     iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
-                     "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
-                     "gauss_radius", (json_int_t)o->gauss_radius, "keep_float", o->keep_float, "keep_magnitude",
-                     o->keep_magnitude);
-}
-
-/* With 17 digits, so that the geometry is read back as it was. */
-static iso_status save_json(const char *dir, const json_t *root, iso_error *err)
-{
-    char *path = iso_path_join(dir, MARKER), *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-    iso_status status = path && text ? iso_file_write(path, text, strlen(text), err)
-                                     : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %s", dir, MARKER);
-    free(text);
-    free(path);
-    return status;
+    return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", dir, name, strerror(errno));
 }
 
 static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *err)
@@ -177,28 +87,24 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
     json_t *levels = json_array();
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         const iso_level *l = &p->levels[k];
-        level_file list[FILE_COUNT];
-        json_t *files = json_object();
-        list_files(l, p->options.code, list);
+        const void *data[FILE_COUNT] = {l->scalar, l->codes, l->directions, l->magnitude};
+        level_file files[FILE_COUNT];
+        iso_layout_files(&p->options, l->stored_type, files);
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
-            if (list[i].data)
-                status = save_file(dir, &l->geometry, k, &list[i], files, err);
-        json_array_append_new(levels, json_pack("{s:o, s:s, s:f, s:f, s:o}", "geometry", geometry_to_json(&l->geometry),
-                                                "stored_type", iso_type_name(l->stored_type), "min", l->min, "max",
-                                                l->max, "files", files));
+            if (files[i].stored)
+                status = save_file(dir, &l->geometry, k, &files[i], data[i], err);
+        json_array_append_new(levels, iso_layout_level(&l->geometry, l->stored_type, l->min, l->max, files, k));
     }
-    json_t *root = json_pack("{s:s, s:s, s:o, s:o}", "schema", SCHEMA, "source", p->source, "options",
-                             options_to_json(&p->options), "levels", levels);
     if (status == ISO_OK)
-        status = save_json(dir, root, err);
-    json_decref(root);
+        return iso_layout_save(dir, p->source, &p->options, levels, err);
+    json_decref(levels);
     return status;
 }
 
 iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err)
 {
     iso_output out;
-    iso_status status = iso_output_begin_dir(&out, dir, MARKER, err);
+    iso_status status = iso_output_begin_dir(&out, dir, ISO_PYRAMID_MARKER, err);
     if (status != ISO_OK)
         return status;
     status = save_into(p, out.temp_path, err);
@@ -208,9 +114,9 @@ iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *er
     return status;
 }
 
-/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in f->data. */
-static iso_status load_file(const char *dir, const iso_geometry *g, level_file *f, iso_json_reader *r, const json_t *files,
-                            iso_error *err)
+/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. */
+static iso_status load_file(const char *dir, const iso_geometry *g, const level_file *f, iso_json_reader *r,
+                            const json_t *files, void **data, iso_error *err)
 {
     const char *name = NULL, *digest = NULL;
     json_t *entry = iso_json_get_object(r, files, f->key, true);
@@ -221,7 +127,7 @@ static iso_status load_file(const char *dir, const iso_geometry *g, level_file *
     if (strchr(name, '/'))
         return iso_fail(err, ISO_E_FORMAT, "%s: the file \"%s\" does not lie in the folder", r->path, name);
     const size_t count = f->components * iso_geometry_voxel_count(g), width = iso_type_bytes(f->type);
-    char *path = iso_path_join(dir, name), *header = make_header(g, f), *bytes = NULL;
+    char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f), *bytes = NULL;
     size_t size = 0;
     iso_status status = path && header ? iso_file_read(path, &bytes, &size, err)
                                        : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
@@ -237,13 +143,13 @@ static iso_status load_file(const char *dir, const iso_geometry *g, level_file *
     if (status == ISO_OK && memcmp(bytes, header, header_bytes) != 0)
         status = iso_fail(err, ISO_E_FORMAT, "%s: its NRRD header is not the one that pyramid.json describes", path);
     const bool codes = strcmp(f->key, "codes") == 0;
-    if (status == ISO_OK && !(f->data = malloc(codes ? count : count * sizeof(float))))
+    if (status == ISO_OK && !(*data = malloc(codes ? count : count * sizeof(float))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu samples", path, count);
     if (status == ISO_OK && codes)
-        memcpy(f->data, bytes + header_bytes, count);
+        memcpy(*data, bytes + header_bytes, count);
     else if (status == ISO_OK) {
         memmove(bytes, bytes + header_bytes, count * width); /* aligned */
-        type_to_floats(bytes, f->type, count, f->data);
+        type_to_floats(bytes, f->type, count, *data);
     }
     free(bytes);
     free(header);
@@ -283,6 +189,8 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
                                 iso_gradient_from_name(gradient, &o->gradient.method, &why) != ISO_OK ||
                                 iso_code_from_name(code, &o->code, &why) != ISO_OK))
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: %s", r->path, why.text);
+    if (r->status == ISO_OK && !iso_code_describe(o->code)->is_textured)
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"code\" is \"%s\", which no pyramid stores", r->path, code);
 }
 
 static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *entry, const iso_pyramid_options *opt,
@@ -302,18 +210,16 @@ static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *
                              type);
     if (r->status != ISO_OK)
         return r->status;
-    list_files(l, opt->code, files);
-    iso_status status = load_file(dir, &l->geometry, &files[FILE_SCALAR], r, list, err);
-    l->scalar = files[FILE_SCALAR].data;
-    if (status == ISO_OK)
-        status = load_file(dir, &l->geometry, &files[FILE_CODES], r, list, err);
-    l->codes = files[FILE_CODES].data;
-    if (status == ISO_OK && opt->keep_float)
-        status = load_file(dir, &l->geometry, &files[FILE_DIRECTIONS], r, list, err);
-    l->directions = files[FILE_DIRECTIONS].data;
-    if (status == ISO_OK && opt->keep_magnitude)
-        status = load_file(dir, &l->geometry, &files[FILE_MAGNITUDE], r, list, err);
-    l->magnitude = files[FILE_MAGNITUDE].data;
+    void *data[FILE_COUNT] = {NULL};
+    iso_status status = ISO_OK;
+    iso_layout_files(opt, l->stored_type, files);
+    for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+        if (files[i].stored)
+            status = load_file(dir, &l->geometry, &files[i], r, list, &data[i], err);
+    l->scalar = data[FILE_SCALAR];
+    l->codes = data[FILE_CODES];
+    l->directions = data[FILE_DIRECTIONS];
+    l->magnitude = data[FILE_MAGNITUDE];
     return status;
 }
 
@@ -321,8 +227,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
 {
     const char *schema = NULL, *source = NULL;
     iso_json_get_string(r, root, "schema", true, &schema);
-    if (r->status == ISO_OK && strcmp(schema, SCHEMA) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", r->path, schema, SCHEMA);
+    if (r->status == ISO_OK && strcmp(schema, ISO_PYRAMID_SCHEMA) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", r->path, schema, ISO_PYRAMID_SCHEMA);
     iso_json_get_string(r, root, "source", true, &source);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
     json_t *levels = iso_json_get_array(r, root, "levels", true);
@@ -352,7 +258,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
 {
     *out = (iso_pyramid){0};
-    char *path = iso_path_join(dir, MARKER);
+    char *path = iso_path_join(dir, ISO_PYRAMID_MARKER);
     json_t *root = NULL;
     if (!path)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", dir);
@@ -370,7 +276,7 @@ iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
 
 bool iso_pyramid_is_one(const char *path)
 {
-    char *marker = iso_path_join(path, MARKER);
+    char *marker = iso_path_join(path, ISO_PYRAMID_MARKER);
     bool is = marker && iso_path_is_dir(path) && iso_path_exists(marker);
     free(marker);
     return is;

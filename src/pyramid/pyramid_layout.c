@@ -1,0 +1,108 @@
+#define _GNU_SOURCE
+#include "pyramid/pyramid_layout.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+
+#define ALIGNMENT 64
+
+void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, level_file files[FILE_COUNT])
+{
+    const iso_type codes = iso_code_describe(opt->code)->is_signed ? ISO_I8 : ISO_U8;
+    files[FILE_SCALAR] = (level_file){.key = "scalar", .suffix = "", .components = 1, .type = scalar_type, .stored = true};
+    files[FILE_CODES] = (level_file){.key = "codes", .suffix = "_dir", .components = 3, .type = codes, .stored = true};
+    files[FILE_DIRECTIONS] = (level_file){.key = "directions", .suffix = "_grad", .components = 3, .type = ISO_F32, .stored = opt->keep_float};
+    files[FILE_MAGNITUDE] = (level_file){.key = "magnitude", .suffix = "_mag", .components = 1, .type = ISO_F32, .stored = opt->keep_magnitude};
+}
+
+void iso_layout_name(const level_file *f, size_t level, char name[64])
+{
+    snprintf(name, 64, "level_%zu%s.nrrd", level, f->suffix);
+}
+
+iso_type iso_layout_type(iso_type input)
+{
+    return iso_type_bytes(input) <= 2 ? input : ISO_F32;
+}
+
+char *iso_layout_header(const iso_geometry *g, const level_file *f)
+{
+    const iso_mat3 *m = &g->index_to_world;
+    iso_vec3 o = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
+    const bool vector = f->components > 1;
+    char *text = NULL;
+    int n = asprintf(&text,
+                     "NRRD0004\ntype: %s\ndimension: %d\nspace dimension: 3\nsizes: %s%zu %zu %zu\n"
+                     "space directions: %s(%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
+                     "centers: %scell cell cell\nkinds: %sdomain domain domain\nendian: little\nencoding: raw\n"
+                     "space origin: (%.17g,%.17g,%.17g)\n",
+                     iso_type_name(f->type), vector ? 4 : 3, vector ? "3 " : "", g->size[0], g->size[1], g->size[2],
+                     vector ? "none " : "", m->m[0][0], m->m[1][0], m->m[2][0], m->m[0][1], m->m[1][1], m->m[2][1],
+                     m->m[0][2], m->m[1][2], m->m[2][2], vector ? "??? " : "", vector ? "vector " : "", o.x, o.y, o.z);
+    if (n < 0)
+        return NULL;
+    char *padded = NULL;
+    int fill = (ALIGNMENT - (n + 4) % ALIGNMENT) % ALIGNMENT; /* "# ", the fill, two line ends */
+    n = asprintf(&padded, "%s# %*s\n\n", text, fill, "");
+    free(text);
+    return n < 0 ? NULL : padded;
+}
+
+json_t *iso_layout_geometry(const iso_geometry *g)
+{
+    return json_pack("{s:[I,I,I], s:o, s:o, s:o}", "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
+                     (json_int_t)g->size[2], "index_to_world", iso_json_numbers(&g->index_to_world.m[0][0], 9),
+                     "origin_mm", iso_json_numbers(&g->origin_mm.x, 3), "box_index", iso_json_numbers(g->box_index, 3));
+}
+
+json_t *iso_layout_options(const iso_pyramid_options *o)
+{
+    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
+                     "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
+                     iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
+                     "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
+                     "gauss_radius", (json_int_t)o->gauss_radius, "keep_float", o->keep_float, "keep_magnitude",
+                     o->keep_magnitude);
+}
+
+json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,
+                         const level_file files[FILE_COUNT], size_t level)
+{
+    json_t *list = json_object();
+    for (int i = 0; i < FILE_COUNT; ++i) {
+        char name[64], digest[32];
+        if (!files[i].stored)
+            continue;
+        iso_layout_name(&files[i], level, name);
+        snprintf(digest, sizeof digest, "%016llx", (unsigned long long)files[i].hash);
+        json_object_set_new(list, files[i].key, json_pack("{s:s, s:I, s:s}", "name", name, "bytes",
+                                                          (json_int_t)files[i].bytes, "xxh3_64", digest));
+    }
+    return json_pack("{s:o, s:s, s:f, s:f, s:o}", "geometry", iso_layout_geometry(g), "stored_type",
+                     iso_type_name(scalar_type), "min", min, "max", max, "files", list);
+}
+
+iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err)
+{
+    char *path = iso_path_join(dir, name), *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    iso_status status = path && text ? iso_file_write(path, text, strlen(text), err)
+                                     : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %s", dir, name);
+    free(text);
+    free(path);
+    return status;
+}
+
+iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_options *opt, json_t *levels,
+                           iso_error *err)
+{
+    json_t *root = json_pack("{s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source", source, "options",
+                             iso_layout_options(opt), "levels", levels);
+    iso_status status = root ? iso_layout_save_json(dir, ISO_PYRAMID_MARKER, root, err)
+                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its description", dir);
+    json_decref(root);
+    return status;
+}

@@ -1,0 +1,45 @@
+/* pyramid_layout.h - the files of a pyramid and its description; private to src/pyramid. */
+#ifndef ISO_PYRAMID_LAYOUT_H
+#define ISO_PYRAMID_LAYOUT_H
+
+#include <jansson.h>
+#include <xxhash.h>
+
+#include "pyramid/pyramid.h"
+
+#define ISO_PYRAMID_SCHEMA "isoshade.pyramid/1"
+#define ISO_PYRAMID_MARKER "pyramid.json"
+
+/* One file of a level. */
+typedef struct level_file {
+    const char *key, *suffix;
+    size_t components;
+    iso_type type;
+    bool stored; /* by the options */
+    size_t bytes;
+    XXH64_hash_t hash; /* XXH3 of the whole file */
+} level_file;
+
+enum { FILE_SCALAR, FILE_CODES, FILE_DIRECTIONS, FILE_MAGNITUDE, FILE_COUNT };
+
+void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, level_file files[FILE_COUNT]);
+/* "level_K_dir.nrrd" */
+void iso_layout_name(const level_file *f, size_t level, char name[64]);
+/* The type that the scalars of level 0 are stored in. */
+iso_type iso_layout_type(iso_type input);
+/* The text before the samples: NRRD0004, raw, little-endian. Space origin is the
+ * centre of the first voxel. A comment fills it up to a multiple of 64 bytes, so
+ * that a mapped file has its samples aligned. To be freed. */
+char *iso_layout_header(const iso_geometry *g, const level_file *f);
+
+json_t *iso_layout_options(const iso_pyramid_options *opt);
+json_t *iso_layout_geometry(const iso_geometry *g);
+json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,
+                         const level_file files[FILE_COUNT], size_t level);
+/* Writes pyramid.json; takes the list of levels. */
+iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_options *opt, json_t *levels,
+                           iso_error *err);
+/* With 17 digits, so that numbers are read back as they were. */
+iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);
+
+#endif

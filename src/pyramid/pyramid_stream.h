@@ -1,0 +1,42 @@
+/* pyramid_stream.h - a pyramid from a file to files, in slabs.
+ *
+ * The bytes are those of iso_pyramid_build() and iso_pyramid_save(); memory is
+ * bounded. While it works the folder is .NAME.partial; it is renamed when it is
+ * complete, so that a killed build never looks finished. What a killed build
+ * leaves can be taken up again: progress.json says how far its files are good. */
+#ifndef ISO_PYRAMID_STREAM_H
+#define ISO_PYRAMID_STREAM_H
+
+#include "pyramid/pyramid.h"
+#include "volume/stream.h"
+
+/* Opens the volume at its first plane; floats are read twice, for their range first. */
+typedef struct iso_stream_input {
+    iso_status (*open)(void *user, iso_volume_source **source, iso_error *err);
+    void *user;
+    const char *path; /* becomes the pyramid's source */
+} iso_stream_input;
+
+typedef struct iso_stream_options {
+    size_t memory_bytes; /* of buffers; 0: as little as is fast */
+    size_t max_slab;     /* planes; 0: as memory allows; at least what the levels need */
+    bool resume;         /* take up what a killed build left, if it fits */
+    size_t stop_after;   /* planes; 0: all. Ends as a kill would, for tests */
+} iso_stream_options;
+
+typedef struct iso_stream_report {
+    size_t level_count;
+    struct {
+        iso_geometry geometry;
+        iso_type type;
+        double min, max;
+    } levels[32];
+    size_t slab_planes, buffer_bytes, resumed_at_plane;
+    double seconds_read, seconds_build, seconds_write, seconds_total;
+} iso_stream_report;
+
+/* ISO_E_MEMORY when memory_bytes is too little, with what is needed. */
+iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt, const iso_stream_options *stream,
+                              const char *dir, iso_stream_report *report, const iso_progress *progress, iso_error *err);
+
+#endif

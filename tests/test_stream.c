@@ -1,0 +1,286 @@
+/* The build in slabs: the bytes of the build in memory, whatever the memory and the threads, and across a kill. */
+#include "test.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "pyramid/pyramid_stream.h"
+
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = iso_make_temp_dir();
+    return folder ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    iso_remove_tree(folder);
+    free(folder);
+    return 0;
+}
+
+static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
+{
+    return iso_source_open(user, source, err);
+}
+
+static iso_volume make_volume(const size_t size[3], iso_type type, char *path)
+{
+    const double spacing[3] = {1, 0.75, 2.5};
+    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, type, "test", &err));
+    for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i) {
+        const unsigned h = (unsigned)(i * 2654435761u) >> 8;
+        switch (type) {
+        case ISO_U8: ((uint8_t *)v.data)[i] = (uint8_t)h; break;
+        case ISO_U16: ((uint16_t *)v.data)[i] = (uint16_t)h; break;
+        case ISO_I16: ((int16_t *)v.data)[i] = (int16_t)h; break;
+        case ISO_F64: ((double *)v.data)[i] = h * 1e-3; break;
+        default: ((float *)v.data)[i] = (float)h * 0.25f; break;
+        }
+    }
+    assert_ok(iso_volume_save(&v, path, false, &err));
+    return v;
+}
+
+static size_t count_files(const char *dir)
+{
+    size_t count = 0;
+    DIR *d = opendir(dir);
+    assert_non_null(d);
+    for (struct dirent *e; (e = readdir(d));)
+        count += e->d_name[0] != '.';
+    closedir(d);
+    return count;
+}
+
+/* The name of the first file that differs, or NULL. */
+static const char *first_difference(const char *a, const char *b)
+{
+    static char name[256];
+    DIR *d = opendir(a);
+    bool same = count_files(a) == count_files(b);
+    snprintf(name, sizeof name, "number of files");
+    for (struct dirent *e; d && same && (e = readdir(d));) {
+        if (e->d_name[0] == '.')
+            continue;
+        char *pa = iso_path_join(a, e->d_name), *pb = iso_path_join(b, e->d_name), *da = NULL, *db = NULL;
+        size_t na = 0, nb = 0;
+        snprintf(name, sizeof name, "%s", e->d_name);
+        same = iso_file_read(pa, &da, &na, NULL) == ISO_OK && iso_file_read(pb, &db, &nb, NULL) == ISO_OK && na == nb &&
+               memcmp(da, db, na) == 0;
+        free(pa);
+        free(pb);
+        free(da);
+        free(db);
+    }
+    closedir(d);
+    return same ? NULL : name;
+}
+
+typedef struct job {
+    size_t size[3];
+    iso_type type;
+    iso_scalar_filter scalar;
+    iso_direction_filter direction;
+    size_t levels, radius;
+    bool keep;
+} job;
+
+static iso_pyramid_options options_of(const job *j)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = j->levels;
+    opt.scalar_filter = j->scalar;
+    opt.direction_filter = j->direction;
+    opt.gauss_radius = j->radius;
+    opt.keep_float = opt.keep_magnitude = j->keep;
+    opt.threads = 2;
+    return opt;
+}
+
+static const job jobs[] = {
+    {{17, 13, 23}, ISO_U16, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, true},
+    {{8, 9, 70}, ISO_F32, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 7, 2, false},
+    {{12, 7, 41}, ISO_U8, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 4, 2, true},
+    {{9, 10, 67}, ISO_I16, ISO_SCALAR_MEAN, ISO_DIRECTION_EQ1, 6, 3, false},
+    {{10, 11, 37}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_NAIVE, 3, 1, true},
+    {{5, 1, 33}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_MOMENTS, 7, 4, false},
+    {{1, 1, 1}, ISO_U8, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, false},
+    {{6, 5, 1}, ISO_U16, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 1, 2, true},
+};
+#define JOB_COUNT (sizeof jobs / sizeof *jobs)
+
+/* The pyramid as iso_pyramid_build and iso_pyramid_save make it. */
+static void build_in_memory(const job *j, const iso_volume *v, const char *source, const char *dir)
+{
+    iso_pyramid_options opt = options_of(j);
+    iso_pyramid p;
+    assert_ok(iso_pyramid_build(v, source, &opt, &p, NULL, &err));
+    assert_ok(iso_pyramid_save(&p, dir, &err));
+    iso_pyramid_destroy(&p);
+}
+
+static iso_stream_report stream(const job *j, char *source, const char *dir, int threads, iso_stream_options how,
+                                iso_status wanted)
+{
+    iso_pyramid_options opt = options_of(j);
+    opt.threads = threads;
+    const iso_stream_input in = {open_path, source, source};
+    iso_stream_report report;
+    if (wanted == ISO_OK)
+        assert_ok(iso_pyramid_stream(&in, &opt, &how, dir, &report, NULL, &err));
+    else
+        assert_status(iso_pyramid_stream(&in, &opt, &how, dir, &report, NULL, &err), wanted);
+    return report;
+}
+
+static char *partial_of(const char *name)
+{
+    char text[64];
+    snprintf(text, sizeof text, ".%s.partial", name);
+    return iso_path_join(folder, text);
+}
+
+static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "b.iso");
+    for (size_t i = 0; i < JOB_COUNT; ++i) {
+        iso_volume v = make_volume(jobs[i].size, jobs[i].type, source);
+        build_in_memory(&jobs[i], &v, source, a);
+        for (int threads = 1; threads <= 3; threads += 2) {
+            for (size_t slab = 0; slab < 3; ++slab) {
+                const iso_stream_options how = {.max_slab = slab == 0 ? 1 : slab == 1 ? 24 : 0};
+                iso_stream_report r = stream(&jobs[i], source, b, threads, how, ISO_OK);
+                const char *differs = first_difference(a, b);
+                if (differs)
+                    fail_msg("job %zu, %d threads, slabs of %zu planes: %s differs", i, threads, r.slab_planes, differs);
+                assert_true(slab > 0 || r.slab_planes <= 16);
+            }
+        }
+        iso_volume_destroy(&v);
+    }
+    free(source);
+    free(a);
+    free(b);
+}
+
+static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "c.iso");
+    char *partial = partial_of("c.iso");
+    for (size_t i = 0; i < JOB_COUNT; ++i) {
+        if (jobs[i].size[2] < 20)
+            continue;
+        iso_volume v = make_volume(jobs[i].size, jobs[i].type, source);
+        build_in_memory(&jobs[i], &v, source, a);
+        for (size_t stop = 1; stop < jobs[i].size[2] - 16; stop += 9) {
+            iso_remove_tree(b);
+            stream(&jobs[i], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = stop}, ISO_E_PROGRAM);
+            assert_false(iso_path_exists(b)); /* nothing looks finished */
+            assert_true(iso_path_is_dir(partial));
+            assert_false(iso_pyramid_is_one(partial));
+            iso_stream_report r = stream(&jobs[i], source, b, 1, (iso_stream_options){.max_slab = 1, .resume = true}, ISO_OK);
+            assert_true(r.resumed_at_plane >= stop);
+            assert_false(iso_path_exists(partial));
+            const char *differs = first_difference(a, b);
+            if (differs)
+                fail_msg("job %zu, stopped after %zu planes: %s differs", i, stop, differs);
+        }
+        iso_volume_destroy(&v);
+    }
+    free(source);
+    free(a);
+    free(b);
+    free(partial);
+}
+
+static void what_does_not_fit_is_not_taken_up(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "d.iso");
+    job other = jobs[0];
+    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
+    other.levels = 3;
+    build_in_memory(&other, &v, source, a);
+    iso_stream_report r = stream(&other, source, b, 2, (iso_stream_options){.resume = true}, ISO_OK);
+    assert_int_equal(r.resumed_at_plane, 0);
+    assert_null(first_difference(a, b));
+    stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
+    assert_null(first_difference(a, b)); /* the finished one stays until the new one is */
+    r = stream(&jobs[0], source, b, 2, (iso_stream_options){0}, ISO_OK); /* without resume: anew */
+    assert_int_equal(r.resumed_at_plane, 0);
+    iso_volume_destroy(&v);
+    free(source);
+    free(a);
+    free(b);
+}
+
+static void files_shorter_than_the_progress_says_are_refused(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "e.iso"), *partial = partial_of("e.iso");
+    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
+    char *path = iso_path_join(partial, "level_0.nrrd");
+    assert_ok(iso_file_write(path, "NRRD0004", 8, &err));
+    stream(&jobs[0], source, b, 2, (iso_stream_options){.resume = true}, ISO_E_FORMAT);
+    assert_false(iso_path_exists(b));
+    iso_volume_destroy(&v);
+    free(path);
+    free(source);
+    free(b);
+    free(partial);
+}
+
+static void too_little_memory_is_refused_with_what_is_needed(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "f.iso");
+    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    stream(&jobs[0], source, b, 2, (iso_stream_options){.memory_bytes = 1000}, ISO_E_MEMORY);
+    assert_false(iso_path_exists(b));
+    iso_volume_destroy(&v);
+    free(source);
+    free(b);
+}
+
+static void nan_is_refused_and_leaves_nothing(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "g.iso"), *partial = partial_of("g.iso");
+    iso_volume v = make_volume(jobs[1].size, jobs[1].type, source);
+    ((float *)v.data)[1000] = NAN;
+    assert_ok(iso_volume_save(&v, source, false, &err));
+    stream(&jobs[1], source, b, 2, (iso_stream_options){0}, ISO_E_RANGE);
+    assert_false(iso_path_exists(b));
+    assert_false(iso_path_exists(partial));
+    iso_volume_destroy(&v);
+    free(source);
+    free(b);
+    free(partial);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slabs_and_threads_give_the_bytes_of_the_build_in_memory),
+        cmocka_unit_test(a_build_that_was_killed_is_taken_up_with_the_same_bytes),
+        cmocka_unit_test(what_does_not_fit_is_not_taken_up),
+        cmocka_unit_test(files_shorter_than_the_progress_says_are_refused),
+        cmocka_unit_test(too_little_memory_is_refused_with_what_is_needed),
+        cmocka_unit_test(nan_is_refused_and_leaves_nothing),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
