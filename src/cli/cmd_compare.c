@@ -5,12 +5,14 @@
 
 #include "base/file.h"
 #include "cli/cli.h"
+#include "compare/flip.h"
 #include "compare/metrics.h"
 
 typedef struct compare_options {
     iso_limits limits;
-    char *difference;
+    char *difference, *flip_map;
     double scale;
+    int hdr;
 } compare_options;
 
 static iso_status load(const char *path, iso_image *image, iso_error *err)
@@ -56,7 +58,30 @@ static json_t *describe_limits(const iso_limits *l)
     return o;
 }
 
-static void print_text(const iso_metrics *m, bool agree)
+/* The map's mean, and the map as a picture when that is asked for. */
+static iso_status measure_flip(const compare_options *opt, const iso_image images[2], double *mean, iso_error *err)
+{
+    iso_image picture;
+    size_t count = images[0].width * images[0].height;
+    float *map = malloc(count * sizeof *map);
+    if (!map)
+        return iso_fail(err, ISO_E_MEMORY, "compare: no memory for %zu pixels", count);
+    iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE, map, err);
+    if (status == ISO_OK)
+        *mean = iso_flip_mean(map, count);
+    if (status == ISO_OK && opt->flip_map) {
+        status = iso_image_create(&picture, images[0].width, images[0].height, err);
+        for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
+            picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
+        if (status == ISO_OK)
+            status = iso_image_save_png(&picture, opt->flip_map, 1, err);
+        iso_image_destroy(&picture);
+    }
+    free(map);
+    return status;
+}
+
+static void print_text(const iso_metrics *m, double hdr_flip, bool agree)
 {
     if (m->nonfinite_count > 0)
         printf("%zu pixels are not finite\n", m->nonfinite_count);
@@ -64,12 +89,15 @@ static void print_text(const iso_metrics *m, bool agree)
         printf("rmse      %.4g\nmax_abs   %.4g at column %zu, row %zu\np99_abs   %.4g\npsnr_db   %.4g\n"
                "ssim      %.6f\nflip_mean %.6f\n",
                m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
+    if (isfinite(hdr_flip))
+        printf("hdr_flip  %.6f\n", hdr_flip);
     printf("verdict   %s\n", agree ? "agree" : "differ");
 }
 
 static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_image images[3], iso_error *err)
 {
     iso_metrics m;
+    double flip = NAN;
     iso_status status = load(cli->arguments[0], &images[0], err);
     if (status == ISO_OK)
         status = load(cli->arguments[1], &images[1], err);
@@ -80,8 +108,11 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         if (status == ISO_OK)
             status = iso_image_save_png(&images[2], opt->difference, 1, err);
     }
+    if (status == ISO_OK && (opt->hdr || opt->flip_map) && m.nonfinite_count == 0)
+        status = measure_flip(opt, images, &flip, err);
     if (status != ISO_OK)
         return status;
+    double hdr_flip = opt->hdr ? flip : NAN;
     bool agree = iso_metrics_within(&m, &opt->limits);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
@@ -89,10 +120,12 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         json_object_set_new(root, "a", json_string(cli->arguments[0]));
         json_object_set_new(root, "b", json_string(cli->arguments[1]));
         json_object_update_new(root, iso_metrics_to_json(&m));
+        if (opt->hdr)
+            json_object_set_new(root, "hdr_flip_mean", isfinite(hdr_flip) ? json_real(hdr_flip) : json_null());
         json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
         iso_cli_print_json(root);
     } else {
-        print_text(&m, agree);
+        print_text(&m, hdr_flip, agree);
     }
     return agree ? ISO_OK : ISO_E_DIFFERS;
 }
@@ -108,6 +141,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"max-flip", 0, POPT_ARG_DOUBLE, &opt.limits.flip_mean, 0, "largest mean FLIP", "X"},
         {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
         {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
+        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map; white is the largest difference", "OUT.png"},
+        {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "HDR-FLIP as well, with A as reference; of the map, too", NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -123,6 +158,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     for (int i = 0; i < 3; ++i)
         iso_image_destroy(&images[i]);
     free(opt.difference);
+    free(opt.flip_map);
     iso_cli_end(&cli);
     return status;
 }

@@ -358,14 +358,20 @@ function consistency() {
             keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
     }
     section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
-    const pictured = data.consistency.filter(r => r.image);
+    const pictured = data.consistency.filter(r => r.image), shown = levels.filter(k => pictured.some(r => r.level === k));
+    if (pictured.length === 0) return;
+    const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${shown.length + 1}, minmax(0, 190px))`});
+    const reference = pictured[0].reference_image;
+    let first = true;
     for (const method of [...new Set(pictured.map(r => r.method))]) {
-        const group = pictured.filter(r => r.method === method).sort((a, b) => a.level - b.level);
-        const panels = el('div', {class: 'panels levels'}), reference = group[0].reference_image;
-        if (reference && group[0].level !== 0) panels.append(still(inlined.images[reference], 'level 0'));
-        for (const r of group) panels.append(still(inlined.images[r.image], `level ${r.level}`, r.ssim_dissimilarity_mean === null ? '' : `1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`));
-        section.append(el('figure', {}, panels, figcaption(`One view at each level, ${method}.`)));
+        panels.append(first && reference ? still(inlined.images[reference], 'level 0') : el('div', {}));
+        first = false;
+        for (const k of shown) {
+            const r = pictured.find(row => row.level === k && row.method === method);
+            panels.append(r ? still(inlined.images[r.image], method, `level ${k}, 1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
+        }
     }
+    section.append(el('figure', {}, panels, figcaption('One view at each level, with each way to shade it; figures are means over all views.')));
 }
 function calibration() {
     if (data.calibration.length === 0) return;
