@@ -25,10 +25,10 @@ tf=$here/refscenes/shells.tf.json scene=$here/refscenes/shells.scene.json
 "$ISOSHADE" make shells --size 40x44x36 --type uint8 -o shells.nrrd -q || exit 1
 "$ISOSHADE" build shells.nrrd -o shells.iso --levels 3 -q >/dev/null || exit 1
 
-check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells -q
+check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells --always -q
 [ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && echo "ok adapted_files_are_there" || not_ok adapted_files_are_there "$(ls)"
 [ -s shells.iso/level_1_joint8.nrrd ] && echo "ok histograms_are_kept_in_the_pyramid" || not_ok histograms_are_kept_in_the_pyramid "$(ls shells.iso)"
-check kept_histograms_give_the_same_tf bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o again.tf.json -q && cmp again.tf.json shells_level_1.tf.json' "$tf"
+check kept_histograms_give_the_same_tf bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o again.tf.json --always -q && cmp again.tf.json shells_level_1.tf.json' "$tf"
 check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
 # A scene that names the adapted file and --adapt are the same picture.
@@ -51,6 +51,20 @@ check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 [ "$(wc -l <tf.csv)" = 257 ] && echo "ok csv_has_a_line_an_entry" || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
+
+# A .blend of three levels: a row of the colour map a level, each the adapted table of its own level.
+"$ISOSHADE" tf convert shells_level_2.tf.json -o level_2.csv
+if "$ISOSHADE" export shells.iso --to blender --scene own.scene.json --levels 3 --adapt --always -o all.blend -q >/dev/null 2>err; then
+    blender -b --factory-startup all.blend --python-expr 'import bpy
+i = next(i for i in bpy.data.images if i.size[1] == 3)
+p = list(i.pixels)
+print("ROWS", i.size[0], *("%.6g" % p[4 * (i.size[0] * r + 90) + 3] for r in range(3)))' 2>/dev/null | grep ^ROWS >rows
+    want=$(sed -n 92p level_2.csv | cut -d, -f5)
+    awk -v want="$want" '{ d = $5 - want; exit !($2 == 256 && d < 1e-4 && d > -1e-4 && $3 != $4 && $4 != $5) }' rows && echo "ok blend_has_a_tf_a_level" ||
+        not_ok blend_has_a_tf_a_level "$(cat rows), extinction of entry 90 at level 2 is $want"
+else
+    not_ok blend_has_a_tf_a_level "$(cat err)"
+fi
 
 refuse unknown_action 2 'must be one of: adapt, convert, show' tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' tf adapt shells.iso -o x

@@ -13,6 +13,9 @@ int iso_thread_index(void);
 /* Wall clock in seconds, for benchmarks and reports. */
 double iso_clock_seconds(void);
 
+/* Processor time of this process, summed over its threads, in seconds. */
+double iso_cpu_seconds(void);
+
 /* Peak resident memory of this process in bytes. */
 double iso_peak_rss_bytes(void);
 

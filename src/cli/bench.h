@@ -11,6 +11,7 @@
     X(consistency) \
     X(convergence) \
     X(encode) \
-    X(render)
+    X(render) \
+    X(tf)
 
 #endif

@@ -11,7 +11,10 @@
 
 /* Fine voxels counted in one go by iso_joint_compute. */
 #define SLAB_VOXELS ((size_t)1 << 26)
-/* Up to this many pairs of bins are counted in tables, beyond it in hash maps. */
+/* Up to this many pairs of bins each thread counts in tables of its own, then in
+ * one table for all (by atomic additions of runs of equal pairs: volumes have
+ * large empty parts), beyond it in hash maps. */
+#define OWN_PAIRS ((size_t)1 << 20)
 #define DENSE_PAIRS ((size_t)1 << 24)
 
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s)
@@ -94,7 +97,7 @@ struct iso_joint_builder {
     iso_bins z, s;
     size_t classes, fine[3], coarse[3], level;
     int thread_count;
-    bool dense;
+    bool dense, shared; /* shared: the threads add to `table` */
     counter *counters; /* one a thread */
     uint64_t *table;   /* the sums so far, or */
     pair_map map;
@@ -123,9 +126,9 @@ static bool make_counter(counter *c, const iso_joint_builder *b)
     c->expanded = malloc(b->fine[0] * sizeof *c->expanded);
     c->z_bins = malloc(b->fine[0] * sizeof *c->z_bins);
     c->s_bins = malloc(b->fine[0] * sizeof *c->s_bins);
-    c->tables = b->dense ? calloc(2 * pair_count(b), sizeof *c->tables) : NULL;
+    c->tables = b->dense && !b->shared ? calloc(2 * pair_count(b), sizeof *c->tables) : NULL;
     c->class_bins = malloc(b->fine[0] * sizeof *c->class_bins);
-    return c->blended && c->expanded && c->z_bins && c->s_bins && c->class_bins && (c->tables || !b->dense);
+    return c->blended && c->expanded && c->z_bins && c->s_bins && c->class_bins && (c->tables || !b->dense || b->shared);
 }
 
 void iso_joint_abandon(iso_joint_builder *b)
@@ -161,8 +164,7 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes,
     memcpy(b->coarse, coarse_size, sizeof b->coarse);
     size_t pairs = pair_count(b);
     b->dense = pairs <= DENSE_PAIRS;
-    if (b->dense && pairs > 1 << 20 && b->thread_count > 4)
-        b->thread_count = 4; /* tables of 128 MiB each */
+    b->shared = b->dense && pairs > OWN_PAIRS;
     b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
     b->table = b->dense ? calloc(pairs, sizeof *b->table) : NULL;
     bool good = b->counters && (b->table || !b->dense);
@@ -188,6 +190,15 @@ static void count_row(const iso_joint_builder *b, counter *c)
     if (!b->dense) {
         for (size_t x = 0; x < n && !c->failed; ++x)
             c->failed = !map_add(&c->map, (uint32_t)(c->s_bins[x] * z_count + c->z_bins[x]), 1);
+        return;
+    }
+    if (b->shared) {
+        for (size_t x = 0, end; x < n; x = end) {
+            size_t pair = c->s_bins[x] * z_count + c->z_bins[x];
+            for (end = x + 1; end < n && c->s_bins[end] * z_count + c->z_bins[end] == pair;)
+                ++end;
+            __atomic_fetch_add(&b->table[pair], end - x, __ATOMIC_RELAXED);
+        }
         return;
     }
     uint32_t *even = c->tables, *odd = c->tables + pair_count(b);
@@ -242,9 +253,9 @@ static bool merge(iso_joint_builder *b)
             if (c->map.keys[i])
                 good = map_add(&b->map, c->map.keys[i] - 1, c->map.counts[i]);
         map_free(&c->map);
-        for (size_t i = 0; b->dense && i < pairs; ++i)
+        for (size_t i = 0; c->tables && i < pairs; ++i)
             b->table[i] += (uint64_t)c->tables[i] + c->tables[pairs + i];
-        if (b->dense)
+        if (c->tables)
             memset(c->tables, 0, 2 * pairs * sizeof *c->tables);
     }
     return good;
