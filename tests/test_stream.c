@@ -159,7 +159,7 @@ static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state
         build_in_memory(&jobs[i], &v, source, a);
         for (int threads = 1; threads <= 3; threads += 2) {
             for (size_t slab = 0; slab < 3; ++slab) {
-                const iso_stream_options how = {.max_slab = slab == 0 ? 1 : slab == 1 ? 24 : 0};
+                const iso_stream_options how = {.max_slab = slab == 0 ? 1 : slab == 1 ? 24 : 0, .direct = slab == 1};
                 iso_stream_report r = stream(&jobs[i], source, b, threads, how, ISO_OK);
                 const char *differs = first_difference(a, b);
                 if (differs)
@@ -186,7 +186,7 @@ static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state
         build_in_memory(&jobs[i], &v, source, a);
         for (size_t stop = 1; stop < jobs[i].size[2] - 16; stop += 9) {
             iso_remove_tree(b);
-            stream(&jobs[i], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = stop}, ISO_E_PROGRAM);
+            stream(&jobs[i], source, b, 2, (iso_stream_options){.max_slab = 1, .direct = stop % 2, .stop_after = stop}, ISO_E_PROGRAM);
             assert_false(iso_path_exists(b)); /* nothing looks finished */
             assert_true(iso_path_is_dir(partial));
             assert_false(iso_pyramid_is_one(partial));

@@ -1,8 +1,6 @@
 #define _GNU_SOURCE
 #include "pyramid/pyramid_stream.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/bigfile.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
@@ -21,7 +20,11 @@
 #define CARRY_NAME "carry.raw"
 
 /* Slabs that stay in a large cache are written while they are still there. */
-#define FAST_BYTES ((size_t)64 << 20)
+#define FAST_BYTES ((size_t)72 << 20)
+
+/* Input between two notes of progress; and from which on files bypass the page cache. */
+#define PROGRESS_BYTES ((size_t)128 << 20)
+#define DIRECT_BYTES ((size_t)256 << 20)
 
 /* One level while it is written. Buffers hold `capacity` planes from out.first on. */
 typedef struct stream_level {
@@ -30,7 +33,7 @@ typedef struct stream_level {
     size_t capacity;
     iso_cascade_out out;
     level_file files[FILE_COUNT];
-    int fd[FILE_COUNT]; /* -1: not stored */
+    iso_bigfile *file[FILE_COUNT]; /* NULL: not stored */
     XXH3_state_t *hash[FILE_COUNT];
 } stream_level;
 
@@ -47,8 +50,9 @@ typedef struct stream {
     stream_level levels[32];
     /* The input's planes in memory. */
     char *planes;
-    size_t planes_first, planes_count, planes_capacity, slab;
-    int carry_fd;
+    size_t planes_first, planes_count, planes_capacity, slab, progress_at;
+    bool direct; /* files past the page cache */
+    iso_bigfile *carry;
     size_t carry_planes; /* written */
 } stream;
 
@@ -124,8 +128,11 @@ static size_t level_plane_bytes(const stream *s, size_t k)
 static size_t buffer_bytes(const stream *s, size_t slab)
 {
     size_t bytes = (slab + 2 * iso_cascade_reach(s->cascade)) * input_plane_bytes(s) + iso_cascade_bytes(s->cascade);
-    for (size_t k = 0; k < s->level_count; ++k)
+    for (size_t k = 0; k < s->level_count; ++k) {
         bytes += iso_cascade_capacity(s->cascade, k, slab) * level_plane_bytes(s, k);
+        for (int i = 0; i < FILE_COUNT; ++i)
+            bytes += s->levels[k].files[i].stored ? ISO_BIGFILE_BYTES : 0;
+    }
     return bytes;
 }
 
@@ -166,48 +173,30 @@ static bool create_buffers(stream *s)
 
 /* ---- files ---- */
 
-static bool write_all(int fd, const void *data, size_t bytes)
+static iso_status write_file(stream_level *l, int i, const void *data, size_t bytes, iso_error *err)
 {
-    const char *at = data;
-    while (bytes > 0) {
-        ssize_t n = write(fd, at, bytes);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return false;
-        at += n;
-        bytes -= (size_t)n;
-    }
-    return true;
-}
-
-static iso_status write_file(stream *s, stream_level *l, int i, size_t k, const void *data, size_t bytes, iso_error *err)
-{
-    char name[64];
-    iso_layout_name(&l->files[i], k, name);
     XXH3_64bits_update(l->hash[i], data, bytes);
     l->files[i].bytes += bytes;
-    if (!write_all(l->fd[i], data, bytes))
-        return iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", s->output.final_path, name, strerror(errno));
-    return ISO_OK;
+    return iso_bigfile_write(l->file[i], data, bytes, err);
 }
 
-/* The first `bytes` of a file of an earlier build, into its checksum; the rest is cut off. */
-static iso_status take_up_file(const char *path, int fd, XXH3_state_t *hash, size_t bytes, iso_error *err)
+/* The first `bytes` of a file of an earlier build, into its checksum. */
+static iso_status hash_file(const char *path, XXH3_state_t *hash, size_t bytes, iso_error *err)
 {
     enum { CHUNK = 1 << 20 };
     char *chunk = malloc(CHUNK);
-    struct stat st;
-    bool good = chunk && fstat(fd, &st) == 0 && (size_t)st.st_size >= bytes && ftruncate(fd, (off_t)bytes) == 0;
+    FILE *file = fopen(path, "rb");
+    bool good = chunk && file;
     for (size_t done = 0; done < bytes && good;) {
-        ssize_t n = read(fd, chunk, bytes - done < CHUNK ? bytes - done : CHUNK);
-        good = n > 0;
-        if (good) {
-            XXH3_64bits_update(hash, chunk, (size_t)n);
-            done += (size_t)n;
-        }
+        size_t n = bytes - done < CHUNK ? bytes - done : CHUNK;
+        good = fread(chunk, 1, n, file) == n;
+        if (good)
+            XXH3_64bits_update(hash, chunk, n);
+        done += n;
     }
     free(chunk);
+    if (file)
+        fclose(file);
     return good ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
 }
 
@@ -217,22 +206,16 @@ static iso_status open_file(stream *s, size_t k, int i, size_t planes_done, iso_
     char name[64];
     iso_layout_name(&l->files[i], k, name);
     char *path = iso_path_join(s->output.temp_path, name), *header = iso_layout_header(&l->geometry, &l->files[i]);
-    iso_status status = ISO_OK;
     l->hash[i] = XXH3_createState();
-    l->fd[i] = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC | (planes_done ? 0 : O_TRUNC), 0666) : -1;
-    if (!path || !header || !l->hash[i]) {
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
-    } else if (l->fd[i] < 0) {
-        status = iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", s->output.final_path, name, strerror(errno));
-    } else {
+    iso_status status = path && header && l->hash[i] ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    if (status == ISO_OK) {
         XXH3_64bits_reset(l->hash[i]);
-        if (planes_done == 0) {
-            status = write_file(s, l, i, k, header, strlen(header), err);
-        } else {
-            l->files[i].bytes = strlen(header) + planes_done * file_plane_bytes(l, i);
-            status = take_up_file(path, l->fd[i], l->hash[i], l->files[i].bytes, err);
-        }
+        l->files[i].bytes = planes_done ? strlen(header) + planes_done * file_plane_bytes(l, i) : 0;
+        status = iso_bigfile_open(path, s->direct, l->files[i].bytes, &l->file[i], err);
     }
+    if (status == ISO_OK)
+        status = planes_done ? hash_file(path, l->hash[i], l->files[i].bytes, err)
+                             : write_file(l, i, header, strlen(header), err);
     free(header);
     free(path);
     return status;
@@ -361,7 +344,7 @@ static iso_status write_level(stream *s, size_t k, size_t complete, iso_error *e
         if (!l->files[i].stored)
             continue;
         const size_t plane = file_plane_bytes(l, i);
-        status = write_file(s, l, i, k, data[i], count * plane, err);
+        status = write_file(l, i, data[i], count * plane, err);
         if (i != FILE_SCALAR || converts(s, k))
             memmove(data[i], data[i] + count * plane, (l->capacity - count) * plane);
     }
@@ -376,11 +359,21 @@ static iso_status write_carry(stream *s, size_t z, iso_error *err)
     const size_t planes = z >> iso_cascade_carry_level(s->cascade);
     if (!carry || planes <= s->carry_planes)
         return ISO_OK;
-    if (!write_all(s->carry_fd, carry + s->carry_planes * plane_floats,
-                   (planes - s->carry_planes) * plane_floats * sizeof *carry))
-        return iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", s->output.final_path, CARRY_NAME, strerror(errno));
+    iso_status status = iso_bigfile_write(s->carry, carry + s->carry_planes * plane_floats,
+                                          (planes - s->carry_planes) * plane_floats * sizeof *carry, err);
     s->carry_planes = planes;
-    return ISO_OK;
+    return status;
+}
+
+/* Before progress.json says that the planes are there. */
+static iso_status sync_files(stream *s, iso_error *err)
+{
+    iso_status status = s->carry ? iso_bigfile_sync(s->carry, err) : ISO_OK;
+    for (size_t k = 0; k < s->level_count; ++k)
+        for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+            if (s->levels[k].file[i])
+                status = iso_bigfile_sync(s->levels[k].file[i], err);
+    return status;
 }
 
 static iso_status do_slab(stream *s, size_t z0, size_t z1, iso_error *err)
@@ -410,6 +403,16 @@ static iso_status do_slab(stream *s, size_t z0, size_t z1, iso_error *err)
     return status;
 }
 
+/* Not after every small slab: the last blocks of the files are written each time. */
+static bool progress_is_due(stream *s, size_t z)
+{
+    const size_t bytes = (z - s->progress_at) * input_plane_bytes(s);
+    if (bytes < PROGRESS_BYTES && s->how->stop_after == 0)
+        return false;
+    s->progress_at = z;
+    return true;
+}
+
 static iso_status run_slabs(stream *s, json_t *job, size_t done, const iso_progress *progress, iso_error *err)
 {
     const size_t nz = s->header.geometry.size[2];
@@ -419,8 +422,8 @@ static iso_status run_slabs(stream *s, json_t *job, size_t done, const iso_progr
         iso_progress_report(progress, "build", (double)z / (double)nz);
         status = do_slab(s, z, end, err);
         z = end;
-        if (status == ISO_OK && z > done && z < nz)
-            status = save_progress(s, job, z, err);
+        if (status == ISO_OK && z > done && z < nz && progress_is_due(s, z))
+            status = sync_files(s, err) == ISO_OK ? save_progress(s, job, z, err) : ISO_E_IO;
         if (s->how->stop_after > 0 && z >= s->how->stop_after && z < nz)
             return iso_fail(err, ISO_E_PROGRAM, "stopped after %zu planes", z);
     }
@@ -452,6 +455,7 @@ static iso_status set_up(stream *s, double *scale, iso_error *err)
         iso_layout_files(s->opt, l->type, l->files);
         g = iso_geometry_coarser(&g);
     }
+    s->direct = s->how->direct || iso_geometry_voxel_count(&s->header.geometry) * iso_type_bytes(s->header.type) >= DIRECT_BYTES;
     status = choose_slab(s, err);
     if (status == ISO_OK && !create_buffers(s))
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for slabs of %zu planes", s->in->path, s->slab);
@@ -475,10 +479,8 @@ static iso_status begin(stream *s, const json_t *job, bool resumed, size_t *done
     size_t plane_floats;
     if (status == ISO_OK && iso_cascade_carry(s->cascade, &plane_floats)) {
         char *path = iso_path_join(s->output.temp_path, CARRY_NAME);
-        s->carry_fd = path ? open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666) : -1;
-        const off_t at = (off_t)(s->carry_planes * plane_floats * sizeof(float));
-        if (s->carry_fd < 0 || ftruncate(s->carry_fd, at) != 0 || lseek(s->carry_fd, at, SEEK_SET) != at)
-            status = iso_fail(err, ISO_E_IO, "%s/%s: cannot be written: %s", s->output.final_path, CARRY_NAME, strerror(errno));
+        status = path ? iso_bigfile_open(path, s->direct, s->carry_planes * plane_floats * sizeof(float), &s->carry, err)
+                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
         free(path);
     }
     return status;
@@ -492,13 +494,12 @@ static iso_status close_files(stream *s, iso_error *err)
             stream_level *l = &s->levels[k];
             if (l->hash[i])
                 l->files[i].hash = XXH3_64bits_digest(l->hash[i]);
-            if (l->fd[i] >= 0 && close(l->fd[i]) != 0 && status == ISO_OK)
-                status = iso_fail(err, ISO_E_IO, "%s: level %zu cannot be written: %s", s->output.final_path, k, strerror(errno));
-            l->fd[i] = -1;
+            iso_status closed = iso_bigfile_close(l->file[i], status == ISO_OK ? err : NULL);
+            status = status == ISO_OK ? closed : status;
+            l->file[i] = NULL;
         }
-    if (s->carry_fd >= 0)
-        close(s->carry_fd);
-    s->carry_fd = -1;
+    iso_bigfile_abandon(s->carry);
+    s->carry = NULL;
     return status;
 }
 
@@ -561,10 +562,7 @@ static void clean_up(stream *s, bool keep)
 iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt, const iso_stream_options *how,
                               const char *dir, iso_stream_report *report, const iso_progress *progress, iso_error *err)
 {
-    stream s = {.in = in, .opt = opt, .how = how, .report = report, .carry_fd = -1};
-    for (size_t k = 0; k < 32; ++k)
-        for (int i = 0; i < FILE_COUNT; ++i)
-            s.levels[k].fd[i] = -1;
+    stream s = {.in = in, .opt = opt, .how = how, .report = report};
     *report = (iso_stream_report){0};
     const double start = iso_clock_seconds();
     double scale = 1;

@@ -21,6 +21,7 @@ typedef struct iso_stream_options {
     size_t memory_bytes; /* of buffers; 0: as little as is fast */
     size_t max_slab;     /* planes; 0: as memory allows; at least what the levels need */
     bool resume;         /* take up what a killed build left, if it fits */
+    bool direct;         /* files past the page cache; large ones are anyway */
     size_t stop_after;   /* planes; 0: all. Ends as a kill would, for tests */
 } iso_stream_options;
 
