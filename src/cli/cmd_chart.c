@@ -288,7 +288,7 @@ static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error 
     return status;
 }
 
-/* From the cheapest on, while the next one fits: its time is foreseen by the slowest rate seen of its renderer. */
+/* The cheapest one, and the next while they fit: the time of one is foreseen by the slowest rate seen of its renderer. */
 static iso_status measure_all(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -298,7 +298,7 @@ static iso_status measure_all(chart_run *run, const chart_arguments *a, const is
         chart_case *c = &run->cases[i];
         double start = iso_clock_seconds(), spent = start - run->start_seconds;
         iso_progress_report(&progress, "settings", fmax((double)i / (double)run->count, spent / a->budget_seconds));
-        if (spent + rate[c->renderer] * c->relative_cost > a->budget_seconds)
+        if (run->done_count > 0 && spent + rate[c->renderer] * c->relative_cost > a->budget_seconds)
             continue;
         status = measure(run, c, cli->threads, err);
         run->done_count += c->done;
@@ -515,9 +515,6 @@ static iso_status make_reference(chart_run *run, const iso_cli *cli, iso_error *
 static iso_status finish(chart_run *run, const chart_arguments *a, const iso_cli *cli, iso_error *err)
 {
     size_t chosen[2];
-    if (run->done_count == 0)
-        return iso_fail(err, ISO_E_RANGE, "--budget is %g s: no setting fits; the reference alone took %.3g s",
-                        a->budget_seconds, iso_clock_seconds() - run->start_seconds);
     iso_status status = find_fronts(run, a->want, chosen, err);
     if (status != ISO_OK)
         return status;
