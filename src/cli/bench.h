@@ -11,6 +11,7 @@
     X(consistency) \
     X(convergence) \
     X(encode) \
+    X(palette) \
     X(render) \
     X(tf)
 
