@@ -309,6 +309,7 @@ static bool try_swap(search *s, uint32_t k, uint32_t target)
     float side[3];
     if (k == target || split_cluster(c, target, side) < 0)
         return false;
+    const cluster before = c->cluster[k];
     s->recording = true;
     s->saved_count = s->moved_count = 0;
     s->full = false;
@@ -322,7 +323,9 @@ static bool try_swap(search *s, uint32_t k, uint32_t target)
     bool better = !s->full && change > 1e-10 * size;
     if (!better) {
         undo(s);
-        clusters_find_neighbors(c, k);
+        c->cluster[k].neighbor_count = before.neighbor_count;
+        memcpy(c->cluster[k].neighbor, before.neighbor, sizeof before.neighbor);
+        memcpy(c->cluster[k].neighbor_dot, before.neighbor_dot, sizeof before.neighbor_dot);
     }
     for (size_t i = 0; i < s->saved_count; ++i) {
         s->touched[s->saved[i].k] = 0;
