@@ -20,7 +20,7 @@ ISO_EMBED(pareto_gp, "src/compare/pareto.gp");
 
 typedef struct chart_arguments {
     iso_cli_input input;
-    char *scene, *output, *size, *with, *steps, *codes, *filters, *want_text, *style;
+    char *scene, *output, *size, *with, *steps, *codes, *filters, *estimators, *want_text, *style;
     int level_count;
     double budget_seconds;
     double want; /* 0: none */
@@ -30,6 +30,7 @@ typedef struct chart_arguments {
 typedef struct chart_case {
     iso_renderer renderer;
     size_t level;
+    iso_gradient_method estimator;
     iso_direction_filter filter;
     iso_direction_source source;
     iso_code code;
@@ -42,7 +43,9 @@ typedef struct chart_case {
 } chart_case;
 
 typedef struct chart_run {
-    iso_pyramid pyramids[ISO_DIRECTION_COUNT]; /* one a direction filter; empty where not asked for */
+    iso_pyramid pyramids[ISO_GRADIENT_COUNT][ISO_DIRECTION_COUNT]; /* by estimator and filter; empty where not asked for */
+    iso_gradient_method first_estimator;
+    iso_direction_filter first_filter; /* of the pyramids that are there */
     iso_view view;
     iso_tf_table adapted[64]; /* one a level, from 1 on */
     iso_renderers renderers;
@@ -113,6 +116,14 @@ static iso_status take_filter(const char *word, bool *flags, iso_error *err)
     return status;
 }
 
+static iso_status take_estimator(const char *word, bool *flags, iso_error *err)
+{
+    iso_gradient_method method = ISO_GRADIENT_CENTRAL;
+    iso_status status = iso_gradient_from_name(word, &method, err);
+    flags[method] = true;
+    return status;
+}
+
 /* "a,b,c": sets the flag of each. */
 static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
 {
@@ -124,9 +135,9 @@ static iso_status parse_list(const char *list, iso_status (*take)(const char *, 
     return status;
 }
 
-/* Which renderers, codes, filters and steps the grid has. */
+/* Which renderers, codes, filters, estimators and steps the grid has. */
 typedef struct chart_grid {
-    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT];
+    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
     double steps[16];
     size_t step_count;
 } chart_grid;
@@ -142,20 +153,21 @@ static iso_status parse_grid(const chart_arguments *a, chart_grid *g, iso_error 
     if (status == ISO_OK)
         status = parse_list(a->filters ? a->filters : "moments", take_filter, g->filters, err);
     if (status == ISO_OK)
+        status = parse_list(a->estimators ? a->estimators : "central", take_estimator, g->estimators, err);
+    if (status == ISO_OK)
         status = parse_steps(a->steps ? a->steps : "2,1,0.5,0.25,0.125", g->steps, 16, &g->step_count, err);
     return status;
 }
 
+/* "gl; level 1 adapted TF; snorm moments; step 0.5"; the estimator is named where it is not the usual one. */
 static void describe(const chart_case *c, char *text, size_t size)
 {
-    char gradients[64];
-    if (c->source == ISO_FROM_CODES)
-        snprintf(gradients, sizeof gradients, "%s", iso_code_describe(c->code)->name);
-    else
-        snprintf(gradients, sizeof gradients, "%s", iso_direction_source_name(c->source));
-    snprintf(text, size, "%s; level %zu%s; %s%s%s; step %g", iso_renderer_name(c->renderer), c->level,
-             c->adapted ? " adapted TF" : "", gradients, c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? " " : "",
-             c->level > 0 && c->source != ISO_FROM_ON_THE_FLY ? iso_direction_filter_name(c->filter) : "", c->step_voxels);
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
+    snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g", iso_renderer_name(c->renderer), c->level,
+             c->adapted ? " adapted TF" : "",
+             c->source == ISO_FROM_CODES ? iso_code_describe(c->code)->name : iso_direction_source_name(c->source),
+             on_the_fly || c->level == 0 ? "" : " ", on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter),
+             on_the_fly || usual ? "" : " ", on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels);
 }
 
 /* What has one colour in the chart. */
@@ -187,12 +199,16 @@ static int cheapest_first(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Does the setting differ from the others of the grid? Level 0 has one filter; on the fly needs neither filter nor code. */
-static bool is_distinct(const chart_case *c, const iso_direction_filter first)
+/* Does the setting differ from the others of the grid? Level 0 has one filter; on the fly needs neither filter,
+ * estimator nor code. */
+static bool is_distinct(const chart_run *run, const chart_case *c)
 {
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY;
     if (c->renderer == ISO_WITH_CYCLES && (c->source != ISO_FROM_CODES || c->code != ISO_CODE_SNORM))
         return false; /* it gets decoded directions */
-    if ((c->level == 0 || c->source == ISO_FROM_ON_THE_FLY) && c->filter != first)
+    if ((c->level == 0 || on_the_fly) && c->filter != run->first_filter)
+        return false;
+    if (on_the_fly && c->estimator != run->first_estimator)
         return false;
     if (c->level == 0 && c->adapted)
         return false;
@@ -202,12 +218,9 @@ static bool is_distinct(const chart_case *c, const iso_direction_filter first)
 static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
 {
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_FLOAT, ISO_FROM_ON_THE_FLY};
-    iso_direction_filter first = ISO_DIRECTION_COUNT;
-    for (int f = ISO_DIRECTION_COUNT - 1; f >= 0; --f)
-        if (run->pyramids[f].level_count)
-            first = (iso_direction_filter)f;
-    size_t levels = run->pyramids[first].level_count;
-    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT * g->step_count;
+    size_t levels = run->pyramids[run->first_estimator][run->first_filter].level_count;
+    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT *
+                  g->step_count;
     run->cases = calloc(room, sizeof *run->cases);
     if (!run->cases)
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", room);
@@ -218,11 +231,12 @@ static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
         c.code = (iso_code)(rest % ISO_CODE_COUNT), rest /= ISO_CODE_COUNT;
         c.source = sources[rest % 3], rest /= 3;
         c.filter = (iso_direction_filter)(rest % ISO_DIRECTION_COUNT), rest /= ISO_DIRECTION_COUNT;
+        c.estimator = (iso_gradient_method)(rest % ISO_GRADIENT_COUNT), rest /= ISO_GRADIENT_COUNT;
         c.adapted = rest % 2, rest /= 2;
         c.level = rest % levels, rest /= levels;
         c.renderer = (iso_renderer)rest;
-        const iso_pyramid *p = &run->pyramids[c.filter];
-        if (!g->with[c.renderer] || (c.source == ISO_FROM_CODES && !g->codes[c.code]) || c.level >= p->level_count || !is_distinct(&c, first))
+        const iso_pyramid *p = &run->pyramids[c.estimator][c.filter];
+        if (!g->with[c.renderer] || (c.source == ISO_FROM_CODES && !g->codes[c.code]) || c.level >= p->level_count || !is_distinct(run, &c))
             continue;
         if (c.source == ISO_FROM_FLOAT && !p->levels[c.level].directions)
             continue; /* a pyramid without floats */
@@ -259,7 +273,7 @@ static iso_status with_code(const iso_pyramid *p, const chart_case *c, iso_level
 /* Renders once, and again while that is short: the time is that of the fastest. */
 static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error *err)
 {
-    const iso_pyramid *base = &run->pyramids[c->filter];
+    const iso_pyramid *base = &run->pyramids[c->estimator][c->filter];
     iso_render_options opt = iso_render_defaults(c->renderer);
     opt.source = c->source;
     opt.quadrature = ISO_QUADRATURE_MIDPOINT;
@@ -354,6 +368,7 @@ static json_t *case_json(const chart_case *c)
                           "direction_filter",
                           c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_direction_filter_name(c->filter)),
                           "step_voxels", c->step_voxels, "milliseconds", 1e3 * c->seconds, "bytes", c->bytes);
+    json_object_set_new(o, "estimator", c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_gradient_name(c->estimator)));
     json_object_set_new(o, "tf", json_string(c->adapted ? "adapted" : "original"));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
@@ -458,36 +473,39 @@ static void print_front(const chart_run *run, const chart_arguments *a, const si
     printf("chart: %s/pareto.svg\n", a->output);
 }
 
-/* A volume gives a pyramid for each filter; a pyramid on disk is what it is. */
+/* A volume gives a pyramid for each estimator and filter; a pyramid on disk is what it is. */
 static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const chart_grid *g, const iso_cli *cli,
                                 iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_status status = ISO_OK;
-    bool on_disk = iso_pyramid_is_one(cli->arguments[0]), done = false;
-    for (int f = 0; f < ISO_DIRECTION_COUNT && status == ISO_OK && !done; ++f) {
+    bool on_disk = iso_pyramid_is_one(cli->arguments[0]), any = false;
+    for (size_t i = 0; i < (size_t)ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT && status == ISO_OK; ++i) {
         iso_pyramid_options opt = iso_pyramid_defaults();
         iso_pyramid p = {0};
-        if (!g->filters[f] && !on_disk)
+        opt.gradient.method = (iso_gradient_method)(i / ISO_DIRECTION_COUNT);
+        opt.direction_filter = (iso_direction_filter)(i % ISO_DIRECTION_COUNT);
+        if (on_disk ? any : !g->estimators[opt.gradient.method] || !g->filters[opt.direction_filter])
             continue;
         opt.level_count = (size_t)a->level_count;
-        opt.direction_filter = (iso_direction_filter)f;
         opt.keep_float = true;
-        opt.threads = cli->threads;
+        opt.threads = opt.gradient.threads = cli->threads;
         status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &opt, &progress, &p, err);
-        if (status == ISO_OK)
-            run->pyramids[p.options.direction_filter] = p;
-        done = on_disk;
+        if (status != ISO_OK)
+            continue;
+        run->pyramids[p.options.gradient.method][p.options.direction_filter] = p;
+        if (!any) {
+            run->first_estimator = p.options.gradient.method;
+            run->first_filter = p.options.direction_filter;
+        }
+        any = true;
     }
     return status;
 }
 
-static iso_pyramid *first_pyramid(chart_run *run)
+static const iso_pyramid *first_pyramid(const chart_run *run)
 {
-    size_t f = 0;
-    while (f + 1 < ISO_DIRECTION_COUNT && !run->pyramids[f].level_count)
-        ++f;
-    return &run->pyramids[f];
+    return &run->pyramids[run->first_estimator][run->first_filter];
 }
 
 static iso_status adapt_levels(chart_run *run, const iso_cli *cli, iso_error *err)
@@ -555,8 +573,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
         iso_tf_table_destroy(&run.adapted[k]);
     iso_image_destroy(&run.reference);
     iso_view_destroy(&run.view);
-    for (int f = 0; f < ISO_DIRECTION_COUNT; ++f)
-        iso_pyramid_destroy(&run.pyramids[f]);
+    for (size_t i = 0; i < (size_t)ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT; ++i)
+        iso_pyramid_destroy(&run.pyramids[i / ISO_DIRECTION_COUNT][i % ISO_DIRECTION_COUNT]);
     iso_renderers_end(&run.renderers);
     return status;
 }
@@ -586,6 +604,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"steps", 0, POPT_ARG_STRING, &a.steps, 0, "ray steps in voxels of the level (2,1,0.5,0.25,0.125)", "LIST"},
         {"codes", 0, POPT_ARG_STRING, &a.codes, 0, "direction codes (all that textures filter)", "LIST"},
         {"filters", 0, POPT_ARG_STRING, &a.filters, 0, "direction filters of coarse levels (moments)", "LIST"},
+        {"estimators", 0, POPT_ARG_STRING, &a.estimators, 0, "of gradients (central); the first makes the reference's", "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
@@ -600,7 +619,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = chart(&a, &cli, err);
     iso_cli_end(&cli);
-    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.codes, a.filters, a.want_text, a.style};
+    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.codes, a.filters, a.estimators, a.want_text, a.style};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
