@@ -12,4 +12,5 @@
     X(compare) \
     X(chart) \
     X(figure) \
+    X(baseline) \
     X(bench)

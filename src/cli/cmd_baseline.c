@@ -1,0 +1,119 @@
+/* cmd_baseline.c - a report against the accepted one. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "cli/cli.h"
+#include "compare/baseline.h"
+
+typedef struct baseline_arguments {
+    double factor, floor;
+    int update;
+} baseline_arguments;
+
+static void print_changes(const iso_baseline_result *r)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(r->changes, i, row) {
+        const json_t *before = json_object_get(row, "accepted"), *after = json_object_get(row, "now");
+        printf("%-8s %s:", json_string_value(json_object_get(row, "change")), json_string_value(json_object_get(row, "figure")));
+        if (json_is_number(before))
+            printf(" accepted %.4g", json_number_value(before));
+        if (json_is_number(after))
+            printf(" now %.4g", json_number_value(after));
+        putchar('\n');
+    }
+    printf("%zu as accepted, %zu better, %zu worse, %zu missing, %zu new\n", r->same, r->better, r->worse, r->missing, r->added);
+}
+
+static void print_json(const iso_cli *cli, const baseline_arguments *a, const iso_baseline_result *r)
+{
+    json_t *root = iso_cli_json(cli);
+    bool good = r->worse + r->missing == 0;
+    json_object_set_new(root, "options", json_pack("{s:f, s:f}", "factor", a->factor, "floor", a->floor));
+    json_object_update_new(root, json_pack("{s:I, s:I, s:I, s:I, s:I, s:O, s:s}", "same_count", (json_int_t)r->same,
+                                           "better_count", (json_int_t)r->better, "worse_count", (json_int_t)r->worse,
+                                           "missing_count", (json_int_t)r->missing, "new_count", (json_int_t)r->added,
+                                           "changes", r->changes, "verdict", good ? "agree" : "differ"));
+    iso_cli_print_json(root);
+}
+
+static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const json_t *now, iso_error *err)
+{
+    const char *path = cli->arguments[1];
+    json_t *accepted = NULL;
+    iso_baseline_result r = {0};
+    if (!iso_path_exists(path))
+        return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
+    iso_status status = iso_json_load(path, &accepted, err);
+    if (status == ISO_OK)
+        status = iso_baseline_compare(now, accepted, a->factor, a->floor, &r, err);
+    if (status == ISO_OK && cli->json)
+        print_json(cli, a, &r);
+    else if (status == ISO_OK)
+        print_changes(&r);
+    if (status == ISO_OK && r.worse + r.missing > 0)
+        status = iso_fail(err, ISO_E_DIFFERS, "%zu figures are worse than accepted and %zu are missing; if that is right, --update accepts them",
+                          r.worse, r.missing);
+    json_decref(r.changes);
+    json_decref(accepted);
+    return status;
+}
+
+static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_error *err)
+{
+    json_t *report = NULL, *now = NULL;
+    char *path = iso_path_is_dir(cli->arguments[0]) ? iso_path_join(cli->arguments[0], "report.json") : strdup(cli->arguments[0]);
+    iso_status status = path ? iso_json_load(path, &report, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_baseline_from_report(report, &now, err);
+    if (status == ISO_OK && a->update) {
+        status = iso_json_save(cli->arguments[1], now, err);
+        if (status == ISO_OK && !cli->quiet)
+            fprintf(stderr, "%s: %zu figures accepted\n", cli->arguments[1], json_object_size(json_object_get(now, "figures")));
+    }
+    if (status == ISO_OK)
+        status = compare(cli, a, now, err);
+    json_decref(report);
+    json_decref(now);
+    free(path);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    baseline_arguments a = {.factor = 1.25, .floor = 1e-7};
+    struct poptOption options[] = {
+        {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0, "worse: above this many times the accepted figure", "X"},
+        {"floor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.floor, 0, "and by more than this", "X"},
+        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept the figures of this report as the new baseline", NULL},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_check_range("--factor", a.factor, 1, 1e6, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_check_range("--floor", a.floor, 0, 1, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = baseline(&cli, &a, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_baseline = {
+    .name = "baseline",
+    .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
+    .usage = "REPORT BASELINE.json [--update] [options]",
+    .details = "REPORT is a folder that `isoshade validate` wrote. Each figure of agreement and consistency is compared with the\n"
+               "accepted one. Exit code 1: a figure is worse or missing. Only --update writes the baseline.",
+    .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
+                "  isoshade baseline report-base accepted.json --update\n"
+                "  isoshade baseline report-base accepted.json --factor 1.1\n",
+    .run = run,
+};

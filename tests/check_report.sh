@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# The commands that read a report, figure and baseline: exit codes, messages, and what they leave.
+set -u
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failed=0
+check() { # name, condition as a command
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
+}
+expect() { # name, exit code, command ...
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; failed=1; fi
+}
+report() { # folder, rmse
+    mkdir -p "$1"
+    cat >"$1/report.json" <<END
+{"schema": "isoshade.validate/1", "command": "isoshade validate v.nrrd", "agreement": [
+    {"scene": "s", "level": 0, "a": "reference", "b": "gl", "tier": "tight", "rmse": $2, "max_abs": 0.01, "verdict": "agree"}],
+ "consistency": [{"method": "moments", "level": 1, "flip_mean": 0.1}]}
+END
+}
+report "$dir/one" 0.001
+report "$dir/worse" 0.002
+
+expect without_a_baseline_nothing_is_accepted 3 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
+check the_message_says_how grep -q -- --update "$dir/err"
+check and_none_is_written test ! -e "$dir/base.json"
+expect an_update_accepts 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --update
+expect the_same_report_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
+cp "$dir/base.json" "$dir/kept.json"
+expect a_worse_figure_is_exit_1 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json"
+check the_figure_is_named grep -q '^worse .*agreement/s/level 0/reference/gl/tight/rmse: accepted 0.001 now 0.002' "$dir/out"
+check the_baseline_is_untouched cmp "$dir/base.json" "$dir/kept.json"
+expect a_wide_factor_allows_it 0 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --factor 2
+expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --json
+for key in schema command options worse_count missing_count changes verdict; do
+    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
+done
+expect a_factor_below_1_is_refused 2 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --factor 0.5
+expect another_file_is_no_baseline 4 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
+expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/base.json"
+
+expect a_report_without_pictures_gives_no_figure 5 "$ISOSHADE" figure "$dir/one" -o "$dir/f"
+check no_figure_is_left test ! -e "$dir/f"
+expect a_figure_needs_a_report 3 "$ISOSHADE" figure "$dir" -o "$dir/f"
+expect an_unknown_figure_is_refused 2 "$ISOSHADE" figure "$dir/one" --kind photo -o "$dir/f"
+expect a_figure_needs_an_output 2 "$ISOSHADE" figure "$dir/one"
+check nothing_temporary_is_left test -z "$(find "$dir" -name '.*-*')"
+exit $failed

@@ -1,0 +1,127 @@
+/* The baseline: what counts as worse, and that nothing is accepted by itself. */
+#include <math.h>
+#include <string.h>
+
+#include "compare/baseline.h"
+#include "tests/test.h"
+
+static json_t *report(double rmse, double flip, const char *extra_scene)
+{
+    json_t *r = json_pack("{s:s, s:s, s:[{s:s, s:i, s:s, s:s, s:s, s:f, s:f, s:f, s:f}], s:[{s:s, s:i, s:f, s:f, s:n}]}",
+                          "schema", "isoshade.validate/1", "command", "isoshade validate v", "agreement", "scene", "smooth",
+                          "level", 1, "a", "reference", "b", "gl", "tier", "tight", "rmse", rmse, "max_abs", 0.5, "p99_abs", 0.25,
+                          "flip_mean", 0.125, "consistency", "method", "naive", "level", 2, "ssim_dissimilarity_mean", 0.1,
+                          "flip_mean", flip, "gradient_angle_mean_deg");
+    assert_non_null(r);
+    if (extra_scene) {
+        json_t *row = json_deep_copy(json_array_get(json_object_get(r, "agreement"), 0));
+        json_object_set_new(row, "scene", json_string(extra_scene));
+        json_array_append_new(json_object_get(r, "agreement"), row);
+    }
+    return r;
+}
+
+static json_t *figures_of(json_t *r)
+{
+    json_t *b;
+    assert_ok(iso_baseline_from_report(r, &b, &err));
+    json_decref(r);
+    return b;
+}
+
+static iso_baseline_result run(json_t *now, json_t *accepted)
+{
+    iso_baseline_result result;
+    assert_ok(iso_baseline_compare(now, accepted, 1.25, 1e-7, &result, &err));
+    json_decref(now);
+    json_decref(accepted);
+    return result;
+}
+
+static void the_same_report_is_as_accepted(void **state)
+{
+    (void)state;
+    iso_baseline_result r = run(figures_of(report(1e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, NULL)));
+    assert_true(r.same == 6 && r.worse + r.missing + r.better + r.added == 0); /* an angle that is null is no figure */
+    assert_int_equal(json_array_size(r.changes), 0);
+    json_decref(r.changes);
+}
+
+static void a_figure_beyond_the_factor_is_worse_and_comes_first(void **state)
+{
+    (void)state;
+    iso_baseline_result r = run(figures_of(report(1.3e-3, 0.1, NULL)), figures_of(report(1e-3, 0.2, NULL)));
+    assert_true(r.worse == 1 && r.better == 1 && r.same == 4);
+    json_t *first = json_array_get(r.changes, 0);
+    assert_string_equal(json_string_value(json_object_get(first, "change")), "worse");
+    assert_string_equal(json_string_value(json_object_get(first, "figure")), "agreement/smooth/level 1/reference/gl/tight/rmse");
+    json_decref(r.changes);
+    r = run(figures_of(report(1.2e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, NULL)));
+    assert_int_equal(r.worse, 0);
+    json_decref(r.changes);
+}
+
+static void the_floor_forgives_rounding(void **state)
+{
+    (void)state;
+    iso_baseline_result r = run(figures_of(report(9e-8, 0.2, NULL)), figures_of(report(0, 0.2, NULL)));
+    assert_int_equal(r.worse, 0);
+    json_decref(r.changes);
+    r = run(figures_of(report(2e-7, 0.2, NULL)), figures_of(report(0, 0.2, NULL)));
+    assert_int_equal(r.worse, 1);
+    json_decref(r.changes);
+}
+
+static void a_lost_case_is_missing_and_a_new_one_is_no_failure(void **state)
+{
+    (void)state;
+    iso_baseline_result r = run(figures_of(report(1e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, "sharp")));
+    assert_int_equal(r.missing, 4);
+    json_decref(r.changes);
+    r = run(figures_of(report(1e-3, 0.2, "sharp")), figures_of(report(1e-3, 0.2, NULL)));
+    assert_true(r.added == 4 && r.worse + r.missing == 0);
+    json_decref(r.changes);
+}
+
+/* A case that is refused or not finite has null figures: it must not pass as "as accepted". */
+static void a_figure_that_became_null_is_missing(void **state)
+{
+    (void)state;
+    json_t *broken = report(1e-3, 0.2, NULL);
+    json_object_set_new(json_array_get(json_object_get(broken, "agreement"), 0), "rmse", json_null());
+    iso_baseline_result r = run(figures_of(broken), figures_of(report(1e-3, 0.2, NULL)));
+    assert_int_equal(r.missing, 1);
+    json_decref(r.changes);
+}
+
+static void bad_files_and_limits_are_refused(void **state)
+{
+    (void)state;
+    json_t *other = json_pack("{s:s}", "schema", "other"), *none = json_pack("{s:s}", "schema", "isoshade.validate/1"), *b;
+    json_t *twice = report(1, 1, "smooth"), *good = figures_of(report(1, 1, NULL));
+    iso_baseline_result r;
+    assert_status(iso_baseline_from_report(other, &b, &err), ISO_E_FORMAT);
+    assert_status(iso_baseline_from_report(none, &b, &err), ISO_E_RANGE);
+    assert_status(iso_baseline_from_report(twice, &b, &err), ISO_E_RANGE);
+    assert_status(iso_baseline_compare(good, other, 1.25, 0, &r, &err), ISO_E_FORMAT);
+    assert_status(iso_baseline_compare(good, good, 0.9, 0, &r, &err), ISO_E_RANGE);
+    assert_status(iso_baseline_compare(good, good, NAN, 0, &r, &err), ISO_E_RANGE);
+    assert_status(iso_baseline_compare(good, good, 2, -1, &r, &err), ISO_E_RANGE);
+    json_decref(other);
+    json_decref(none);
+    json_decref(twice);
+    json_decref(good);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_same_report_is_as_accepted),
+        cmocka_unit_test(a_figure_beyond_the_factor_is_worse_and_comes_first),
+        cmocka_unit_test(the_floor_forgives_rounding),
+        cmocka_unit_test(a_lost_case_is_missing_and_a_new_one_is_no_failure),
+        cmocka_unit_test(a_figure_that_became_null_is_missing),
+        cmocka_unit_test(bad_files_and_limits_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
