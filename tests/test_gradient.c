@@ -42,14 +42,20 @@ static iso_volume sample(const iso_geometry *g, iso_type type, double (*field)(i
     return v;
 }
 
-static float *gradients(const iso_volume *v, int threads)
+static float *gradients_by(const iso_volume *v, iso_gradient_method method, int threads)
 {
     float *out = malloc(3 * iso_geometry_voxel_count(&v->geometry) * sizeof *out);
     iso_gradient_options opt = iso_gradient_defaults();
+    opt.method = method;
     opt.threads = threads;
     assert_non_null(out);
     assert_ok(iso_gradient_compute(v, &opt, out, &err));
     return out;
+}
+
+static float *gradients(const iso_volume *v, int threads)
+{
+    return gradients_by(v, ISO_GRADIENT_CENTRAL, threads);
 }
 
 static double largest_error(const iso_geometry *g, const float *out, iso_vec3 expected)
@@ -68,10 +74,11 @@ static void linear_field_is_exact_with_borders_in_any_geometry(void **state)
 {
     (void)state;
     const size_t sizes[][3] = {{7, 5, 6}, {2, 3, 2}, {9, 2, 4}, {33, 4, 3}};
-    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
-        iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
+    for (size_t s = 0; s < ISO_GRADIENT_COUNT * (sizeof sizes / sizeof *sizes); ++s) {
+        const size_t *n = sizes[s / ISO_GRADIENT_COUNT];
+        iso_geometry g = oblique(n[0], n[1], n[2]);
         iso_volume v = sample(&g, ISO_F32, ramp);
-        float *out = gradients(&v, 2);
+        float *out = gradients_by(&v, s % ISO_GRADIENT_COUNT, 2);
         assert_at_most(largest_error(&g, out, slope), rounding);
         /* The faults that this bound has to reject: index axes taken for world axes, the matrix
          * itself instead of its inverse transpose, and 1/2 at the border. */
@@ -205,6 +212,63 @@ static void slabs_and_threads_give_the_same_bytes(void **state)
     iso_volume_destroy(&v);
 }
 
+static double cubic(iso_vec3 p)
+{
+    return 0.02 * p.x * p.x * p.x + 0.1 * p.x * p.y * p.z + 0.03 * p.y * p.z * p.z - p.x;
+}
+
+/* Of one sample's rounding, 3e-4 x 2^-24 x 512 of values up to 512 each: below 2e-4. */
+static void cubic_fields_are_exact_for_the_estimator_of_fourth_order(void **state)
+{
+    (void)state;
+    const size_t size[3] = {11, 9, 12};
+    const double spacing[3] = {1, 0.5, 1.5};
+    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    iso_volume v = sample(&g, ISO_F32, cubic);
+    double worst[2] = {0, 0};
+    for (int i = 0; i < 2; ++i) {
+        float *out = gradients_by(&v, i ? ISO_GRADIENT_CENTRAL : ISO_GRADIENT_FOURTH, 1);
+        for (size_t k = 0; k < iso_geometry_voxel_count(&g); ++k) {
+            const size_t x = k % 11, y = k / 11 % 9, z = k / 99;
+            if (x < 2 || x > 8 || y < 2 || y > 6 || z < 2 || z > 9)
+                continue;
+            iso_vec3 p = center(&g, k);
+            iso_vec3 d = iso_v3(0.06 * p.x * p.x + 0.1 * p.y * p.z - 1, 0.1 * p.x * p.z + 0.03 * p.z * p.z,
+                                0.1 * p.x * p.y + 0.06 * p.y * p.z);
+            worst[i] = fmax(worst[i], iso_norm(iso_sub(d, iso_v3(out[3 * k], out[3 * k + 1], out[3 * k + 2]))));
+        }
+        free(out);
+    }
+    assert_at_most(worst[0], 2e-4);
+    assert_more_than(worst[1], 2e-4); /* central differences miss the third derivative */
+    iso_volume_destroy(&v);
+}
+
+/* Float sums of 27 values of 2 or less, in two orders: within 30 x 2 x 2^-24 of each other, over half a step. */
+static void corners_are_the_sobel_operator_at_voxel_centres(void **state)
+{
+    (void)state;
+    const size_t sizes[][3] = {{13, 7, 9}, {1, 5, 2}, {6, 1, 1}, {2, 2, 2}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
+        iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
+        iso_volume v = sample(&g, ISO_F32, wave);
+        float *a = gradients_by(&v, ISO_GRADIENT_SOBEL, 1), *b = gradients_by(&v, ISO_GRADIENT_CORNERS, 1),
+              *c = gradients_by(&v, ISO_GRADIENT_CENTRAL, 1);
+        double apart = 0, from_central = 0;
+        for (size_t i = 0; i < 3 * iso_geometry_voxel_count(&g); ++i) {
+            apart = fmax(apart, fabs(a[i] - b[i]));
+            from_central = fmax(from_central, fabs(a[i] - c[i]));
+        }
+        assert_at_most(apart, 120 * 0x1p-24);
+        if (s == 0)
+            assert_more_than(from_central, 120 * 0x1p-24);
+        free(a);
+        free(b);
+        free(c);
+        iso_volume_destroy(&v);
+    }
+}
+
 static void names_lead_back_to_their_methods(void **state)
 {
     (void)state;
@@ -225,6 +289,8 @@ int main(void)
         cmocka_unit_test(sphere_gradients_point_outwards_with_an_error_of_second_order),
         cmocka_unit_test(types_agree_where_they_hold_the_same_values),
         cmocka_unit_test(slabs_and_threads_give_the_same_bytes),
+        cmocka_unit_test(cubic_fields_are_exact_for_the_estimator_of_fourth_order),
+        cmocka_unit_test(corners_are_the_sobel_operator_at_voxel_centres),
         cmocka_unit_test(names_lead_back_to_their_methods),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

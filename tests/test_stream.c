@@ -93,6 +93,7 @@ typedef struct job {
     iso_direction_filter direction;
     size_t levels, radius;
     bool keep;
+    iso_gradient_method gradient;
 } job;
 
 static iso_pyramid_options options_of(const job *j)
@@ -103,19 +104,20 @@ static iso_pyramid_options options_of(const job *j)
     opt.direction_filter = j->direction;
     opt.gauss_radius = j->radius;
     opt.keep_float = opt.keep_magnitude = j->keep;
+    opt.gradient.method = j->gradient;
     opt.threads = 2;
     return opt;
 }
 
 static const job jobs[] = {
-    {{17, 13, 23}, ISO_U16, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, true},
-    {{8, 9, 70}, ISO_F32, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 7, 2, false},
-    {{12, 7, 41}, ISO_U8, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 4, 2, true},
-    {{9, 10, 67}, ISO_I16, ISO_SCALAR_MEAN, ISO_DIRECTION_EQ1, 6, 3, false},
-    {{10, 11, 37}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_NAIVE, 3, 1, true},
-    {{5, 1, 33}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_MOMENTS, 7, 4, false},
-    {{1, 1, 1}, ISO_U8, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, false},
-    {{6, 5, 1}, ISO_U16, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 1, 2, true},
+    {{17, 13, 23}, ISO_U16, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, true, ISO_GRADIENT_CENTRAL},
+    {{8, 9, 70}, ISO_F32, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 7, 2, false, ISO_GRADIENT_CENTRAL},
+    {{12, 7, 41}, ISO_U8, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 4, 2, true, ISO_GRADIENT_FOURTH},
+    {{9, 10, 67}, ISO_I16, ISO_SCALAR_MEAN, ISO_DIRECTION_EQ1, 6, 3, false, ISO_GRADIENT_CENTRAL},
+    {{10, 11, 37}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_NAIVE, 3, 1, true, ISO_GRADIENT_SOBEL},
+    {{5, 1, 33}, ISO_F64, ISO_SCALAR_GAUSS, ISO_DIRECTION_MOMENTS, 7, 4, false, ISO_GRADIENT_FOURTH},
+    {{1, 1, 1}, ISO_U8, ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS, 4, 2, false, ISO_GRADIENT_CENTRAL},
+    {{6, 5, 1}, ISO_U16, ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1, 1, 2, true, ISO_GRADIENT_CENTRAL},
 };
 #define JOB_COUNT (sizeof jobs / sizeof *jobs)
 

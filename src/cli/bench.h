@@ -8,6 +8,7 @@
 
 #define ISO_BENCH_LIST(X) \
     X(build) \
+    X(gradient)       \
     X(consistency) \
     X(convergence) \
     X(encode) \

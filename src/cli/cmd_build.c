@@ -12,7 +12,7 @@
 #include "pyramid/pyramid_stream.h"
 
 typedef struct build_options {
-    char *output, *scalar_filter, *direction_filter, *code;
+    char *output, *gradient, *scalar_filter, *direction_filter, *code;
     int levels, gauss_radius, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
@@ -41,6 +41,8 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
         status = iso_cli_check_range("--gauss-radius", in->gauss_radius, 1, 16, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
+    if (status == ISO_OK && in->gradient)
+        status = iso_gradient_from_name(in->gradient, &out->gradient.method, err);
     if (status == ISO_OK && in->scalar_filter)
         status = iso_scalar_filter_from_name(in->scalar_filter, &out->scalar_filter, err);
     if (status == ISO_OK && in->direction_filter)
@@ -146,6 +148,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
+        {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners or fourth", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1 or naive", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: snorm (default), region48, ...", "NAME"},
@@ -166,6 +169,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = build(&cli, &input, &in, err);
     iso_cli_end(&cli);
     free(in.output);
+    free(in.gradient);
     free(in.scalar_filter);
     free(in.direction_filter);
     free(in.code);

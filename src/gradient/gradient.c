@@ -7,7 +7,11 @@
 #include "base/simd.h"
 #include "gradient/gradient_kernel.h"
 
-static const char *const method_names[ISO_GRADIENT_COUNT] = {"central"};
+static const char *const method_names[ISO_GRADIENT_COUNT] = {
+#define ISO_GRADIENT_NAME(name, text, help) text,
+    ISO_GRADIENT_LIST(ISO_GRADIENT_NAME)
+#undef ISO_GRADIENT_NAME
+};
 
 iso_gradient_options iso_gradient_defaults(void)
 {
@@ -27,7 +31,8 @@ iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method,
             return ISO_OK;
         }
     }
-    return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central", name);
+    return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central, intermediate, sobel, corners, fourth",
+                    name);
 }
 
 /* Three planar rows to triples, in the caches. */

@@ -91,8 +91,7 @@ static void central_row(const iso_planes *p, const iso_gradient_matrix *matrix, 
 
 size_t iso_gradient_reach(iso_gradient_method method)
 {
-    (void)method;
-    return 1;
+    return method == ISO_GRADIENT_FOURTH ? 2 : 1;
 }
 
 iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
@@ -108,16 +107,16 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
 
 size_t iso_gradient_scratch_count(size_t nx)
 {
-    (void)nx;
-    return 1;
+    return 2 * nx;
 }
 
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
-    (void)method;
-    (void)scratch;
-    central_row(p, matrix, y, z, gx, gy, gz);
+    if (method == ISO_GRADIENT_CENTRAL)
+        central_row(p, matrix, y, z, gx, gy, gz);
+    else
+        iso_gradient_row_stencil(p, method, matrix, y, z, scratch, gx, gy, gz);
 }
 
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)

@@ -31,6 +31,10 @@ size_t iso_gradient_scratch_count(size_t nx);
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
 
+/* The same for the methods other than central differences. */
+void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                              size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+
 /* The row (y, z) as floats. */
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);
 

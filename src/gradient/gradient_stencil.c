@@ -1,0 +1,169 @@
+/* gradient_stencil.c - the estimators other than central differences: sums of
+ * rows along z and y, then stencils along x, in floats. */
+#include <string.h>
+
+#include "base/simd.h"
+#include "gradient/gradient_kernel.h"
+
+enum { OFFSETS = 5, MIDDLE = 2 }; /* -2 .. 2 */
+
+/* Weights of the samples i - 2 .. i + 2 for the derivative at sample i of n.
+ * Every one is exact on linear data, borders included. */
+static void derivative_weights(iso_gradient_method method, size_t i, size_t n, float w[OFFSETS])
+{
+    memset(w, 0, OFFSETS * sizeof *w);
+    const size_t after = n - 1 - i;
+    float *at = w + MIDDLE;
+    if (n == 1)
+        return;
+    if (method == ISO_GRADIENT_INTERMEDIATE && after > 0) { /* to the next sample */
+        at[0] = -1, at[1] = 1;
+    } else if (method == ISO_GRADIENT_FOURTH && i >= 2 && after >= 2) { /* Taylor: f' + O(h^4) */
+        at[-2] = 1.0f / 12, at[-1] = -8.0f / 12, at[1] = 8.0f / 12, at[2] = -1.0f / 12;
+    } else if (method == ISO_GRADIENT_FOURTH && i == 0 && n > 2) { /* one-sided, of second order */
+        at[0] = -1.5f, at[1] = 2, at[2] = -0.5f;
+    } else if (method == ISO_GRADIENT_FOURTH && after == 0 && n > 2) {
+        at[0] = 1.5f, at[-1] = -2, at[-2] = 0.5f;
+    } else if (i > 0 && after > 0) {
+        at[-1] = -0.5f, at[1] = 0.5f;
+    } else if (after > 0) {
+        at[0] = -1, at[1] = 1;
+    } else {
+        at[-1] = -1, at[0] = 1;
+    }
+}
+
+static bool smooths(iso_gradient_method method)
+{
+    return method == ISO_GRADIENT_SOBEL || method == ISO_GRADIENT_CORNERS;
+}
+
+/* 1 2 1 across; at an edge the sample that is missing is the edge's own. */
+static void smoothing_weights(size_t i, size_t n, float w[OFFSETS])
+{
+    memset(w, 0, OFFSETS * sizeof *w);
+    w[MIDDLE] = 0.5f;
+    w[i > 0 ? MIDDLE - 1 : MIDDLE] += 0.25f;
+    w[i + 1 < n ? MIDDLE + 1 : MIDDLE] += 0.25f;
+}
+
+static const float only_middle[OFFSETS] = {0, 0, 1, 0, 0};
+
+ISO_SIMD static void add_weighted(float weight, const float *restrict row, size_t n, float *restrict sum)
+{
+    for (size_t x = 0; x < n; ++x)
+        sum[x] += weight * row[x];
+}
+
+/* sum = the rows around (y, z), weighted along both axes. */
+static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFFSETS], const float wz[OFFSETS], float *row,
+                     float *restrict sum)
+{
+    memset(sum, 0, p->size[0] * sizeof *sum);
+    for (size_t c = 0; c < OFFSETS; ++c)
+        for (size_t b = 0; b < OFFSETS; ++b) {
+            if (wy[b] == 0 || wz[c] == 0)
+                continue;
+            iso_planes_row(p, y + b - MIDDLE, z + c - MIDDLE, row);
+            add_weighted(wy[b] * wz[c], row, p->size[0], sum);
+        }
+}
+
+ISO_SIMD static void stencil_inside(const float w[OFFSETS], const float *restrict row, size_t n, float *restrict out)
+{
+    for (size_t x = 2; x + 2 < n; ++x)
+        out[x] = (w[0] * row[x - 2] + w[4] * row[x + 2]) + (w[1] * row[x - 1] + w[3] * row[x + 1]) + w[2] * row[x];
+}
+
+static float stencil_at(const float w[OFFSETS], const float *row, size_t x)
+{
+    float sum = 0;
+    for (size_t o = 0; o < OFFSETS; ++o)
+        if (w[o] != 0)
+            sum += w[o] * row[x + o - MIDDLE];
+    return sum;
+}
+
+static void along_x(iso_gradient_method method, bool derivative, const float *restrict row, size_t n, float *restrict out)
+{
+    float w[OFFSETS];
+    for (size_t x = 0; x < n; ++x) {
+        if (x == 2 && n > 5) { /* all inner samples at once */
+            if (derivative)
+                derivative_weights(method, x, n, w);
+            else
+                smoothing_weights(x, n, w);
+            stencil_inside(w, row, n, out);
+            x = n - 2;
+        }
+        if (derivative)
+            derivative_weights(method, x, n, w);
+        else
+            smoothing_weights(x, n, w);
+        out[x] = stencil_at(w, row, x);
+    }
+}
+
+/* The 8 corners of the voxel, half a step away along each axis, are the means
+ * of 8 samples, as a trilinear fetch returns them (Sigg and Hadwiger 2005). At
+ * voxel centres their differences are those of the 3x3x3 Sobel operator: two
+ * halves (1 1) make (1 2 1). Rows first: sums of the corners' rows, signed. */
+static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row, float *restrict sum)
+{
+    const size_t ny = p->size[1], nz = p->size[2];
+    const float edge_y = sign_y < 0 && ny > 1 && (y == 0 || y + 1 == ny) ? 2 : 1; /* one side is missing: twice the other */
+    const float edge_z = sign_z < 0 && nz > 1 && (z == 0 || z + 1 == nz) ? 2 : 1;
+    memset(sum, 0, p->size[0] * sizeof *sum);
+    for (size_t corner = 0; corner < 4; ++corner) {
+        const bool up_y = corner & 1, up_z = corner & 2;
+        const size_t y1 = up_y ? (y + 1 < ny ? y + 1 : y) : y > 0 ? y - 1 : y;
+        const size_t z1 = up_z ? (z + 1 < nz ? z + 1 : z) : z > 0 ? z - 1 : z;
+        const float weight = 0.25f * edge_y * edge_z * (up_y ? 1 : sign_y) * (up_z ? 1 : sign_z) *
+                             (sign_y < 0 ? 2 : 1) * (sign_z < 0 ? 2 : 1);
+        const size_t rows[4][2] = {{y, z}, {y1, z}, {y, z1}, {y1, z1}};
+        for (size_t r = 0; r < 4; ++r) {
+            iso_planes_row(p, rows[r][0], rows[r][1], row);
+            add_weighted(0.25f * weight, row, p->size[0], sum);
+        }
+    }
+}
+
+ISO_SIMD static void to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
+                              float *restrict gz)
+{
+    float m[9];
+    memcpy(m, matrix->m, sizeof m);
+    for (size_t x = 0; x < n; ++x) {
+        float dx = gx[x], dy = gy[x], dz = gz[x];
+        gx[x] = m[0] * dx + m[1] * dy + m[2] * dz;
+        gy[x] = m[3] * dx + m[4] * dy + m[5] * dz;
+        gz[x] = m[6] * dx + m[7] * dy + m[8] * dz;
+    }
+}
+
+void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                              size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+{
+    const size_t n = p->size[0];
+    float *row = scratch, *sum = scratch + n, *g[3] = {gx, gy, gz};
+    float dy[OFFSETS], dz[OFFSETS], sy[OFFSETS], sz[OFFSETS];
+    derivative_weights(method, y, p->size[1], dy);
+    derivative_weights(method, z, p->size[2], dz);
+    memcpy(sy, only_middle, sizeof sy);
+    memcpy(sz, only_middle, sizeof sz);
+    if (smooths(method)) {
+        smoothing_weights(y, p->size[1], sy);
+        smoothing_weights(z, p->size[2], sz);
+    }
+    for (int a = 0; a < 3; ++a) {
+        if (method == ISO_GRADIENT_CORNERS)
+            corner_rows(p, y, z, a == 1 ? -1 : 1, a == 2 ? -1 : 1, row, sum);
+        else
+            sum_rows(p, y, z, a == 1 ? dy : sy, a == 2 ? dz : sz, row, sum);
+        if (a == 0 || smooths(method))
+            along_x(method, a == 0, sum, n, g[a]);
+        else
+            memcpy(g[a], sum, n * sizeof *sum);
+    }
+    to_world(matrix, n, gx, gy, gz);
+}
