@@ -8,6 +8,7 @@
     X(palette) \
     X(tf) \
     X(render) \
+    X(plan) \
     X(export) \
     X(compare) \
     X(chart) \

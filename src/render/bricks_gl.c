@@ -159,6 +159,8 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
     if (!visible)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
     double shown = iso_brick_cull(f, &view->tf, 0, visible);
+    for (size_t i = 0; opt->wanted && i < count; ++i)
+        visible[i] = visible[i] && opt->wanted[i];
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible,
                                               (size_t)gl->max_texture_3d_size, opt->max_slots, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);

@@ -14,6 +14,7 @@ typedef struct iso_gl_brick_options {
     int cache_bits;       /* 16 (unorm scalar, snorm directions) or 32 (floats) */
     size_t max_slots;     /* what the cache may hold; 0: as much as one texture */
     bool keep_hidden;     /* also bricks that the TF does not show */
+    const uint8_t *wanted; /* one byte a brick, 0 leaves it out; NULL: all */
     double step_voxels;   /* 0: the view's */
     iso_gl_skip skip;     /* of hidden bricks */
     size_t repeats;       /* draws; the time is that of the fastest */
