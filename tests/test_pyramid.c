@@ -94,6 +94,14 @@ static void visit_eq1(const double g[3], double weight, double sum[4]) /* gradie
     sum[3] += m * weight;
 }
 
+static void visit_eq1_squared(const double g[3], double weight, double sum[4]) /* with m^2 instead of m */
+{
+    double m2 = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    for (int c = 0; c < 3; ++c)
+        sum[c] += g[c] * m2 * weight;
+    sum[3] += m2 * weight;
+}
+
 static void visit_vector(const double g[3], double weight, double sum[4])
 {
     for (int c = 0; c < 3; ++c)
@@ -214,12 +222,14 @@ static void fill_eq1(const field *fine, const iso_geometry *g, long radius, doub
 static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(void **state)
 {
     (void)state;
-    const struct { size_t radius; double sigma; } cases[] = {{2, 1}, {1, 0.7}, {3, 1.6}};
+    const struct { size_t radius; double sigma; size_t exponent; } cases[] = {{2, 1, 1}, {1, 0.7, 1}, {3, 1.6, 1}, {2, 1, 2}, {2, 1, 0}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
         iso_volume v = noise(9, 12, 7);
         iso_pyramid_options opt = keeping(ISO_DIRECTION_EQ1);
         opt.gauss_radius = cases[c].radius;
         opt.gauss_sigma_voxels = cases[c].sigma;
+        opt.eq1_exponent = cases[c].exponent;
+        const visit takes[] = {visit_vector, visit_eq1, visit_eq1_squared};
         opt.level_count = 3;
         iso_pyramid p = build(&v, &opt);
         field fine = field_of_gradients(&v);
@@ -229,11 +239,11 @@ static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(
             field next = {{g->size[0], g->size[1], g->size[2]}, malloc(3 * count * sizeof(double))};
             double *unit = malloc(3 * count * sizeof *unit), *other = malloc(3 * count * sizeof *other),
                    *scratch = malloc(3 * count * sizeof *scratch);
-            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, visit_vector, scratch, other);
-            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, visit_eq1, next.data, unit);
+            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, takes[(cases[c].exponent + 1) % 3], scratch, other);
+            fill_eq1(&fine, g, (long)cases[c].radius, cases[c].sigma, takes[cases[c].exponent], next.data, unit);
             /* Unit vectors: cancellation is not in their length but in the angle; 1e-4 allows for means a tenth long. */
             assert_at_most(largest_difference(&p.levels[k], unit), 1e-4);
-            assert_more_than(largest_difference(&p.levels[k], other), 1e-4); /* without the magnitude as weight */
+            assert_more_than(largest_difference(&p.levels[k], other), 1e-4); /* another exponent */
             for (size_t i = 0; i < count; ++i) {
                 const double *n = next.data + 3 * i, m = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
                 assert_within(p.levels[k].magnitude[i], m, 1e-5 * (m + 1));
@@ -273,6 +283,57 @@ static void naive_directions_are_unit_means(void **state)
         assert_at_most(largest_difference(l, unit), 1e-4);
         free(unit);
     }
+    free(fine.data);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+/* The main axis of a symmetric matrix by many plain power iterations; *gap is how far the second eigenvalue lies below. */
+static iso_vec3 main_axis(const double t[6], double *gap)
+{
+    const iso_mat3 m = {{{t[0], t[3], t[4]}, {t[3], t[1], t[5]}, {t[4], t[5], t[2]}}};
+    iso_vec3 e = iso_v3(0.5, 0.6, 0.7), f = iso_v3(0.3, -0.8, 0.4);
+    for (int i = 0; i < 2000; ++i)
+        e = iso_normalize(iso_mul(m, e));
+    for (int i = 0; i < 2000; ++i) {
+        f = iso_mul(m, f);
+        f = iso_normalize(iso_madd(f, e, -iso_dot(f, e)));
+    }
+    *gap = 1 - iso_dot(f, iso_mul(m, f)) / iso_dot(e, iso_mul(m, e));
+    return e;
+}
+
+static void tensor_directions_are_the_main_axis_on_the_mean_s_side(void **state)
+{
+    (void)state;
+    iso_volume v = noise(12, 10, 8);
+    iso_pyramid_options opt = keeping(ISO_DIRECTION_TENSOR);
+    iso_pyramid p = build(&v, &opt);
+    field fine = field_of_gradients(&v);
+    const iso_level *l = &p.levels[1];
+    size_t compared = 0;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+        size_t at[3];
+        double n[4], t[6] = {0}, gap;
+        static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+        place(&l->geometry, i, at);
+        sum_children(&fine, at, 1, visit_moments, n);
+        for (size_t child = 0; child < 8; ++child) {
+            size_t x = descend(at[0], 1, child & 1, 12), y = descend(at[1], 1, child >> 1 & 1, 10),
+                   z = descend(at[2], 1, child >> 2, 8);
+            const double *g = fine.data + 3 * ((z * 10 + y) * 12 + x);
+            for (int c = 0; c < 6; ++c)
+                t[c] += g[pair[c][0]] * g[pair[c][1]];
+        }
+        iso_vec3 e = main_axis(t, &gap), mean = iso_v3(n[0], n[1], n[2]);
+        if (gap < 0.2 || fabs(iso_dot(e, mean)) < 1e-3 * iso_norm(mean))
+            continue; /* 0.8^64 = 6e-7 of another axis is left at most; a side must be there */
+        e = iso_scale(e, (iso_dot(e, mean) < 0 ? -1 : 1) * iso_norm(mean) / n[3]);
+        for (int c = 0; c < 3; ++c)
+            assert_within(l->directions[3 * i + (size_t)c], c == 0 ? e.x : c == 1 ? e.y : e.z, 2e-5);
+        ++compared;
+    }
+    assert_true(compared > 60);
     free(fine.data);
     iso_pyramid_destroy(&p);
     iso_volume_destroy(&v);
@@ -732,6 +793,7 @@ int main(void)
         cmocka_unit_test(moments_equal_the_direct_sum_over_all_fine_children),
         cmocka_unit_test(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients),
         cmocka_unit_test(naive_directions_are_unit_means),
+        cmocka_unit_test(tensor_directions_are_the_main_axis_on_the_mean_s_side),
         cmocka_unit_test(mean_scalars_continue_the_edge_at_odd_sizes),
         cmocka_unit_test(gaussian_scalars_equal_their_direct_sum),
         cmocka_unit_test(parallel_gradients_keep_their_length),

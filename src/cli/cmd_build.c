@@ -13,7 +13,7 @@
 
 typedef struct build_options {
     char *output, *gradient, *scalar_filter, *direction_filter, *code;
-    int levels, gauss_radius, keep_float, keep_magnitude, resume;
+    int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
 
@@ -41,6 +41,8 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
         status = iso_cli_check_range("--gauss-radius", in->gauss_radius, 1, 16, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
     if (status == ISO_OK && in->gradient)
         status = iso_gradient_from_name(in->gradient, &out->gradient.method, err);
     if (status == ISO_OK && in->scalar_filter)
@@ -53,6 +55,7 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
         return status;
     out->level_count = (size_t)in->levels;
     out->gauss_radius = (size_t)in->gauss_radius;
+    out->eq1_exponent = (size_t)in->eq1_exponent;
     out->gauss_sigma_voxels = in->gauss_sigma;
     out->keep_float = in->keep_float;
     out->keep_magnitude = in->keep_magnitude;
@@ -141,6 +144,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const iso_pyramid_options defaults = iso_pyramid_defaults();
     build_options in = {.levels = (int)defaults.level_count,
                         .gauss_radius = (int)defaults.gauss_radius,
+                        .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
                         .memory_mb = 512};
     iso_cli_input input;
@@ -150,11 +154,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
         {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners or fourth", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1 or naive", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1, naive or tensor", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: snorm (default), region48, ...", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "of gauss and eq1", "VOXELS"},
+        {"eq1-exponent", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.eq1_exponent, 0,
+         "of the gradient magnitude that weighs", "P"},
         {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "store the directions as floats, too", NULL},
         {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "store the gradient magnitudes", NULL},
         {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "of buffers, at most", "MB"},

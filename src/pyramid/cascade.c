@@ -106,7 +106,7 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
     if (c->state_count == 0)
         return;
     level0_gradients(c, t->in, y, z, r);
-    iso_state_from_gradients(c->opt.direction_filter, r->g[0], r->g[1], r->g[2], n, acc, stride, add,
+    iso_state_from_gradients(c->opt.direction_filter, 1, r->g[0], r->g[1], r->g[2], n, acc, stride, add,
                              packed ? r->packed : NULL);
     emit_level0(c, &t->out[0], y, z, r, packed);
 }

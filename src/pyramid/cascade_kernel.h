@@ -10,7 +10,7 @@ enum { MAX_LEVELS = 32, CARRY_LEVEL = 4 };
 /* One filtered quantity of the wide way: the scalar, or the direction's state. */
 typedef struct wide_channel {
     bool is_scalar;
-    size_t components;
+    size_t components, filtered; /* planes of a slot; the first of them are sums */
     iso_taps taps;
     size_t batch;              /* fine planes at a time */
     size_t slot_count;         /* coarse planes that these touch */

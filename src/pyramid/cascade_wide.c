@@ -35,9 +35,9 @@ iso_status wide_create(iso_cascade *c, iso_error *err)
 {
     const iso_taps taps = iso_taps_gauss(c->opt.gauss_radius, c->opt.gauss_sigma_voxels);
     if (!c->scalar_means)
-        c->wide[c->wide_count++] = (wide_channel){.is_scalar = true, .components = 1, .taps = taps};
+        c->wide[c->wide_count++] = (wide_channel){.is_scalar = true, .components = 1, .filtered = 1, .taps = taps};
     if (c->opt.direction_filter == ISO_DIRECTION_EQ1)
-        c->wide[c->wide_count++] = (wide_channel){.components = 4, .taps = taps};
+        c->wide[c->wide_count++] = (wide_channel){.components = 5, .filtered = 4, .taps = taps};
     for (size_t i = 0; i < c->wide_count; ++i) {
         wide_channel *w = &c->wide[i];
         const size_t slot_bytes = c->level_count > 1 ? slot_floats(c, w, 1) * sizeof(float) : 1;
@@ -109,7 +109,7 @@ static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, si
     }
     const bool packed = uses_packed(c) && own;
     level0_gradients(c, r->in, y, z, &b->rows);
-    iso_state_from_gradients(ISO_DIRECTION_EQ1, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0], b->state, *stride,
+    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0], b->state, *stride,
                              false, packed ? b->rows.packed : NULL);
     if (own)
         emit_level0(c, &r->out[0], y, z, &b->rows, packed);
@@ -128,12 +128,12 @@ static void filter_block(const wide_run *r, block *b, size_t k, size_t z, size_t
     for (size_t y = first; y <= last; ++y) {
         size_t stride;
         const float *row = fine_row(r, b, k, y, z, y / 2 >= j0 && y / 2 < j1, &stride);
-        for (size_t i = 0; i < w->components; ++i)
+        for (size_t i = 0; i < w->filtered; ++i)
             iso_taps_row(&w->taps, row + i * stride, fine[0], b->padded,
                          b->narrow + ((y - first) * w->components + i) * coarse[0]);
     }
     for (size_t j = j0; j < j1; ++j)
-        for (size_t i = 0; i < w->components; ++i) {
+        for (size_t i = 0; i < w->filtered; ++i) {
             memset(b->filtered, 0, coarse[0] * sizeof(float));
             for (size_t t = 0; t < taps; ++t)
                 iso_weigh_row(w->taps.weight[t],
@@ -163,7 +163,7 @@ static void finish_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
         float *row = slot(r, k, z) + y * nx;
         if (!r->channel->is_scalar) {
             block b = make_block(r);
-            iso_eq1_finish(row, nx * ny, nx);
+            iso_eq1_finish(row, nx * ny, nx, c->opt.eq1_exponent);
             emit_coarse(c, out, k, y, z, row, nx * ny, &b.rows);
         } else if (z >= out->first) {
             iso_row_range(row, nx, &lo, &hi);

@@ -12,7 +12,7 @@
 
 size_t iso_state_count(iso_direction_filter f)
 {
-    return f == ISO_DIRECTION_NAIVE ? 3 : 4;
+    return f == ISO_DIRECTION_NAIVE ? 3 : f == ISO_DIRECTION_TENSOR ? 9 : f == ISO_DIRECTION_EQ1 ? 5 : 4;
 }
 
 /* ---- taps ---- */
@@ -97,19 +97,56 @@ ISO_SIMD static void unit_codes(const float *gx, const float *gy, const float *g
     }
 }
 
-ISO_SIMD static void eq1_weigh(const float *gx, const float *gy, const float *gz, size_t n, float *restrict ax,
-                               float *restrict ay, float *restrict az, float *restrict am)
+ISO_SIMD static void moment_vectors(const float *restrict gx, const float *restrict gy, const float *restrict gz, size_t n,
+                                    float *restrict acc, size_t stride, bool add)
 {
+    float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride;
     for (size_t i = 0; i < n; ++i) {
         float x = gx[i], y = gy[i], z = gz[i], m = sqrtf(x * x + y * y + z * z);
-        ax[i] = m * x;
-        ay[i] = m * y;
-        az[i] = m * z;
+        ax[i] = add ? ax[i] + m * x : m * x;
+        ay[i] = add ? ay[i] + m * y : m * y;
+        az[i] = add ? az[i] + m * z : m * z;
+    }
+}
+
+static inline float power(float m, size_t exponent)
+{
+    float result = 1;
+    for (size_t i = 0; i < exponent; ++i)
+        result *= m;
+    return result;
+}
+
+static inline __attribute__((always_inline)) void eq1_weigh_by(const float *gx, const float *gy, const float *gz, size_t n,
+                                                               size_t exponent, float *restrict acc, size_t stride)
+{
+    float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride, *aw = acc + 3 * stride, *am = acc + 4 * stride;
+    for (size_t i = 0; i < n; ++i) {
+        float x = gx[i], y = gy[i], z = gz[i], m = sqrtf(x * x + y * y + z * z), w = power(m, exponent);
+        ax[i] = w * x;
+        ay[i] = w * y;
+        az[i] = w * z;
+        aw[i] = w;
         am[i] = m;
     }
 }
 
-void iso_state_from_gradients(iso_direction_filter f, const float *gx, const float *gy, const float *gz, size_t n,
+ISO_SIMD static void eq1_weigh(const float *gx, const float *gy, const float *gz, size_t n, size_t exponent,
+                               float *restrict acc, size_t stride)
+{
+    if (exponent == 1)
+        eq1_weigh_by(gx, gy, gz, n, 1, acc, stride);
+    else
+        eq1_weigh_by(gx, gy, gz, n, exponent, acc, stride);
+}
+
+ISO_SIMD static void products(const float *restrict a, const float *restrict b, size_t n, float *restrict acc, bool add)
+{
+    for (size_t i = 0; i < n; ++i)
+        acc[i] = add ? acc[i] + a[i] * b[i] : a[i] * b[i];
+}
+
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
                               float *restrict acc, size_t stride, bool add, uint32_t *restrict packed)
 {
     if (f == ISO_DIRECTION_MOMENTS) {
@@ -119,7 +156,15 @@ void iso_state_from_gradients(iso_direction_filter f, const float *gx, const flo
     if (packed)
         unit_codes(gx, gy, gz, n, packed);
     if (f == ISO_DIRECTION_EQ1) {
-        eq1_weigh(gx, gy, gz, n, acc, acc + stride, acc + 2 * stride, acc + 3 * stride);
+        eq1_weigh(gx, gy, gz, n, eq1_exponent, acc, stride);
+        return;
+    }
+    if (f == ISO_DIRECTION_TENSOR) {
+        const float *g[3] = {gx, gy, gz};
+        static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+        moment_vectors(gx, gy, gz, n, acc, stride, add);
+        for (size_t i = 0; i < 6; ++i)
+            products(g[pair[i][0]], g[pair[i][1]], n, acc + (3 + i) * stride, add);
         return;
     }
     iso_accumulate_row(gx, n, acc, add);
@@ -262,17 +307,18 @@ ISO_SIMD void iso_weigh_row(float weight, const float *restrict row, size_t n, f
 
 /* gradients-2017 Eq. 1: the sums of G m g and of m g have been taken; their
  * quotient is the filtered gradient, whose own length weighs the next level. */
-ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n)
+ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent)
 {
-    float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sm = state + 3 * stride;
+    float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sw = state + 3 * stride, *sm = state + 4 * stride;
     for (size_t i = 0; i < n; ++i) {
-        float inverse = 1 / sm[i];
-        inverse = sm[i] >= FLT_MIN ? inverse : 0;
+        float inverse = 1 / sw[i];
+        inverse = sw[i] >= FLT_MIN ? inverse : 0;
         float x = sx[i] * inverse, y = sy[i] * inverse, z = sz[i] * inverse;
-        float m = sqrtf(x * x + y * y + z * z);
-        sx[i] = m * x;
-        sy[i] = m * y;
-        sz[i] = m * z;
+        float m = sqrtf(x * x + y * y + z * z), w = power(m, exponent);
+        sx[i] = w * x;
+        sy[i] = w * y;
+        sz[i] = w * z;
+        sw[i] = w;
         sm[i] = m;
     }
 }
@@ -295,16 +341,57 @@ ISO_SIMD static void moment_directions(const float *restrict sx, const float *re
     }
 }
 
+/* The main axis of T by squaring: T^64 is the axis alone unless the two largest
+ * eigenvalues are within a few per cent of each other, where no axis means much.
+ * The column of the largest diagonal element is the longest. */
+ISO_SIMD static void tensor_directions(const float *restrict state, size_t stride, size_t n, float *restrict dx,
+                                       float *restrict dy, float *restrict dz)
+{
+    for (size_t i = 0; i < n; ++i) {
+        const float *s = state + i;
+        float trace = s[3 * stride] + s[4 * stride] + s[5 * stride];
+        float inverse = 1 / trace;
+        inverse = trace >= FLT_MIN ? inverse : 0;
+        float nx = s[0] * inverse, ny = s[stride] * inverse, nz = s[2 * stride] * inverse;
+        float a = s[3 * stride] * inverse, b = s[4 * stride] * inverse, c = s[5 * stride] * inverse;
+        float d = s[6 * stride] * inverse, e = s[7 * stride] * inverse, f = s[8 * stride] * inverse;
+        for (int step = 0; step < 6; ++step) { /* rows (a d e) (d b f) (e f c) */
+            float a2 = a * a + d * d + e * e, b2 = d * d + b * b + f * f, c2 = e * e + f * f + c * c;
+            float d2 = a * d + d * b + e * f, e2 = a * e + d * f + e * c, f2 = d * e + b * f + f * c;
+            float sum = a2 + b2 + c2, scale = 1 / sum;
+            scale = sum >= FLT_MIN ? scale : 0;
+            a = a2 * scale, b = b2 * scale, c = c2 * scale;
+            d = d2 * scale, e = e2 * scale, f = f2 * scale;
+        }
+        float x = a, y = d, z = e, most = a;
+        x = b > most ? d : x, y = b > most ? b : y, z = b > most ? f : z, most = b > most ? b : most;
+        x = c > most ? e : x, y = c > most ? f : y, z = c > most ? c : z;
+        float length = sqrtf(x * x + y * y + z * z), unit = 1 / length;
+        unit = length >= FLT_MIN ? unit : 0;
+        float coherence = sqrtf(nx * nx + ny * ny + nz * nz);
+        float factor = x * nx + y * ny + z * nz < 0 ? -coherence * unit : coherence * unit;
+        dx[i] = x * factor;
+        dy[i] = y * factor;
+        dz[i] = z * factor;
+    }
+}
+
 void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
                         float *restrict dy, float *restrict dz, float *restrict magnitude)
 {
     const float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *ss = state + 3 * stride;
     if (f == ISO_DIRECTION_MOMENTS)
         moment_directions(sx, sy, sz, ss, n, dx, dy, dz);
+    else if (f == ISO_DIRECTION_TENSOR)
+        tensor_directions(state, stride, n, dx, dy, dz);
     else
         iso_unit_rows(sx, sy, sz, n, dx, dy, dz, magnitude);
-    for (size_t i = 0; magnitude && f != ISO_DIRECTION_NAIVE && i < n; ++i)
-        magnitude[i] = f == ISO_DIRECTION_MOMENTS ? sqrtf(ss[i]) : ss[i];
+    if (!magnitude || f == ISO_DIRECTION_NAIVE)
+        return;
+    for (size_t i = 0; i < n; ++i)
+        magnitude[i] = f == ISO_DIRECTION_MOMENTS  ? sqrtf(ss[i])
+                       : f == ISO_DIRECTION_TENSOR ? sqrtf(ss[i] + ss[i + stride] + ss[i + 2 * stride])
+                                                   : ss[i + stride];
 }
 
 ISO_SIMD void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out)

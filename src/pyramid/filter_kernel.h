@@ -3,7 +3,8 @@
  * A direction's *state* is a few floats a voxel, in planar rows, carried from level to level:
  *   moments  N (3), S      N = mean of m^2 d = m g, S = mean of m^2
  *   naive    G (3)         the mean gradient
- *   eq1      m G (3), m    G the filtered gradient of the level, m its length
+ *   eq1      m^p G (3), m^p, m    G the filtered gradient of the level, m its length
+ *   tensor   N (3), T (6)  T = mean of g g^T: xx, yy, zz, xy, xz, yz; its trace is S
  * Row c of a state starts at state + c * stride. */
 #ifndef ISO_PYRAMID_FILTER_KERNEL_H
 #define ISO_PYRAMID_FILTER_KERNEL_H
@@ -11,7 +12,7 @@
 #include "gradient/gradient_kernel.h"
 #include "pyramid/pyramid.h"
 
-enum { ISO_FILTER_MAX_TAPS = 32, ISO_STATE_MAX = 4 };
+enum { ISO_FILTER_MAX_TAPS = 32, ISO_STATE_MAX = 9 };
 
 size_t iso_state_count(iso_direction_filter f);
 
@@ -36,9 +37,9 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 
 /* ---- level 0 ---- */
 
-/* States of a row of gradients, put into acc or added to it; where packed is
- * not NULL, the snorm codes of the unit directions too (iso_pack_snorm). */
-void iso_state_from_gradients(iso_direction_filter f, const float *gx, const float *gy, const float *gz, size_t n,
+/* States of a row of gradients, put into acc or added to it (eq1: put); where packed
+ * is not NULL, the snorm codes of the unit directions too (iso_pack_snorm). */
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
                               float *restrict acc, size_t stride, bool add, uint32_t *restrict packed);
 /* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
 void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
@@ -59,8 +60,8 @@ void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, flo
                   float *restrict out);
 /* acc += weight * row */
 void iso_weigh_row(float weight, const float *restrict row, size_t n, float *restrict acc);
-/* Eq. 1: sums of m G g and m g to the filtered gradient times its length, and its length, in place. */
-void iso_eq1_finish(float *restrict state, size_t stride, size_t n);
+/* Eq. 1: sums of m^p G g and m^p g to the filtered gradient's own state, in place. */
+void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent);
 
 /* ---- what is stored ---- */
 

@@ -13,7 +13,7 @@
 #include "pyramid/pyramid_layout.h"
 
 static const char *const scalar_names[ISO_SCALAR_COUNT] = {"mean", "gauss"};
-static const char *const direction_names[ISO_DIRECTION_COUNT] = {"moments", "eq1", "naive"};
+static const char *const direction_names[ISO_DIRECTION_COUNT] = {"moments", "eq1", "naive", "tensor"};
 
 iso_pyramid_options iso_pyramid_defaults(void)
 {
@@ -25,6 +25,7 @@ iso_pyramid_options iso_pyramid_defaults(void)
         .code = ISO_CODE_SNORM,
         .gauss_sigma_voxels = 1,
         .gauss_radius = 2,
+        .eq1_exponent = 1,
     };
 }
 
@@ -51,7 +52,7 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
     for (int i = 0; i < ISO_DIRECTION_COUNT; ++i)
         if (strcmp(direction_names[i], name) == 0)
             return *f = (iso_direction_filter)i, ISO_OK;
-    return iso_fail(err, ISO_E_USAGE, "unknown direction filter \"%s\", must be one of: moments, eq1, naive", name);
+    return iso_fail(err, ISO_E_USAGE, "unknown direction filter \"%s\", must be one of: moments, eq1, naive, tensor", name);
 }
 
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err)
@@ -63,9 +64,13 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
         return iso_fail(err, ISO_E_RANGE, "Gaussian radius: %zu voxels, must be 1 to %zu", opt->gauss_radius, max_radius);
     if (!(opt->gauss_sigma_voxels >= 0.1 && opt->gauss_sigma_voxels <= 100))
         return iso_fail(err, ISO_E_RANGE, "Gaussian sigma: %g voxels, must be 0.1 to 100", opt->gauss_sigma_voxels);
+    if (opt->eq1_exponent > 4)
+        return iso_fail(err, ISO_E_RANGE, "exponent of Eq. 1: %zu, must be 0 to 4", opt->eq1_exponent);
     if (!iso_code_describe(opt->code)->is_textured)
         return iso_fail(err, ISO_E_RANGE, "code %s: not for pyramids, whose codes are 3 bytes that a texture can filter",
                         iso_code_describe(opt->code)->name);
+    if (opt->eq1_exponent > 4)
+        return iso_fail(err, ISO_E_RANGE, "exponent of Eq. 1: %zu, must be 0 to 4", opt->eq1_exponent);
     if (!iso_code_describe(opt->code)->is_textured)
         return iso_fail(err, ISO_E_RANGE, "code: %s, a pyramid stores codes of 3 bytes that a texture can filter",
                         iso_code_describe(opt->code)->name);

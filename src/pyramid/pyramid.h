@@ -17,7 +17,9 @@
  *   eq1      gradients-2017 Eq. 1 as written, iterated from G0: Gaussian times
  *            magnitude, radius and sigma by option; stored unit.
  *   naive    the mean of the children's gradient vectors; stored unit.
- * magnitude: |gradient| at level 0; above, the root mean square (moments) or the
+ *   tensor   T = sum g g^T beside N; the main axis of T, on N's side, times L:
+ *            opposite gradients agree on an axis where their mean vanishes.
+ * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the
  * length of the filtered gradient (eq1, naive).
  * scalar: mean of the 2x2x2 children, or a Gaussian. */
 #ifndef ISO_PYRAMID_H
@@ -34,6 +36,7 @@ typedef enum iso_direction_filter {
     ISO_DIRECTION_MOMENTS,
     ISO_DIRECTION_EQ1,
     ISO_DIRECTION_NAIVE,
+    ISO_DIRECTION_TENSOR,
     ISO_DIRECTION_COUNT
 } iso_direction_filter;
 
@@ -45,6 +48,7 @@ typedef struct iso_pyramid_options {
     iso_code code;
     double gauss_sigma_voxels; /* of the Gaussian filters, in voxels of the finer level */
     size_t gauss_radius;       /* taps along an axis: 2 * radius */
+    size_t eq1_exponent;       /* of the magnitude in Eq. 1's weights: 1 in the paper; 0: a plain Gaussian */
     bool keep_float;
     bool keep_magnitude;
     int threads;

@@ -61,11 +61,11 @@ json_t *iso_layout_geometry(const iso_geometry *g)
 
 json_t *iso_layout_options(const iso_pyramid_options *o)
 {
-    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
+    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
                      "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
                      iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
                      "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
-                     "gauss_radius", (json_int_t)o->gauss_radius, "keep_float", o->keep_float, "keep_magnitude",
+                     "gauss_radius", (json_int_t)o->gauss_radius, "eq1_exponent", (json_int_t)o->eq1_exponent, "keep_float", o->keep_float, "keep_magnitude",
                      o->keep_magnitude);
 }
 
