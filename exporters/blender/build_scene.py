@@ -41,10 +41,12 @@ class Group:
         self.given = self.place(self.tree.nodes.new('NodeGroupInput'), 0).outputs
 
     def place(self, node, column):
-        row = self.filled.get(column, 0)
-        self.filled[column] = row + 1
+        """Below what the column holds so far; a node is as high as it has sockets."""
+        top = self.filled.get(column, 0)
+        self.filled[column] = top + 130 + 22 * (len(node.inputs) + len(node.outputs))
         self.column[node.name] = column
-        node.location = (240 * column, -230 * row)
+        node.location = (240 * column, -top)
+        node.select = False
         return node
 
     def node(self, kind, label, inputs, **settings):
@@ -76,21 +78,10 @@ class Group:
                          convert_to=target).outputs[0]
 
     def call(self, group, **operands):
-        node = self.node('ShaderNodeGroup', "", {}, node_tree=group)
-        column = 0
-        for label, operand in operands.items():
-            label = label.replace('_', ' ')
-            if isinstance(operand, bpy.types.NodeSocket):
-                self.tree.links.new(operand, node.inputs[label])
-                column = max(column, self.column[operand.node.name] + 1)
-            else:
-                node.inputs[label].default_value = operand
-        self.filled[0] -= 1
-        return self.place(node, column).outputs
+        return self.node('ShaderNodeGroup', "", {k.replace('_', ' '): v for k, v in operands.items()}, node_tree=group).outputs
 
     def finish(self, **results):
-        sink = self.node('NodeGroupOutput', "", {})
-        self.filled[0] -= 1
+        sink = self.tree.nodes.new('NodeGroupOutput')
         for label, socket in results.items():
             self.tree.links.new(socket, sink.inputs[label])
         self.place(sink, max(self.filled) + 1)
@@ -567,13 +558,26 @@ def explain(about, shift):
     scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
 
 
-def arrange_windows(about):
-    """Every 3-D view looks through the camera, rendered, and sees as far as the volume."""
+def arrange_windows(scene, about):
+    """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once.
+
+    (Blender opens no file in a rendered view.) EEVEE's slices span the volume."""
+    eevee = scene.eevee
+    position, forward = (Vector(about["camera"][k]) for k in ("position", "forward"))
+    corners = [Matrix(about["box_to_world"]) @ Vector((x, y, z, 1)) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    depths = [(corner.xyz - position).dot(forward) for corner in corners]
+    for name, value in (("volumetric_start", max(min(depths), about["camera"]["clip_start"])),
+                        ("volumetric_end", max(depths)), ("volumetric_tile_size", '4'), ("volumetric_samples", 64),
+                        ("volumetric_sample_distribution", 0.0)):
+        if hasattr(eevee, name):
+            setattr(eevee, name, value)
     for screen in bpy.data.screens:
         for area in screen.areas:
             if area.type == 'VIEW_3D':
                 view = area.spaces.active
-                view.shading.type = 'RENDERED'
+                view.shading.type = 'MATERIAL'
+                view.shading.use_scene_lights = True
+                view.shading.use_scene_world = True
                 view.clip_end = 10 * about["camera"]["clip_end"]
                 view.region_3d.view_perspective = 'CAMERA'
 
@@ -586,7 +590,7 @@ def save(about, shift):
     scene.cycles.use_preview_denoising = False
     scene.render.filepath = "//" + about["name"] + "_"
     explain(about, shift)
-    arrange_windows(about)
+    arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=True, relative_remap=False)
 
