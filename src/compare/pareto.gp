@@ -11,6 +11,13 @@ stats data skip 1 using 4 nooutput
 levels = int(STATS_max) + 1
 stats data skip 1 using 12 nooutput
 want = STATS_max
+stats data skip 1 using 8 nooutput
+best = want > 0 && want < STATS_min ? want : STATS_min > 0 ? STATS_min : 1e-9
+worst = want > STATS_max ? want : STATS_max
+fastest = ''
+smallest = ''
+stats data skip 1 using ((int($13) & 1) ? (fastest = strcol(2), 0) : 0) nooutput
+stats data skip 1 using ((int($13) & 2) ? (smallest = strcol(2), 0) : 0) nooutput
 legend_rows = (count + 3) / 4 + 1
 width = 980
 height = 440 + 20 * legend_rows
@@ -20,6 +27,7 @@ shape(k) = int(word(shapes, k % 10 + 1))
 unset key
 set logscale xy
 set format xy '10^{%T}'
+set yrange [10 ** floor(log10(0.9 * best)) : 10 ** ceil(log10(1.1 * worst))]
 do for [i = 1:count] {
     set label 100 + i word(series, i) at screen 0.09 + 0.23 * ((i - 1) % 4), screen (4.0 + 20 * (legend_rows - (i - 1) / 4)) / height - 0.01 left offset 1.2, -0.25 point lt i pt 7 ps 0.8 noenhanced
 }
@@ -35,10 +43,11 @@ do for [panel = 0:1] {
     set ylabel (panel == 0 ? 'RMSE against the converged reference of level 0' : '') offset 1,0
     set xlabel (panel == 0 ? 'time of one image, ms' : 'bytes of the level: scalars and directions')
     set title (panel == 0 ? 'time' : 'bytes') offset 0,-0.4
+    chosen = panel == 0 ? fastest : smallest
+    set label 2 (chosen eq '' ? '' : (panel == 0 ? 'fastest: ' : 'smallest: ') . chosen) at graph 0.01, graph 0.04 left textcolor rgb vermillion noenhanced
     plot data skip 1 using (column(flag) == 1 ? column(cost) : NaN):8 smooth unique with lines lc rgb '#c4c4c4' lw 3, \
          for [i = 1:count] for [k = 0:levels - 1] data skip 1 using (of(i) && $4 == k ? column(cost) : NaN):8 with points lt i pt shape(k) ps 0.6, \
-         data skip 1 using (int(column(13)) & (panel + 1) ? column(cost) : NaN):8 with points pt 6 ps 1.9 lw 2 lc rgb vermillion, \
-         data skip 1 using (int(column(13)) & (panel + 1) ? column(cost) : NaN):8:2 with labels right offset -1.2,-0.9 font ',10' textcolor rgb vermillion noenhanced
+         data skip 1 using (int(column(13)) & (panel + 1) ? column(cost) : NaN):8 with points pt 6 ps 1.9 lw 2 lc rgb vermillion
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
 }
