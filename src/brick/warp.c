@@ -176,17 +176,21 @@ static double evaluate_mended(const iso_warp_field *f, const size_t brick[3], co
     return (1 - 2 * v) * fine + 2 * v * trilinear(f, brick, sample_coarse, foot);
 }
 
-/* One fetch at the warped place: axes along the face by Eq. 6 and 8, axes across it by v' = 2v. */
+/* One fetch at the warped place: v' = 2v across the axis whose face is the farthest (its depth is v), Eq. 6 or 8 along
+ * the others; an edge's or a corner's own axes are always triangles with their apex on the face. */
 static double evaluate_written(const iso_warp_field *f, const size_t brick[3], const double p[3], const primitive *at)
 {
-    double place[3], v = at->depth;
+    double place[3], v = fmin(at->depth, 0.5 - 1e-12);
+    bool crossed = false;
     for (int a = 0; a < 3; ++a) {
         double face = (double)((brick[a] + (at->step[a] > 0)) * f->brick_voxels), low, u, foot;
-        if (at->step[a]) {
-            double t = 0.5 - fabs(p[a] - face);
-            place[a] = face + at->step[a] * (2 * t - 0.5) - 0.5;
+        if (at->step[a] && !crossed && 0.5 - fabs(p[a] - face) <= at->depth) {
+            place[a] = face + at->step[a] * (2 * at->depth - 0.5) - 0.5;
+            crossed = true;
+        } else if (at->step[a]) {
+            place[a] = face - 1 + (p[a] - face + 0.5 - v) / (1 - 2 * v);
         } else {
-            map_along(p[a], v < 0.5 ? v : 0.5 - 1e-12, &low, &u, &foot);
+            map_along(p[a], v, &low, &u, &foot);
             place[a] = low + u - 0.5;
         }
     }
