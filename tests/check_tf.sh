@@ -48,6 +48,8 @@ fi
 check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
 head -c 4 tf.png 2>/dev/null | grep -q PNG && echo "ok picture_is_png" || not_ok picture_is_png "$(head -c 20 tf.png)"
 check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
+check triangle "$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.png
+grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && echo "ok triangle_shows_corners" || not_ok triangle_shows_corners "$(cat out)"
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 [ "$(wc -l <tf.csv)" = 257 ] && echo "ok csv_has_a_line_an_entry" || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
@@ -66,7 +68,7 @@ else
     not_ok blend_has_a_tf_a_level "$(cat err)"
 fi
 
-refuse unknown_action 2 'must be one of: adapt, convert, show' tf blend "$tf" -o x
+refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' tf adapt shells.iso --tf absent.tf.json -o x
 refuse level_too_high 5 'level 7' tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json

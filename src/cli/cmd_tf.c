@@ -218,12 +218,13 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
     return status;
 }
 
-static iso_status show(const tf_arguments *a, iso_error *err)
+typedef iso_status (*script_writer)(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err);
+
+/* Runs the script DIR/tf.gp that `write` leaves; the picture appears when it is whole. */
+static iso_status draw(const tf_arguments *a, script_writer write, void *user, iso_error *err)
 {
     char *gnuplot = NULL, *dir = NULL, *script = NULL;
     iso_output out = {0};
-    if (a->cli->argument_count < 2 || !a->output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf show FILE.tf.json... -o OUT.png|OUT.svg");
     for (size_t i = 1; i < a->cli->argument_count; ++i)
         if (strpbrk(a->cli->arguments[i], "'\n"))
             return iso_fail(err, ISO_E_USAGE, "%s: a quote in the name cannot be drawn", a->cli->arguments[i]);
@@ -235,7 +236,7 @@ static iso_status show(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_output_begin(&out, a->output, err);
     if (status == ISO_OK)
-        status = write_script(a, dir, out.temp_path, err);
+        status = write(a, dir, out.temp_path, user, err);
     if (status == ISO_OK && !(script = iso_path_join(dir, "tf.gp")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
@@ -253,6 +254,130 @@ static iso_status show(const tf_arguments *a, iso_error *err)
     return status;
 }
 
+static iso_status write_panels(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err)
+{
+    (void)user;
+    return write_script(a, dir, picture, err);
+}
+
+static iso_status show(const tf_arguments *a, iso_error *err)
+{
+    if (a->cli->argument_count < 2 || !a->output)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf show FILE.tf.json... -o OUT.png|OUT.svg");
+    return draw(a, write_panels, NULL, err);
+}
+
+/* ---- triangle: Figure 7 -------------------------------------------------------------- */
+
+#define TRIANGLE_STEPS 20
+
+/* The error of Eq. 6 for the weights s C + t T + (1 - s - t) G over the triangle of (s, t). */
+static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_options *given, const iso_tf_table *tf,
+                                   const iso_geometry *level0, size_t level, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int i = 0; i <= TRIANGLE_STEPS && status == ISO_OK; ++i)
+        for (int j = 0; i + j <= TRIANGLE_STEPS && status == ISO_OK; ++j) {
+            iso_adapt_options opt = *given;
+            iso_adapter *adapter = NULL;
+            iso_tf_table table = {0};
+            opt.weight = ISO_WEIGHT_MIXED;
+            opt.mix_s = (double)i / TRIANGLE_STEPS;
+            opt.mix_t = fmin((double)j / TRIANGLE_STEPS, 1 - opt.mix_s);
+            status = iso_adapter_create(joint, &opt, &adapter, err);
+            if (status == ISO_OK)
+                status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
+            if (status == ISO_OK)
+                rms[i][j] = iso_adapt_judge(joint, tf, &table, level0, level).rms_adapted;
+            iso_tf_table_destroy(&table);
+            iso_adapter_destroy(adapter);
+        }
+    return status;
+}
+
+static iso_status write_triangle_script(const char *dir, const char *picture, const tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1],
+                                        iso_error *err)
+{
+    bool svg = iso_path_ends_with(a->output, ".svg");
+    char *path = iso_path_join(dir, "tf.gp");
+    FILE *gp = path ? fopen(path, "w") : NULL;
+    free(path);
+    if (!gp)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
+    fprintf(gp, "set terminal %s size 560,480%s font 'sans,11'\nset output '%s'\nset key off\nset size ratio 0.866\n"
+                "unset border\nunset tics\nset colorbox\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
+                "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
+                "set title '%s, level %d' noenhanced\n$data << EOD\n",
+            svg ? "svg" : "pngcairo", svg ? " background 'white'" : "", picture, iso_path_base(a->cli->arguments[1]), a->level);
+    for (int i = 0; i <= TRIANGLE_STEPS; ++i)
+        for (int j = 0; i + j <= TRIANGLE_STEPS; ++j)
+            fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / TRIANGLE_STEPS, 0.8660254 * j / TRIANGLE_STEPS, rms[i][j]);
+    fprintf(gp, "EOD\nplot $data using 1:2:3 with points pt 7 ps 2.2 palette\n");
+    return fclose(gp) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
+}
+
+static void print_triangle(const tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1])
+{
+    const double gauss = rms[0][0], constant = rms[TRIANGLE_STEPS][0], triangular = rms[0][TRIANGLE_STEPS];
+    double least = INFINITY, s = 0, t = 0;
+    for (int i = 0; i <= TRIANGLE_STEPS; ++i)
+        for (int j = 0; i + j <= TRIANGLE_STEPS; ++j)
+            if (rms[i][j] < least)
+                least = rms[i][j], s = (double)i / TRIANGLE_STEPS, t = (double)j / TRIANGLE_STEPS;
+    if (a->cli->json) {
+        json_t *root = iso_cli_json(a->cli);
+        json_object_update_new(root, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
+                                               "rms_triangle", triangular, "rms_least", least, "least_s", s, "least_t", t));
+        iso_cli_print_json(root);
+    } else {
+        printf("RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n", gauss, constant,
+               triangular, least, s, t);
+    }
+}
+
+static iso_status write_triangle(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err)
+{
+    double(*rms)[TRIANGLE_STEPS + 1] = user;
+    return write_triangle_script(dir, picture, a, rms, err);
+}
+
+static iso_status triangle(const tf_arguments *a, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_adapt_options opt;
+    iso_pyramid p = {0};
+    iso_joint joint = {0};
+    iso_tf tf = {0};
+    iso_tf_table table = {0};
+    double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1] = {{0}};
+    if (a->cli->argument_count != 2 || !a->tf || a->level < 1)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --tf FILE.tf.json --level K [-o PICTURE]");
+    const char *input = a->cli->arguments[1];
+    build.threads = a->cli->threads;
+    build.level_count = (size_t)a->level + 1;
+    iso_status status = iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err);
+    if (status == ISO_OK)
+        status = iso_tf_load(a->tf, &tf, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(input, &a->input, &build, &progress, &p, err);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
+    if (status == ISO_OK)
+        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL, (size_t)a->level, opt.bits, 1, opt.threads, &joint, err);
+    if (status == ISO_OK)
+        status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
+    if (status == ISO_OK && a->output)
+        status = draw(a, write_triangle, rms, err);
+    if (status == ISO_OK)
+        print_triangle(a, rms);
+    iso_joint_destroy(&joint);
+    iso_tf_table_destroy(&table);
+    iso_tf_destroy(&tf);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     tf_arguments a = {.level_count = 4};
@@ -261,7 +386,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
         {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0", "FILE.tf.json"},
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone; else each, to NAME_level_K.tf.json", "K"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle", "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
@@ -281,7 +406,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = strcmp(what, "adapt") == 0     ? adapt(&a, err)
                  : strcmp(what, "convert") == 0 ? convert(&a, err)
                  : strcmp(what, "show") == 0    ? show(&a, err)
-                                                : iso_fail(err, ISO_E_USAGE, "unknown action \"%s\", must be one of: adapt, convert, show", what);
+                 : strcmp(what, "triangle") == 0
+                     ? triangle(&a, err)
+                     : iso_fail(err, ISO_E_USAGE, "unknown action \"%s\", must be one of: adapt, convert, show, triangle", what);
     }
     iso_cli_end(&cli);
     return status;
@@ -290,14 +417,16 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_tf = {
     .name = "tf",
     .summary = "adapt transfer functions to levels, convert and show them",
-    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE.tf.json -o OUT | show FILE.tf.json... -o PICTURE",
+    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE.tf.json -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details = "adapt    writes the transfer function of each coarse level: what level 0 shows where the level has a value.\n"
                "         Joint histograms are kept in the pyramid. render and export do the same with --adapt.\n"
                "convert  to .csv (value, linear colour, extinction, opacity) or to .tf.json with an entry a point.\n"
-               "show     a picture by gnuplot, .png or .svg, a panel a transfer function.",
+               "show     a picture by gnuplot, .png or .svg, a panel a transfer function.\n"
+               "triangle the error at the voxels over mixtures of Gaussian, constant and triangular weights.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
                 "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
+                "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
                 "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
     .run = run,
 };
