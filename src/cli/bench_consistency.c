@@ -39,17 +39,19 @@ typedef struct bench_method {
     const char *name;
     bool adapt;
     iso_adapt_options options;
+    bool classes; /* a table over value and deviation class */
 } bench_method;
 
 static const bench_method all_methods[] = {
-    {"original", false, {.bits = 8}},
-    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}},
-    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}},
-    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}},
-    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}},
-    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}},
-    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}},
-    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}},
+    {"original", false, {.bits = 8}, false},
+    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}, false},
+    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}, false},
+    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}, false},
+    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, false},
+    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, false},
+    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, false},
+    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, false},
+    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, true},
 };
 enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
@@ -101,9 +103,10 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
 }
 
 static iso_status render(const bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, const iso_tf_table *table,
-                         iso_image *image, iso_error *err)
+                         const iso_class_tables *classes, iso_image *image, iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
+    opt.classes = classes;
     iso_tf_table own = view->tf;
     view->tf = *table;
     iso_status status = iso_gl_render(run->gl, &p->levels[level], p->options.code, view, &opt, image, NULL, err);
@@ -113,13 +116,13 @@ static iso_status render(const bench_run *run, const iso_pyramid *p, size_t leve
 
 /* All views of one level with one table. */
 static iso_status measure(const bench_run *run, const iso_pyramid *p, size_t level, iso_view *views, const iso_image *finest,
-                          const iso_tf_table *table, case_result *r, iso_error *err)
+                          const iso_tf_table *table, const iso_class_tables *classes, case_result *r, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         iso_image image;
         iso_metrics m;
-        status = render(run, p, level, &views[i], table, &image, err);
+        status = render(run, p, level, &views[i], table, classes, &image, err);
         if (status != ISO_OK)
             break;
         status = iso_metrics_measure(&finest[i], &image, &m, err);
@@ -172,8 +175,12 @@ static iso_status run_level(bench_run *run, const char *volume, const iso_pyrami
         iso_adapt_options opt = all_methods[m].options;
         opt.threads = run->cli->threads;
         status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgement, err);
+        iso_class_tables classes = {0};
+        if (status == ISO_OK && all_methods[m].classes)
+            status = iso_adapt_classes(p, NULL, level, &views[0].tf, &opt, &classes, err);
         if (status == ISO_OK)
-            status = measure(run, p, level, views, finest, &table, &results[m], err);
+            status = measure(run, p, level, views, finest, &table, all_methods[m].classes ? &classes : NULL, &results[m], err);
+        iso_class_tables_destroy(&classes);
         iso_tf_table_destroy(&table);
     }
     if (status == ISO_OK)
@@ -191,7 +198,7 @@ static iso_status run_tf(bench_run *run, const char *volume, const iso_pyramid *
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         status = make_view(run, p, &own, i, &views[i], err);
         if (status == ISO_OK)
-            status = render(run, p, 0, &views[i], &views[i].tf, &finest[i], err);
+            status = render(run, p, 0, &views[i], &views[i].tf, NULL, &finest[i], err);
     }
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
         status = run_level(run, volume, p, level, tf, views, finest, err);
@@ -259,7 +266,7 @@ static iso_status choose_methods(bench_run *run, const char *text, iso_error *er
                 run->wanted[m] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
-                            "extinction-flat, transmittance-flat, default or all", (int)length, at);
+                            "extinction-flat, transmittance-flat, default, classes or all", (int)length, at);
         at += length + (at[length] == ',');
     }
     return ISO_OK;

@@ -305,7 +305,7 @@ static iso_status write_triangle_script(const char *dir, const char *picture, co
     if (!gp)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
     fprintf(gp, "set terminal %s size 560,480%s font 'sans,11'\nset output '%s'\nset key off\nset size ratio 0.866\n"
-                "unset border\nunset tics\nset colorbox\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
+                "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
                 "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
                 "set title '%s, level %d' noenhanced\n$data << EOD\n",
             svg ? "svg" : "pngcairo", svg ? " background 'white'" : "", picture, iso_path_base(a->cli->arguments[1]), a->level);

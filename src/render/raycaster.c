@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "brick/occupancy.h"
 #include "render/gl_palette.h"
@@ -10,11 +11,11 @@
 #include "render/gl_uniforms.h"
 #include "render/sampler.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
-    GLuint scalar, directions, tf, occupancy, palette; /* directions: the indices, with a palette */
+    GLuint scalar, directions, tf, occupancy, palette, classes; /* directions: the indices, with a palette */
     bool skip_empty;
     double value_per_texel; /* value = min + texel * value_per_texel */
     double direction_scale, direction_offset;
@@ -126,8 +127,8 @@ static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
 
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[5] = {t->scalar, t->directions, t->tf, t->occupancy, t->palette};
-    glDeleteTextures(5, names);
+    const GLuint names[6] = {t->scalar, t->directions, t->tf, t->occupancy, t->palette, t->classes};
+    glDeleteTextures(6, names);
 }
 
 /* Decides whether empty bricks are skipped, and uploads their distances if so. */
@@ -154,6 +155,39 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
+/* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the largest extinction of
+ * any class. */
+static iso_status upload_classes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt, level_textures *t,
+                                 iso_error *err)
+{
+    const iso_tf_table *tables = opt->classes->tables;
+    const size_t *size = level->geometry.size, row = 4 * tables[0].count, count = tables[0].count;
+    float *rows = malloc((ISO_JOINT_CLASSES + 1) * row * sizeof *rows);
+    if (!rows)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_JOINT_CLASSES, count);
+    iso_tf_table envelope = tables[0];
+    envelope.entries = rows + ISO_JOINT_CLASSES * row;
+    memset(envelope.entries, 0, row * sizeof *rows);
+    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c) {
+        memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
+        for (size_t i = 3; i < row; i += 4)
+            envelope.entries[i] = fmaxf(envelope.entries[i], tables[c].entries[i]);
+    }
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF);
+    iso_status status = iso_gl_create_texture_rgba32f(gl, count, ISO_JOINT_CLASSES, rows, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_CLASSES);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_3d(gl, GL_R8, size, "deviation classes", &t->classes, err);
+    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z)
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED, GL_UNSIGNED_BYTE,
+                        opt->classes->bytes + z * size[0] * size[1]);
+    glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
+    if (status == ISO_OK)
+        status = upload_occupancy(gl, level, opt, &envelope, t, err);
+    free(rows);
+    return status == ISO_OK ? iso_gl_check("uploading deviation classes", err) : status;
+}
+
 static bool is_from_palette(iso_direction_source source)
 {
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
@@ -168,7 +202,9 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
     iso_status status = upload_scalar(gl, level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    if (status == ISO_OK)
+    if (status == ISO_OK && opt->classes)
+        status = upload_classes(gl, level, opt, t, err);
+    else if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && source == ISO_FROM_CODES)
@@ -181,7 +217,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     if (status == ISO_OK && is_from_palette(source))
         status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !opt->classes)
         status = upload_occupancy(gl, level, opt, tf, t, err);
     if (status != ISO_OK)
         destroy_textures(t);
@@ -198,6 +234,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_int(program, "tf", UNIT_TF);
     iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "palette", UNIT_PALETTE);
+    iso_gl_set_int(program, "class_part", UNIT_CLASSES);
     iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
     iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
     iso_gl_set_vec3(program, "voxel", voxel);
@@ -233,10 +270,10 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     char defines[320];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
-             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n",
+             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty);
+             view->shading.specular > 0, skip_empty, opt->classes ? ISO_JOINT_CLASSES : 0);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -260,7 +297,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (status == ISO_OK) {
         glUseProgram(program);
         iso_gl_set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
-        set_field(program, level, &textures, opt, &view->tf);
+        set_field(program, level, &textures, opt, opt->classes ? &opt->classes->tables[0] : &view->tf);
         iso_gl_set_light(program, view);
     }
     double least = INFINITY;

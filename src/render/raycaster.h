@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "render/field.h"
 #include "render/scene.h"
+#include "tf/adapt.h"
 
 typedef struct iso_gl iso_gl; /* a context with its programs */
 
@@ -46,6 +47,7 @@ typedef struct iso_gl_options {
     bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
+    const iso_class_tables *classes; /* a TF over value and deviation class instead of the view's, or NULL */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

@@ -62,6 +62,8 @@ struct iso_adapter {
     size_t *row_start; /* s.count + 1 */
     uint16_t *entry_z;
     float *entry_weight; /* a row's sum to 1; rows without voxels are empty */
+    double *row_count;   /* voxels of a row */
+    size_t row_count_of; /* rows: s.count of each class */
 };
 
 void iso_adapter_destroy(iso_adapter *a)
@@ -71,6 +73,7 @@ void iso_adapter_destroy(iso_adapter *a)
     free(a->row_start);
     free(a->entry_z);
     free(a->entry_weight);
+    free(a->row_count);
     free(a);
 }
 
@@ -128,6 +131,7 @@ static size_t weigh_row(iso_adapter *a, const iso_joint *j, const iso_adapt_opti
     row_moments m = measure_row(j, row);
     double window = opt->window > 0 ? opt->window : default_window(opt->weight), sum = 0;
     size_t first = at;
+    a->row_count[row] = m.count;
     for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i) {
         double x = (j->entry_z[i] - m.mean) / m.deviation;
         if (fabs(x) > window)
@@ -160,16 +164,17 @@ iso_status iso_adapter_create(const iso_joint *j, const iso_adapt_options *opt, 
         return status;
     iso_adapter *a = calloc(1, sizeof *a);
     if (a) {
-        *a = (iso_adapter){.average = opt->average, .z = j->z, .s = j->s};
-        a->row_start = calloc(j->s.count + 1, sizeof *a->row_start);
+        *a = (iso_adapter){.average = opt->average, .z = j->z, .s = j->s, .row_count_of = iso_joint_row_count(j)};
+        a->row_start = calloc(a->row_count_of + 1, sizeof *a->row_start);
+        a->row_count = calloc(a->row_count_of, sizeof *a->row_count);
         a->entry_z = malloc((j->entry_count + 1) * sizeof *a->entry_z);
         a->entry_weight = malloc((j->entry_count + 1) * sizeof *a->entry_weight);
     }
-    if (!a || !a->row_start || !a->entry_z || !a->entry_weight) {
+    if (!a || !a->row_start || !a->row_count || !a->entry_z || !a->entry_weight) {
         iso_adapter_destroy(a);
         return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", j->entry_count);
     }
-    for (size_t row = 0; row < j->s.count; ++row)
+    for (size_t row = 0; row < a->row_count_of; ++row)
         a->row_start[row + 1] = weigh_row(a, j, opt, row, a->row_start[row]);
     *adapter = a;
     return ISO_OK;
@@ -205,26 +210,34 @@ static void prepare(const iso_adapter *a, const iso_tf_table *tf, double length_
     }
 }
 
-/* One row: colour and extinction. */
-static void average_row(const iso_adapter *a, const weighted_tf *tf, size_t row, double length_mm, double rgbs[4])
+/* A row's weighted sums. */
+typedef struct row_sums {
+    double rgbw[4], plain[3], largest;
+} row_sums;
+
+static row_sums sum_row(const iso_adapter *a, const weighted_tf *tf, size_t row)
 {
-    double sum[4] = {0}, largest = 0;
+    row_sums r = {{0}, {0}, 0};
     for (size_t i = a->row_start[row]; i < a->row_start[row + 1]; ++i) {
         const weighted_tf *t = &tf[a->entry_z[i]];
         double w = a->entry_weight[i];
         for (int c = 0; c < 4; ++c)
-            sum[c] += w * t->rgbw[c];
-        largest = t->extinction > largest ? t->extinction : largest;
+            r.rgbw[c] += w * t->rgbw[c];
+        for (int c = 0; c < 3; ++c)
+            r.plain[c] += w * t->plain[c];
+        r.largest = t->extinction > r.largest ? t->extinction : r.largest;
     }
-    double colour_sum = a->average == ISO_AVERAGE_RGBA ? 1 : sum[3];
+    return r;
+}
+
+/* Colour and extinction of the sums. */
+static void finish_row(const iso_adapter *a, const row_sums *r, double length_mm, float entry[4])
+{
+    double mean = r->rgbw[3], colour_sum = a->average == ISO_AVERAGE_RGBA ? 1 : mean;
     for (int c = 0; c < 3; ++c)
-        rgbs[c] = colour_sum > 0 ? sum[c] / colour_sum : 0;
-    if (colour_sum <= 0)
-        for (size_t i = a->row_start[row]; i < a->row_start[row + 1]; ++i)
-            for (int c = 0; c < 3; ++c)
-                rgbs[c] += a->entry_weight[i] * tf[a->entry_z[i]].plain[c];
-    double extinction = a->average == ISO_AVERAGE_EXTINCTION ? sum[3] : sum[3] < 1 ? -log1p(-sum[3]) / length_mm : largest;
-    rgbs[3] = fmin(extinction, largest);
+        entry[c] = (float)(colour_sum > 0 ? r->rgbw[c] / colour_sum : r->plain[c]);
+    double extinction = a->average == ISO_AVERAGE_EXTINCTION ? mean : mean < 1 ? -log1p(-mean) / length_mm : r->largest;
+    entry[3] = (float)fmin(extinction, r->largest);
 }
 
 /* Rows between two filled ones, on premultiplied entries. */
@@ -259,11 +272,16 @@ static void fill_empty_rows(const iso_adapter *a, iso_tf_table *t, double length
         memcpy(t->entries + 4 * i, t->entries + 4 * last, 4 * sizeof *t->entries);
 }
 
+static double averaging_length_mm(const iso_adapter *a, const iso_geometry *level0, size_t level)
+{
+    double length_mm = iso_geometry_mean_spacing_mm(level0);
+    return a->average == ISO_AVERAGE_TRANSMITTANCE ? length_mm * pow(2, 0.5 * (double)level) : length_mm;
+}
+
 iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, const iso_geometry *level0, size_t level,
                               iso_tf_table *table, iso_error *err)
 {
-    double length_mm = iso_geometry_mean_spacing_mm(level0);
-    double row_length_mm = a->average == ISO_AVERAGE_TRANSMITTANCE ? length_mm * pow(2, 0.5 * (double)level) : length_mm;
+    double row_length_mm = averaging_length_mm(a, level0, level);
     weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
     if (!prepared || table->count != a->s.count) {
         free(prepared);
@@ -273,11 +291,12 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
     prepare(a, tf, row_length_mm, prepared);
     bool any = a->row_start[a->s.count] > 0;
     for (size_t row = 0; row < a->s.count; ++row) {
-        double rgbs[4] = {0};
+        double rgbs[4];
+        row_sums sums = sum_row(a, prepared, row);
+        finish_row(a, &sums, row_length_mm, table->entries + 4 * row);
         if (any)
-            average_row(a, prepared, row, row_length_mm, rgbs);
-        else
-            iso_tf_lookup(tf, a->s.lo + (double)row * a->s.step, rgbs);
+            continue;
+        iso_tf_lookup(tf, a->s.lo + (double)row * a->s.step, rgbs);
         for (int c = 0; c < 4; ++c)
             table->entries[4 * row + (size_t)c] = (float)rgbs[c];
     }
@@ -298,6 +317,97 @@ iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const
     iso_status status = iso_adapter_update(a, tf, level0, level, table, err);
     if (status != ISO_OK)
         iso_tf_table_destroy(table);
+    return status;
+}
+
+/* ---- a table over value and deviation ------------------------------------------------ */
+
+/* The class's row, drawn to the row of all classes by pseudo-counts: few voxels say little. */
+static void blend_class(const row_sums *all, double count, row_sums *r)
+{
+    double own = count / (count + ISO_CLASS_PSEUDO_COUNTS);
+    for (int c = 0; c < 4; ++c)
+        r->rgbw[c] = own * r->rgbw[c] + (1 - own) * all->rgbw[c];
+    for (int c = 0; c < 3; ++c)
+        r->plain[c] = own * r->plain[c] + (1 - own) * all->plain[c];
+    r->largest = fmax(r->largest, all->largest);
+}
+
+static iso_status fill_class_tables(const iso_adapter *all, const iso_adapter *split, const iso_tf_table *tf, double length_mm,
+                                    iso_tf_table tables[ISO_JOINT_CLASSES], iso_error *err)
+{
+    weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
+    if (!prepared)
+        return iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+    prepare(all, tf, length_mm, prepared);
+    for (size_t row = 0; row < all->s.count; ++row) {
+        row_sums of_all = sum_row(all, prepared, row);
+        for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c) {
+            row_sums own = sum_row(split, prepared, c * all->s.count + row);
+            blend_class(&of_all, split->row_count[c * all->s.count + row], &own);
+            finish_row(all, &own, length_mm, tables[c].entries + 4 * row);
+        }
+    }
+    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
+        fill_empty_rows(all, &tables[c], length_mm);
+    free(prepared);
+    return ISO_OK;
+}
+
+void iso_class_tables_destroy(iso_class_tables *t)
+{
+    if (!t)
+        return;
+    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
+        iso_tf_table_destroy(&t->tables[c]);
+    free(t->bytes);
+    *t = (iso_class_tables){0};
+}
+
+/* The class coordinate of each voxel of the level, in a byte. */
+static iso_status class_bytes(const iso_pyramid *p, size_t level, int threads, uint8_t **bytes, iso_error *err)
+{
+    const iso_level *fine = &p->levels[0];
+    const iso_geometry *g = &p->levels[level].geometry;
+    size_t count = iso_geometry_voxel_count(g);
+    float *planes = malloc(count * sizeof *planes);
+    *bytes = malloc(count);
+    if (!planes || !*bytes) {
+        free(planes);
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the classes of %zu voxels", count);
+    }
+    iso_joint_class_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], (fine->max - fine->min) / 2, threads, planes);
+    for (size_t i = 0; i < count; ++i)
+        (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_JOINT_CLASSES - 1)) + 0.5f);
+    free(planes);
+    return ISO_OK;
+}
+
+iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
+                             const iso_adapt_options *opt, iso_class_tables *out, iso_error *err)
+{
+    iso_joint joint = {0}, joint_split = {0};
+    iso_adapter *all = NULL, *split = NULL;
+    *out = (iso_class_tables){0};
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, 1, opt->threads, &joint, err);
+    if (status == ISO_OK)
+        status = iso_joint_obtain(p, dir, level, opt->bits, ISO_JOINT_CLASSES, opt->threads, &joint_split, err);
+    if (status == ISO_OK)
+        status = iso_adapter_create(&joint, opt, &all, err);
+    if (status == ISO_OK)
+        status = iso_adapter_create(&joint_split, opt, &split, err);
+    for (size_t c = 0; c < ISO_JOINT_CLASSES && status == ISO_OK; ++c)
+        status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->tables[c], err);
+    if (status == ISO_OK && joint.entry_count > 0)
+        status = fill_class_tables(all, split, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
+    if (status == ISO_OK)
+        status = class_bytes(p, level, opt->threads, &out->bytes, err);
+    if (status != ISO_OK)
+        iso_class_tables_destroy(out);
+    iso_adapter_destroy(all);
+    iso_adapter_destroy(split);
+    iso_joint_destroy(&joint);
+    iso_joint_destroy(&joint_split);
     return status;
 }
 

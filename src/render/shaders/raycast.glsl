@@ -7,7 +7,7 @@
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
 // voxels, 4 of one), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1).
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of the TF over deviation classes; 0 or absent: one).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -23,6 +23,13 @@ uniform sampler3D scalar;
 uniform sampler2D tf;
 uniform float tf_scale, tf_offset; // texel value to entry
 uniform int tf_count;
+
+#ifndef CLASSES
+#define CLASSES 0
+#endif
+#if CLASSES
+uniform sampler3D class_part;      // class / (CLASSES - 1)
+#endif
 
 #if SKIP_EMPTY
 uniform usampler3D occupancy;      // distance of each brick to the nearest one that the TF shows
@@ -137,11 +144,23 @@ vec4 address(vec3 p)
 float scalar_at(vec3 p) { return textureLod(scalar, p, 0.0).r; }
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
-vec4 classify(float s)
+vec4 tf_row(float s, int row)
 {
     float x = clamp(s * tf_scale + tf_offset, 0.0, float(tf_count - 1));
     int i = min(int(x), tf_count - 2);
-    return mix(texelFetch(tf, ivec2(i, 0), 0), texelFetch(tf, ivec2(i + 1, 0), 0), x - float(i));
+    return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), x - float(i));
+}
+
+vec4 classify_at(vec3 p)
+{
+    float s = scalar_at(p);
+#if CLASSES
+    float c = textureLod(class_part, p, 0.0).r * float(CLASSES - 1);
+    int i = min(int(c), CLASSES - 2);
+    return mix(tf_row(s, i), tf_row(s, i + 1), c - float(i));
+#else
+    return tf_row(s, 0);
+#endif
 }
 
 #if DIRECTION_SOURCE >= 3
@@ -236,7 +255,7 @@ void main()
                 break;
             at = segment(ray, k);
             where = address(at.p);
-            c = classify(scalar_at(where.xyz));
+            c = classify_at(where.xyz);
             if (c.a > 0.0)
                 break;
         }
@@ -250,7 +269,7 @@ void main()
     for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
         Segment at = segment(ray, k);
         vec4 where = address(at.p);
-        vec4 c = where.w > 0.0 ? classify(scalar_at(where.xyz)) : vec4(0.0);
+        vec4 c = where.w > 0.0 ? classify_at(where.xyz) : vec4(0.0);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         if (weight > 0.0)
             sum += weight * shade_at(where.xyz, halfway) * c.rgb;
