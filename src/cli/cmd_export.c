@@ -110,12 +110,15 @@ static iso_status to_povray(const export_job *job, iso_error *err)
 
 static const struct target {
     const char *name, *makes;
-    bool needs_scene, takes_levels;
+    bool needs_scene, takes_levels, takes_step, takes_half, takes_isosurface;
     iso_status (*run)(const export_job *job, iso_error *err);
 } targets[] = {
-    {"vdb", "an OpenVDB file: float grid density, vec3s grid gradient", false, true, to_vdb},
-    {"blender", "a .blend that renders as it opens, and its OpenVDB grids", true, true, to_blender},
-    {"povray", "a folder with .pov, .inc, .ini and DF3 files", true, false, to_povray},
+    {.name = "vdb", .makes = "an OpenVDB file: float grid density, vec3s grid gradient", .takes_levels = true,
+     .takes_half = true, .run = to_vdb},
+    {.name = "blender", .makes = "a .blend that renders as it opens, and its OpenVDB grids", .needs_scene = true,
+     .takes_levels = true, .takes_step = true, .run = to_blender},
+    {.name = "povray", .makes = "a folder with .pov, .inc, .ini and DF3 files", .needs_scene = true,
+     .takes_isosurface = true, .run = to_povray},
 };
 enum { target_count = sizeof targets / sizeof *targets };
 
@@ -134,8 +137,21 @@ static iso_status check(const export_arguments *a, const struct target **target,
         status = iso_cli_check_range("--levels", a->level_count, 1, 64, err);
     if (status == ISO_OK && a->step != 0)
         status = iso_cli_check_range("--step", a->step, 1e-3, 16, err);
-    if (status == ISO_OK && a->level_count > 1 && !(*target)->takes_levels)
-        return iso_fail(err, ISO_E_USAGE, "--levels is for --to vdb and blender");
+    /* An option that would change nothing is a mistake. */
+    const struct target *t = *target;
+    const struct {
+        const char *option;
+        bool given, taken;
+    } uses[] = {{"--levels", a->level_count > 1, t->takes_levels},
+                {"--step", a->step != 0, t->takes_step},
+                {"--half", a->half, t->takes_half},
+                {"--isosurface", a->isosurface != NULL, t->takes_isosurface},
+                {"--scene", a->scene != NULL, t->needs_scene},
+                {"--size", a->size != NULL, t->needs_scene},
+                {"--adapt", a->adapted.wanted, t->needs_scene}};
+    for (size_t i = 0; i < sizeof uses / sizeof *uses && status == ISO_OK; ++i)
+        if (uses[i].given && !uses[i].taken)
+            status = iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", uses[i].option, t->name);
     return status;
 }
 
@@ -209,10 +225,12 @@ const iso_command iso_command_export = {
     .summary = "write a level for OpenVDB, Blender or POV-Ray",
     .usage = "VOLUME|PYRAMID.iso --to vdb|blender|povray -o PATH [options]",
     .details = "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
-               "it opens, the transfer function packed, the VDB beside it. povray: run `povray NAME.ini` in the folder.",
+               "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
+               "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
                 "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
+                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
                 "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n",
     .run = run,
 };
