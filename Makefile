@@ -51,14 +51,16 @@ $(stamp):
 	@sh tests/install-packages.sh $(packages)
 	@touch $@
 
+again := $(MAKE) --no-print-directory -j$(shell nproc)
+
 # The compiler itself may come from setup, so the real work is a second make.
 demo: setup ## build, take a real volume and validate it: the main job
-	@$(MAKE) --no-print-directory all
+	@$(again) all
 	@sh refscenes/demo.sh
 
 check: setup ## build and run all tests, under the sanitizers too
-	@$(MAKE) --no-print-directory config=release all tests
-	@$(MAKE) --no-print-directory config=sanitize all tests
+	@$(again) config=release all tests
+	@$(again) config=sanitize all tests
 	@bash tests/run.sh build/release build/sanitize
 
 tests: $(tests) ## build the test programs
