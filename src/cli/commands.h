@@ -14,4 +14,5 @@
     X(chart) \
     X(figure) \
     X(baseline) \
+    X(atlas) \
     X(bench)

@@ -1,0 +1,397 @@
+/* atlas_cases.c - the list of failures. Fields are functions of millimetres in a box from -1 to 1. */
+#include <math.h>
+#include <string.h>
+
+#include "brick/bricks.h"
+#include "cli/atlas.h"
+#include "tf/adapt.h"
+
+/* ---- fields ---- */
+
+static double ball(iso_vec3 p, iso_vec3 *n)
+{
+    double r = iso_norm(p);
+    *n = iso_scale(iso_normalize(p), -1);
+    return fmax(1 - r, 0);
+}
+
+/* A solid ball whose surface is one fine voxel thick, as a well-taken scan has it. */
+static double solid_ball(iso_vec3 p, iso_vec3 *n)
+{
+    *n = iso_scale(iso_normalize(p), -1);
+    return fmin(fmax(0.5 + (0.7 - iso_norm(p)) / 0.06, 0), 1);
+}
+
+static double plate(iso_vec3 p, iso_vec3 *n)
+{
+    *n = iso_normalize(iso_v3(0.3, 0.8, 0.5));
+    double d = iso_dot(p, *n) / 0.04;
+    return exp(-0.5 * d * d);
+}
+
+/* A helix of a vessel, one fine voxel across. */
+static double vessel(iso_vec3 p, iso_vec3 *n)
+{
+    double angle = 7 * p.z, d = hypot(p.x - 0.5 * cos(angle), p.y - 0.5 * sin(angle));
+    *n = iso_normalize(iso_v3(p.x - 0.5 * cos(angle), p.y - 0.5 * sin(angle), 0));
+    return fabs(p.z) < 0.8 ? exp(-0.5 * d * d / (0.035 * 0.035)) : 0;
+}
+
+static double shells(iso_vec3 p, iso_vec3 *n)
+{
+    double r = iso_norm(p), a = (r - 0.75) / 0.035, b = (r - 0.55) / 0.035;
+    *n = iso_normalize(p);
+    return exp(-0.5 * a * a) + 0.8 * exp(-0.5 * b * b);
+}
+
+/* Small balls side by side: near every surface there is another one that faces it. */
+static double balls(iso_vec3 p, iso_vec3 *n)
+{
+    const double cell = 0.4;
+    iso_vec3 q = {p.x - cell * round(p.x / cell), p.y - cell * round(p.y / cell), p.z - cell * round(p.z / cell)};
+    *n = iso_scale(iso_normalize(q), -1);
+    return fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) < 0.8 ? fmax(1 - iso_norm(q) / 0.2, 0) : 0;
+}
+
+/* ---- shared shapes of a case ---- */
+
+/* One stage, two sources of directions at one level, measured against the picture with the closed form's. */
+static iso_status two_sources(iso_atlas_stage *s, size_t level, iso_direction_source bad, iso_direction_source good,
+                              iso_atlas_result *out, iso_error *err)
+{
+    iso_status status = iso_atlas_render_truth(s, level, &out->truth, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(s, level, bad, 0.25, &out->failure, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(s, level, good, 0.25, &out->mended, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    return status == ISO_OK ? iso_atlas_rmse(&out->truth, &out->mended, &out->good, err) : status;
+}
+
+/* How two builds of one field are shown and judged. */
+typedef struct comparison {
+    size_t level;
+    double lo, hi, extinction; /* of the TF */
+    bool by_image;             /* RMSE to the picture with true normals, instead of the angle */
+} comparison;
+
+static iso_status measure_build(iso_atlas_stage *s, const comparison *c, const iso_image *truth, iso_image *image, double *value,
+                                iso_error *err)
+{
+    iso_status status = iso_atlas_render(s, c->level, ISO_FROM_CODES, 0.25, image, err);
+    if (status != ISO_OK)
+        return status;
+    return c->by_image ? iso_atlas_rmse(truth, image, value, err) : iso_atlas_angle(s, c->level, ISO_FROM_CODES, value, err);
+}
+
+static iso_status two_builds(iso_atlas_field field, const iso_atlas_options *bad, const iso_atlas_options *good, const comparison *c,
+                             iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_status status = iso_atlas_stage_create(&s, field, bad, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_atlas_show_above(&s, c->lo, c->hi, c->extinction, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render_truth(&s, c->level, &out->truth, err);
+    if (status == ISO_OK)
+        status = measure_build(&s, c, &out->truth, &out->failure, &out->bad, err);
+    iso_atlas_stage_destroy(&s);
+    if (status == ISO_OK)
+        status = iso_atlas_stage_create(&s, field, good, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_atlas_show_above(&s, c->lo, c->hi, c->extinction, err);
+    if (status == ISO_OK)
+        status = measure_build(&s, c, &out->truth, &out->mended, &out->good, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+/* ---- the cases ---- */
+
+static iso_status staircases(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    iso_status status = iso_atlas_stage_create(&s, solid_ball, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_above(&s, 0.2, 0.8, 60, err);
+    if (status == ISO_OK)
+        status = two_sources(&s, 1, ISO_FROM_ON_THE_FLY, ISO_FROM_CODES, out, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+static iso_status opposite_normals(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options naive = iso_atlas_defaults(), moments = iso_atlas_defaults();
+    naive.build.direction_filter = ISO_DIRECTION_NAIVE;
+    const comparison c = {.level = 2, .lo = 0.1, .hi = 0.4, .extinction = 40, .by_image = true};
+    return two_builds(plate, &naive, &moments, &c, out, err);
+}
+
+static iso_status noise(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options central = iso_atlas_defaults(), sobel;
+    central.noise = 0.04;
+    sobel = central;
+    sobel.build.gradient.method = ISO_GRADIENT_SOBEL;
+    const comparison c = {.level = 0, .lo = 0.25, .hi = 0.35, .extinction = 40};
+    return two_builds(ball, &central, &sobel, &c, out, err);
+}
+
+static iso_status vanishing_gradients(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options central = iso_atlas_defaults(), sobel;
+    central.type = ISO_U8;
+    central.steps = 9;
+    sobel = central;
+    sobel.build.gradient.method = ISO_GRADIENT_SOBEL;
+    const comparison c = {.level = 0, .lo = 0.25, .hi = 0.35, .extinction = 40};
+    return two_builds(ball, &central, &sobel, &c, out, err);
+}
+
+static iso_status wide_filter(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options wide = iso_atlas_defaults(), small = iso_atlas_defaults();
+    wide.build.direction_filter = ISO_DIRECTION_EQ1;
+    wide.build.gauss_radius = 4;
+    wide.build.gauss_sigma_voxels = 3;
+    const comparison c = {.level = 1, .lo = 0.3, .hi = 0.6, .extinction = 40, .by_image = true};
+    return two_builds(balls, &wide, &small, &c, out, err);
+}
+
+/* The failure forgets that gradients are covariant: it takes the index gradient for the world's. */
+static iso_status spacing(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    const size_t size[3] = {48, 48, 16};
+    const double mm[3] = {2.0 / 48, 2.0 / 48, 2.0 / 16};
+    iso_geometry g = iso_geometry_axis_aligned(size, mm);
+    opt.geometry = &g;
+    opt.build.level_count = 1;
+    iso_status status = iso_atlas_stage_create(&s, ball, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_above(&s, 0.25, 0.35, 40, err);
+    iso_level *l = &s.pyramid.levels[0];
+    for (size_t i = 0; status == ISO_OK && i < iso_geometry_voxel_count(&g); ++i) {
+        float *d = l->directions + 3 * i;
+        iso_vec3 n = iso_normalize(iso_v3((double)d[0] * mm[0], (double)d[1] * mm[1], (double)d[2] * mm[2]));
+        d[0] = (float)n.x, d[1] = (float)n.y, d[2] = (float)n.z;
+    }
+    if (status == ISO_OK)
+        status = two_sources(&s, 0, ISO_FROM_FLOAT, ISO_FROM_CODES, out, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+static iso_status large_steps(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    opt.build.level_count = 1;
+    iso_status status = iso_atlas_stage_create(&s, shells, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_band(&s, 0.5, 0.1, 150, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 0, &out->truth, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 1, &out->failure, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 1.0 / 16, &out->mended, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+/* Level 0 is right; the coarse level with the original and with the adapted TF. */
+static iso_status sharp_tf(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    iso_tf_table adapted = {0}, original;
+    iso_adapt_options how = iso_adapt_defaults();
+    iso_adapt_judgement judgement;
+    iso_status status = iso_atlas_stage_create(&s, shells, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_band(&s, 0.85, 0.2, 60, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 0.25, &out->truth, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 1, ISO_FROM_CODES, 0.25, &out->failure, err);
+    how.fall_back = false;
+    if (status == ISO_OK)
+        status = iso_adapt_level(&s.pyramid, NULL, 1, &s.view.tf, &how, &adapted, &judgement, err);
+    if (status == ISO_OK) {
+        original = s.view.tf;
+        s.view.tf = adapted;
+        status = iso_atlas_render(&s, 1, ISO_FROM_CODES, 0.25, &out->mended, err);
+        s.view.tf = original;
+    }
+    iso_tf_table_destroy(&adapted);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+/* No transfer function brings back what a coarse voxel does not hold: a finer level does. */
+static iso_status thin_vessels(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    iso_status status = iso_atlas_stage_create(&s, vessel, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_above(&s, 0.3, 0.6, 60, err);
+    for (size_t level = 0; level < 3 && status == ISO_OK; ++level)
+        status = iso_atlas_render(&s, level == 1 ? 0 : level, ISO_FROM_CODES, level == 1 ? 0.5 : 0.25,
+                                  level == 0 ? &out->truth : level == 1 ? &out->mended : &out->failure, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+/* An octahedral code folds the sphere: between two codes across a fold the filter meets a third side. A pyramid
+ * refuses such a code, so the failure is planted. */
+static iso_status code_folds(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    iso_code oct = ISO_CODE_SNORM;
+    opt.size = 16;
+    opt.build.level_count = 1;
+    iso_status status = iso_code_from_name("oct24", &oct, err);
+    if (status == ISO_OK)
+        status = iso_atlas_stage_create(&s, ball, &opt, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_atlas_show_above(&s, 0.25, 0.35, 40, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render_truth(&s, 0, &out->truth, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 0.25, &out->mended, err);
+    iso_level *level = &s.pyramid.levels[0];
+    iso_code_encode(oct, level->directions, level->codes, iso_geometry_voxel_count(&level->geometry));
+    s.pyramid.options.code = oct;
+    if (status == ISO_OK)
+        status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 0.25, &out->failure, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    if (status == ISO_OK)
+        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+/* A cut through a fine and a coarse brick, as grey values; the largest step over the common face. */
+static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *jump, iso_error *err)
+{
+    const double face = (double)f->nodes->brick_voxels, tiny = 1e-7;
+    iso_status status = iso_image_create(image, ISO_ATLAS_PIXELS, ISO_ATLAS_PIXELS, err);
+    *jump = 0;
+    for (size_t i = 0; status == ISO_OK && i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
+        double u = ((double)(i % ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS, w = ((double)(i / ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS;
+        double v[ISO_NODE_CHANNELS], left[ISO_NODE_CHANNELS], right[ISO_NODE_CHANNELS];
+        iso_brick_sample(f, iso_v3(face + 8 * (u - 0.5) + 0.5, 8 * w + 0.5, 6.3), v);
+        iso_brick_sample(f, iso_v3(face - tiny + 0.5, 8 * w + 0.5, 6.3), left);
+        iso_brick_sample(f, iso_v3(face + tiny + 0.5, 8 * w + 0.5, 6.3), right);
+        for (size_t c = 0; c < 3; ++c)
+            image->rgba[4 * i + c] = (float)v[0];
+        image->rgba[4 * i + 3] = 1;
+        *jump = fmax(*jump, fabs(left[0] - right[0]));
+    }
+    return status;
+}
+
+static double ripples(iso_vec3 p, iso_vec3 *n)
+{
+    *n = iso_v3(0, 0, 0);
+    return 0.5 + 0.25 * sin(19 * p.x + 9 * p.y) + 0.25 * cos(21 * p.y - 5 * p.z);
+}
+
+static iso_status brick_seams(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    iso_node_levels nodes = {0};
+    uint8_t levels[64] = {0}, fine[64] = {0};
+    opt.size = 33;
+    opt.build.level_count = 1;
+    iso_status status = iso_atlas_stage_create(&s, ripples, &opt, err);
+    if (status == ISO_OK)
+        status = iso_node_levels_create(&nodes, &s.pyramid.levels[0], 16, 2, false, 0, err);
+    for (size_t b = 0; status == ISO_OK && b < iso_brick_count(&nodes) && b < sizeof levels; ++b)
+        levels[b] = b % nodes.count[0] > 0; /* the first column of bricks is fine */
+    iso_brick_field f = {.nodes = &nodes, .levels = fine, .faces = ISO_FACES_BAKED};
+    double none = 0;
+    if (status == ISO_OK)
+        status = show_cut(&f, &out->truth, &none, err);
+    f.levels = levels;
+    f.faces = ISO_FACES_OWN;
+    if (status == ISO_OK)
+        status = show_cut(&f, &out->failure, &out->bad, err);
+    f.faces = ISO_FACES_BAKED;
+    if (status == ISO_OK)
+        status = show_cut(&f, &out->mended, &out->good, err);
+    iso_node_levels_destroy(&nodes);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
+#define ANGLE "mean angle to the true normals where the volume shows, degrees"
+#define IMAGE_NORMALS "RMSE to the picture with true normals"
+
+/* The limits stand about a fifth off what was measured: the cases are deterministic but for compilers' rounding. */
+const iso_atlas_case iso_atlas_cases[] = {
+    {"staircases", "Staircases", "A coarse level of a solid ball: its surface has steps, and gradients taken from it follow them.",
+     IMAGE_NORMALS, "gradients on the fly from level 1", "directions from level 0, filtered to level 1", 0.008, 0.0045, staircases},
+    {"opposite-normals", "Opposite normals", "Both faces of a thin plate fall into one coarse voxel: their gradients cancel, and what is left of the sum points anywhere.",
+     IMAGE_NORMALS, "plain mean, stored as a unit vector", "moments, stored with their coherence as length", 0.018, 0.012, opposite_normals},
+    {"vanishing-gradients", "Vanishing gradients", "A smooth ball in nine grey values: central differences are zero on the plateaus, and the shade falls to ambient there.",
+     ANGLE, "central differences", "Sobel, which looks at 26 neighbours", 40, 18, vanishing_gradients},
+    {"noise", "Noise", "Noise of 4 % of the range outweighs the slope over two voxels.", ANGLE, "central differences", "Sobel, which averages across", 23, 13, noise},
+    {"wide-filter", "A filter that is too wide", "Eq. 1 with a radius of four voxels mixes the directions of neighbouring balls.",
+     IMAGE_NORMALS, "Eq. 1, radius 4, sigma 3", "moments of the own eight children", 0.03, 0.02, wide_filter},
+    {"spacing", "Gradients are covariant", "Slices three times as thick as their pixels: an index gradient taken for the world's leans towards the plane of the slices.",
+     IMAGE_NORMALS, "index gradient, as it is", "by the inverse transpose", 0.035, 0.001, spacing},
+    {"large-steps", "Ray steps that miss a shell", "A band of values thinner than a voxel is met or missed by chance.", "RMSE to the converged picture",
+     "one voxel a step", "1/16 voxel a step", 0.08, 2e-4, large_steps},
+    {"sharp-tf", "A transfer function that the coarse level no longer meets", "Averages of a thin shell do not reach the values that the TF shows.",
+     "RMSE to level 0", "level 1 with the original TF", "level 1 with its adapted TF", 0.2, 0.08, sharp_tf},
+    {"thin-vessels", "Thin vessels vanish", "A vessel thinner than a coarse voxel is not in the coarse level, and no transfer function brings it back.",
+     "RMSE to level 0", "level 2", "level 0 at twice the step", 0.07, 0.01, thin_vessels},
+    {"brick-seams", "Seams between bricks", "A fine and a coarse brick interpolate different nodes on their common face.", "largest step over the face, of the range",
+     "each brick its own nodes", "nodes on the face baked from the coarser brick", 0.1, 1e-5, brick_seams},
+    {"code-folds", "Codes that fold", "The octahedral map is folded along its edges: a filter between codes on two sides of a fold meets a third direction.",
+     IMAGE_NORMALS, "oct24, filtered", "snorm, filtered: linear", 0.012, 0.001, code_folds},
+};
+const size_t iso_atlas_case_count = sizeof iso_atlas_cases / sizeof *iso_atlas_cases;
+
+iso_status iso_atlas_run(const iso_atlas_case *c, iso_atlas_result *out, iso_error *err)
+{
+    *out = (iso_atlas_result){.bad = NAN, .good = NAN};
+    iso_status status = c->run(out, err);
+    if (status == ISO_OK)
+        return ISO_OK;
+    iso_atlas_clear(out);
+    return iso_fail_in(err, status, "%s", c->id);
+}
+
+void iso_atlas_clear(iso_atlas_result *out)
+{
+    iso_image_destroy(&out->truth);
+    iso_image_destroy(&out->failure);
+    iso_image_destroy(&out->mended);
+    *out = (iso_atlas_result){0};
+}
