@@ -5,7 +5,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "compare/metrics.h"
 #include "render/bricks_gl.h"
 #include "volume/synthetic.h"
 
@@ -102,6 +104,8 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     return status;
 }
 
+enum { ACCURACY_LEVELS = 4 };
+
 /* ---- bricks ------------------------------------------------------------------- */
 
 typedef enum bench_texture { TEXTURE_UNIFORM, TEXTURE_OWN, TEXTURE_BAKED, TEXTURE_COUNT } bench_texture;
@@ -175,9 +179,9 @@ static iso_status measure_texture(iso_gl *gl, const iso_pyramid *p, const iso_br
 }
 
 static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const iso_brick_field *field,
-                                  double transition, const render_options *opt, iso_error *err)
+                                  double transition, const render_options *opt, json_t *root, iso_error *err)
 {
-    json_t *root = iso_cli_json(cli), *cases = json_array();
+    json_t *cases = json_array();
     json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
     json_object_set_new(root, "image", json_integer(opt->image));
     json_object_set_new(root, "transition_bricks", json_real(transition));
@@ -203,10 +207,75 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const iso_pyra
                    seconds[TEXTURE_BAKED] / seconds[TEXTURE_OWN], seconds[TEXTURE_BAKED] / seconds[TEXTURE_UNIFORM]);
     }
     json_object_set_new(root, "cases", cases);
-    if (cli->json && status == ISO_OK)
-        iso_cli_print_json(root);
-    else
-        json_decref(root);
+    return status;
+}
+
+/* ---- nodes against cells ------------------------------------------------------ */
+
+
+/* An image of a whole level, made of cells (2x2x2 means) or of nodes ([1 2 1]), at the same step in mm. */
+static iso_status draw_level(iso_gl *gl, const iso_pyramid *p, const iso_node_levels *n, const iso_view *view, size_t k,
+                             bool nodes, double step_voxels, uint8_t *levels, iso_image *image, iso_error *err)
+{
+    if (!nodes) {
+        iso_gl_options options = iso_gl_defaults();
+        options.step_voxels = ldexp(step_voxels, -(int)k);
+        return iso_gl_render(gl, &p->levels[k], p->options.code, view, &options, image, NULL, err);
+    }
+    const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_BAKED};
+    iso_gl_brick_options options = iso_gl_brick_defaults();
+    options.step_voxels = step_voxels;
+    memset(levels, (int)k, iso_brick_count(n));
+    return iso_gl_render_bricks(gl, &f, view, &options, image, NULL, err);
+}
+
+/* RMSE of both to level 0, for one TF. */
+static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const iso_node_levels *n,
+                                 const render_options *opt, bench_tf tf, uint8_t *levels, json_t *cases, iso_error *err)
+{
+    iso_scene scene = make_scene(opt, tf, GRADIENTS_CODES);
+    const iso_level *level = &p->levels[0];
+    iso_view view;
+    iso_image exact = {0};
+    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
+    if (status != ISO_OK)
+        return status;
+    status = draw_level(gl, p, n, &view, 0, false, opt->step_voxels, levels, &exact, err);
+    for (size_t k = 1; k < p->level_count && k < n->level_count && status == ISO_OK; ++k) {
+        iso_metrics m[2];
+        for (int nodes = 0; nodes < 2 && status == ISO_OK; ++nodes) {
+            iso_image image;
+            status = draw_level(gl, p, n, &view, k, nodes, opt->step_voxels, levels, &image, err);
+            if (status == ISO_OK)
+                status = iso_metrics_measure(&image, &exact, &m[nodes], err);
+            iso_image_destroy(&image);
+        }
+        if (status != ISO_OK)
+            break;
+        json_array_append_new(cases, json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "tf", tf_names[tf], "level",
+                                               (json_int_t)k, "cells_rmse", m[0].rmse, "nodes_rmse", m[1].rmse,
+                                               "cells_ssim", m[0].ssim, "nodes_ssim", m[1].ssim));
+        if (!cli->json)
+            printf("%-8s %5zu %12.5f %12.5f %12.4f %12.4f\n", tf_names[tf], k, m[0].rmse, m[1].rmse, m[0].ssim,
+                   m[1].ssim);
+    }
+    iso_image_destroy(&exact);
+    iso_view_destroy(&view);
+    return status;
+}
+
+static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
+                                           const iso_node_levels *n, const render_options *opt, uint8_t *levels,
+                                           json_t *root, iso_error *err)
+{
+    json_t *cases = json_array();
+    iso_status status = ISO_OK;
+    if (!cli->json)
+        printf("\nwhole levels against level 0, shaded\n%-8s %5s %12s %12s %12s %12s\n", "tf", "level", "cells RMSE",
+               "nodes RMSE", "cells SSIM", "nodes SSIM");
+    for (int tf = 0; tf < TF_COUNT && status == ISO_OK; ++tf)
+        status = compare_levels(cli, gl, p, n, opt, (bench_tf)tf, levels, cases, err);
+    json_object_set_new(root, "accuracy", cases);
     return status;
 }
 
@@ -215,7 +284,8 @@ static iso_status bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid
 {
     iso_node_levels n;
     iso_status status =
-        iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks, 2, true, cli->threads, err);
+        iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks, opt->bricks < 8 ? 2 : ACCURACY_LEVELS, true,
+                               cli->threads, err);
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&n);
@@ -225,7 +295,14 @@ static iso_status bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid
     if (status == ISO_OK) {
         double transition = fill_quarter(&n, levels);
         const iso_brick_field field = {.nodes = &n, .levels = levels};
-        status = run_brick_cases(cli, gl, p, &field, transition, opt, err);
+        json_t *root = iso_cli_json(cli);
+        status = run_brick_cases(cli, gl, p, &field, transition, opt, root, err);
+        if (status == ISO_OK)
+            status = compare_nodes_with_cells(cli, gl, p, &n, opt, levels, root, err);
+        if (cli->json && status == ISO_OK)
+            iso_cli_print_json(root);
+        else
+            json_decref(root);
     }
     free(levels);
     iso_node_levels_destroy(&n);
@@ -239,7 +316,7 @@ static iso_status load(const iso_cli *cli, const render_options *opt, iso_pyrami
     const double spacing[3] = {1, 1, 1};
     iso_field field = {.kind = ISO_FIELD_SHELLS, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 1};
     iso_pyramid_options options = iso_pyramid_defaults();
-    options.level_count = 1;
+    options.level_count = opt->bricks ? ACCURACY_LEVELS : 1;
     options.threads = cli->threads;
     iso_volume v;
     iso_status status = cli->argument_count ? iso_cli_load_volume(cli->arguments[0], &opt->input, &v, err)
@@ -305,7 +382,7 @@ const iso_command iso_bench_render = {
                "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
                "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
                "With --bricks: one texture, bricks on their own (discontinuous) and bricks with baked faces (smooth), a "
-               "quarter\nof the bricks in transition.",
+               "quarter\nof the bricks in transition; then whole levels of cells (2x2x2 means) and of nodes ([1 2 1]) against level 0.",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
     .run = run,

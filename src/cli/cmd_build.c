@@ -188,7 +188,8 @@ const iso_command iso_command_build = {
     .usage = "VOLUME [-o NAME.iso] [options]",
     .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. Directions come from the\n"
                "gradients of the finest level, whatever the level. The volume is read in slabs, so it may be larger\n"
-               "than memory. Until it is complete the folder is called .NAME.iso.partial.",
+               "than memory. Until it is complete the folder is called .NAME.iso.partial. Levels are made of cells: their\n"
+               "images are nearer to level 0 than those of nodes, from which isoshade plan makes its bricks in memory.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",
