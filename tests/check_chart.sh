@@ -26,8 +26,9 @@ for file in pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json; do
 done
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
-# 2 steps of: level 0: 2 codes, floats, on the fly; level 1, by both transfer functions: codes and floats by 2 filters, on the fly
-check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (4 + 2 * (2 * 3 + 1))))
+# 2 steps of: level 0: 2 codes, floats, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats and
+# palettes by 2 filters, on the fly
+check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (6 + 2 * (2 * 5 + 1))))
 check adapted_transfer_functions_are_there grep -q 'level 1 adapted TF; snorm moments' "$dir/c/pareto.csv"
 check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
 check the_text_of_the_svg_is_text grep -q '>bytes of the level: scalars and directions<' "$dir/c/pareto.svg"

@@ -392,7 +392,8 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_cli cli;
-    palette_bench b = {.cli = &cli, .cycles = 100, .steps = 4000, .seeds = 3};
+    const iso_anneal_options anneal = iso_palette_defaults().anneal;
+    palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3};
     iso_cli_input_defaults(&b.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {

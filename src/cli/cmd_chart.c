@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "cli/cli.h"
+#include "cli/palette_level.h"
 #include "cli/renderers.h"
 #include "cli/subject.h"
 #include "compare/chart.h"
@@ -34,6 +35,7 @@ typedef struct chart_case {
     iso_direction_filter filter;
     iso_direction_source source;
     iso_code code;
+    size_t palette; /* which of chart_palettes, with ISO_FROM_PALETTE */
     bool adapted; /* the level's own transfer function */
     double step_voxels;
     double relative_cost; /* samples along all rays, times the fetches of one */
@@ -42,12 +44,17 @@ typedef struct chart_case {
     bool done, on_time_front, on_bytes_front;
 } chart_case;
 
+/* Palettes in the grid: one byte and ten bits an index. Each is fitted to the finest level and serves all. */
+#define CHART_PALETTES 2
+static const size_t chart_palettes[CHART_PALETTES] = {254, 1022};
+
 typedef struct chart_run {
     iso_pyramid pyramids[ISO_GRADIENT_COUNT][ISO_DIRECTION_COUNT]; /* by estimator and filter; empty where not asked for */
     iso_gradient_method first_estimator;
     iso_direction_filter first_filter; /* of the pyramids that are there */
     iso_view view;
     iso_tf_table adapted[64]; /* one a level, from 1 on */
+    iso_palette palettes[CHART_PALETTES];
     iso_renderers renderers;
     iso_image reference;
     chart_case *cases;
@@ -159,13 +166,26 @@ static iso_status parse_grid(const chart_arguments *a, chart_grid *g, iso_error 
     return status;
 }
 
+/* The code, the palette or the source. */
+static void name_gradients(const chart_case *c, char *text, size_t size)
+{
+    if (c->source == ISO_FROM_CODES)
+        snprintf(text, size, "%s", iso_code_describe(c->code)->name);
+    else if (c->source == ISO_FROM_PALETTE)
+        snprintf(text, size, "palette-%zu", chart_palettes[c->palette]);
+    else
+        snprintf(text, size, "%s", iso_direction_source_name(c->source));
+}
+
 /* "gl; level 1 adapted TF; snorm moments; step 0.5"; the estimator is named where it is not the usual one. */
 static void describe(const chart_case *c, char *text, size_t size)
 {
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
+    char gradients[64];
+    name_gradients(c, gradients, sizeof gradients);
     snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g", iso_renderer_name(c->renderer), c->level,
              c->adapted ? " adapted TF" : "",
-             c->source == ISO_FROM_CODES ? iso_code_describe(c->code)->name : iso_direction_source_name(c->source),
+             gradients,
              on_the_fly || c->level == 0 ? "" : " ", on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter),
              on_the_fly || usual ? "" : " ", on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels);
 }
@@ -173,14 +193,17 @@ static void describe(const chart_case *c, char *text, size_t size)
 /* What has one colour in the chart. */
 static void describe_series(const chart_case *c, char *text, size_t size)
 {
-    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer),
-             c->source == ISO_FROM_CODES ? iso_code_describe(c->code)->name : iso_direction_source_name(c->source));
+    char gradients[64];
+    name_gradients(c, gradients, sizeof gradients);
+    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), gradients);
 }
 
-/* Scalars as stored, and 3 bytes, 3 floats or nothing for a direction. */
-static double level_bytes(const iso_level *level, iso_direction_source source)
+/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing. */
+static double level_bytes(const iso_level *level, const chart_case *c)
 {
-    double direction = source == ISO_FROM_ON_THE_FLY ? 0 : source == ISO_FROM_FLOAT ? 12 : 3;
+    double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
+    if (c->source == ISO_FROM_PALETTE)
+        direction = chart_palettes[c->palette] <= 255 ? 1 : 2;
     return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction);
 }
 
@@ -189,7 +212,7 @@ static double relative_cost(const iso_level *level, const chart_case *c)
 {
     const size_t *n = level->geometry.size;
     double longest = (double)(n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]));
-    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : 2;
+    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_PALETTE ? 4 : 2;
     return longest / c->step_voxels * fetches * (c->renderer == ISO_WITH_GL ? 1 : c->renderer == ISO_WITH_REFERENCE ? 10 : 100);
 }
 
@@ -217,10 +240,14 @@ static bool is_distinct(const chart_run *run, const chart_case *c)
 
 static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
 {
-    static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_FLOAT, ISO_FROM_ON_THE_FLY};
+    static const struct {
+        iso_direction_source source;
+        size_t palette;
+    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_ON_THE_FLY, 0}, {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
+    const size_t source_count = sizeof sources / sizeof *sources;
     size_t levels = run->pyramids[run->first_estimator][run->first_filter].level_count;
-    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT * 3 * ISO_CODE_COUNT *
-                  g->step_count;
+    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT * source_count *
+                  ISO_CODE_COUNT * g->step_count;
     run->cases = calloc(room, sizeof *run->cases);
     if (!run->cases)
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", room);
@@ -229,7 +256,8 @@ static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
         chart_case c = {.metrics = {.rmse = NAN}};
         c.step_voxels = g->steps[rest % g->step_count], rest /= g->step_count;
         c.code = (iso_code)(rest % ISO_CODE_COUNT), rest /= ISO_CODE_COUNT;
-        c.source = sources[rest % 3], rest /= 3;
+        c.source = sources[rest % source_count].source, c.palette = sources[rest % source_count].palette;
+        rest /= source_count;
         c.filter = (iso_direction_filter)(rest % ISO_DIRECTION_COUNT), rest /= ISO_DIRECTION_COUNT;
         c.estimator = (iso_gradient_method)(rest % ISO_GRADIENT_COUNT), rest /= ISO_GRADIENT_COUNT;
         c.adapted = rest % 2, rest /= 2;
@@ -243,19 +271,38 @@ static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
         if (c.source == ISO_FROM_CODES && !p->levels[c.level].directions && c.code != p->options.code)
             continue;
         c.relative_cost = relative_cost(&p->levels[c.level], &c);
-        c.bytes = level_bytes(&p->levels[c.level], c.source);
+        c.bytes = level_bytes(&p->levels[c.level], &c);
         run->cases[run->count++] = c;
     }
     qsort(run->cases, run->count, sizeof *run->cases, cheapest_first);
     return ISO_OK;
 }
 
-/* The pyramid with one level's directions in the wanted code; `codes` is to be freed, and is NULL where nothing changed. */
-static iso_status with_code(const iso_pyramid *p, const chart_case *c, iso_level *levels, iso_pyramid *out, uint8_t **codes,
-                            iso_error *err)
+/* Fits those palettes that the grid asks for, with few swaps: a chart has no time for the last per cent. */
+static iso_status fit_palettes(chart_run *run, int threads, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < run->count && status == ISO_OK; ++i) {
+        const chart_case *c = &run->cases[i];
+        const iso_pyramid *p = &run->pyramids[c->estimator][c->filter];
+        iso_palette *palette = &run->palettes[c->palette];
+        if (c->source == ISO_FROM_PALETTE && !palette->xyz)
+            status = iso_cli_fit_palette(&p->levels[0], p->options.code, chart_palettes[c->palette], 2, threads, palette, err);
+    }
+    return status;
+}
+
+/* The pyramid with one level's directions in the wanted code or palette; `codes` is to be freed, and is NULL where nothing changed. */
+static iso_status with_code(const iso_pyramid *p, const chart_case *c, const iso_palette *palettes, iso_level *levels,
+                            iso_pyramid *out, uint8_t **codes, iso_error *err)
 {
     *out = *p;
     *codes = NULL;
+    if (c->source == ISO_FROM_PALETTE) {
+        memcpy(levels, p->levels, p->level_count * sizeof *levels);
+        out->levels = levels;
+        return iso_cli_attach_palette(&levels[c->level], p->options.code, &palettes[c->palette], err);
+    }
     if (c->source != ISO_FROM_CODES || c->code == p->options.code)
         return ISO_OK;
     size_t count = iso_geometry_voxel_count(&p->levels[c->level].geometry);
@@ -285,7 +332,7 @@ static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error 
     uint8_t *codes;
     if (c->adapted)
         view.tf = run->adapted[c->level];
-    iso_status status = with_code(base, c, levels, &p, &codes, err);
+    iso_status status = with_code(base, c, run->palettes, levels, &p, &codes, err);
     c->seconds = INFINITY;
     for (int k = 0; k < 3 && status == ISO_OK && (k == 0 || c->seconds < 0.2); ++k) {
         iso_image image;
@@ -298,6 +345,8 @@ static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error 
         iso_image_destroy(&image);
     }
     free(codes);
+    if (c->source == ISO_FROM_PALETTE)
+        iso_cli_detach_palette(&levels[c->level]);
     c->done = status == ISO_OK;
     return status;
 }
@@ -359,12 +408,13 @@ static iso_status find_fronts(chart_run *run, double want, size_t chosen[2], iso
 
 static json_t *case_json(const chart_case *c)
 {
-    char name[160];
+    char name[160], gradients[64];
     describe(c, name, sizeof name);
+    name_gradients(c, gradients, sizeof gradients);
     json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:o, s:o, s:f, s:f, s:f}", "setting", name, "renderer",
                           iso_renderer_name(c->renderer), "level", (json_int_t)c->level, "gradients",
                           iso_direction_source_name(c->source), "code",
-                          c->source == ISO_FROM_CODES ? json_string(iso_code_describe(c->code)->name) : json_null(),
+                          c->source == ISO_FROM_CODES || c->source == ISO_FROM_PALETTE ? json_string(gradients) : json_null(),
                           "direction_filter",
                           c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_direction_filter_name(c->filter)),
                           "step_voxels", c->step_voxels, "milliseconds", 1e3 * c->seconds, "bytes", c->bytes);
@@ -570,6 +620,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     if (status == ISO_OK)
         status = make_grid(&run, &grid, err);
     if (status == ISO_OK)
+        status = fit_palettes(&run, cli->threads, err);
+    if (status == ISO_OK)
         status = make_reference(&run, cli, err);
     if (status == ISO_OK)
         status = measure_all(&run, a, cli, err);
@@ -578,6 +630,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     free(run.cases);
     for (size_t k = 0; k < sizeof run.adapted / sizeof *run.adapted; ++k)
         iso_tf_table_destroy(&run.adapted[k]);
+    for (size_t i = 0; i < CHART_PALETTES; ++i)
+        iso_palette_destroy(&run.palettes[i]);
     iso_image_destroy(&run.reference);
     iso_view_destroy(&run.view);
     for (size_t i = 0; i < (size_t)ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT; ++i)

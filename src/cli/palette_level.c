@@ -46,3 +46,30 @@ void iso_cli_detach_palette(iso_level *level)
     level->palette = NULL;
     level->palette_index = NULL;
 }
+
+iso_status iso_cli_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
+                               iso_palette *palette, iso_error *err)
+{
+    iso_palette_options opt = iso_palette_defaults();
+    iso_direction_set set = {0};
+    iso_direction_pool *pool;
+    const float *vectors;
+    float *owned;
+    opt.directions = directions;
+    opt.swap_trials = swap_trials;
+    *palette = (iso_palette){0};
+    iso_status status = iso_cli_level_directions(level, code, &vectors, &owned, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_direction_pool_create(&pool, threads, err);
+    if (status == ISO_OK) {
+        iso_direction_pool_add(pool, vectors, NULL, iso_geometry_voxel_count(&level->geometry));
+        status = iso_direction_pool_finish(pool, &set, err);
+    }
+    if (status == ISO_OK)
+        status = iso_palette_fit(&set, &opt, palette, NULL, err);
+    iso_direction_set_destroy(&set);
+    iso_direction_pool_destroy(pool);
+    free(owned);
+    return status;
+}

@@ -13,4 +13,8 @@ iso_status iso_cli_level_directions(const iso_level *level, iso_code code, const
 iso_status iso_cli_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err);
 void iso_cli_detach_palette(iso_level *level); /* frees the indices; accepts a level without */
 
+/* A palette of `directions` entries for the level's directions, every voxel that has one counting 1. */
+iso_status iso_cli_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
+                               iso_palette *palette, iso_error *err);
+
 #endif
