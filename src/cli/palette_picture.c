@@ -154,13 +154,13 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
 {
     fputs("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 512 512\" width=\"512\" height=\"512\">\n"
           "<rect width=\"512\" height=\"512\" fill=\"white\"/>\n"
-          "<g fill=\"#c33\">\n", file);
+          "<path fill=\"none\" stroke=\"#c33\" stroke-width=\"1.6\" stroke-linecap=\"round\" d=\"\n", file);
     for (size_t i = 0; set && i < set->count; ++i) {
         iso_vec3 d = iso_v3((double)set->xyz[3 * i], (double)set->xyz[3 * i + 1], (double)set->xyz[3 * i + 2]);
         if (iso_dot(d, v->toward) > 0)
-            svg_point(file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\".8\"/>\n", v, d);
+            svg_point(file, "M%.1f %.1fh0\n", v, d);
     }
-    fputs("</g>\n<g stroke=\"black\" stroke-width=\".8\" fill=\"none\">\n", file);
+    fputs("\"/>\n<path fill=\"none\" stroke=\"black\" stroke-width=\".8\" d=\"\n", file);
     for (size_t f = 0; f < t->face_count; ++f)
         for (int e = 0; e < 3; ++e) {
             uint32_t i = t->faces[f][e], j = t->faces[f][(e + 1) % 3];
@@ -168,10 +168,10 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
             /* Each edge once, and only where its middle faces the viewer. */
             if (i > j || iso_dot(iso_add(a, b), v->toward) <= 0)
                 continue;
-            svg_point(file, "<path d=\"M%.1f %.1f", v, a);
-            svg_point(file, "L%.1f %.1f\"/>\n", v, b);
+            svg_point(file, "M%.1f %.1f", v, a);
+            svg_point(file, "L%.1f %.1f\n", v, b);
         }
-    fputs("</g>\n</svg>\n", file);
+    fputs("\"/>\n</svg>\n", file);
 }
 
 iso_status palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
