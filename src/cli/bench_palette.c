@@ -335,8 +335,8 @@ iso_status palette_bench_sensitivity(const palette_bench *b, const char *volume,
     static const sweep sweeps[] = {
         {"START_PROB", 6, {0.01, 0.05, 0.2, 0.4, 0.6, 0.9}},
         {"TEMP_FAC", 6, {0.7, 0.8, 0.9, 0.92, 0.95, 0.98}},
-        {"CYCLE_NR", 5, {25, 50, 100, 200, 400}},
-        {"STEP_NR", 5, {250, 1000, 4000, 10000, 20000}},
+        {"CYCLE_NR", 4, {25, 50, 100, 200}},
+        {"STEP_NR", 3, {250, 1000, 4000}},
         {"move >= deg", 6, {0.5, 1, 2.5, 5, 10, 20}},
     };
     json_t *rows = json_array();
