@@ -192,12 +192,14 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
                     "set yrange [0:1]\nset tics out nomirror\nset border 3\nset lmargin 9\nset rmargin 3\n",
                 iso_path_ends_with(a->output, ".svg") ? "svg" : "pngcairo", 60 + 180 * count, iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "",
                 picture, count);
+    double unit_mm = 0; /* the first one's for all, so that the panels can be compared */
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         iso_tf tf = {0};
         iso_tf_table t = {0};
-        double unit_mm = 1;
+        double own_unit_mm = 1;
         const char *name = a->cli->arguments[1 + i];
-        status = load_table(a, name, &tf, &t, &unit_mm, err);
+        status = load_table(a, name, &tf, &t, &own_unit_mm, err);
+        unit_mm = i == 0 ? own_unit_mm : unit_mm;
         if (status == ISO_OK) {
             fprintf(gp, "$data%zu << EOD\n", i);
             for (size_t e = 0; e < t.count; ++e)
