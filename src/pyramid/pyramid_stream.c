@@ -3,6 +3,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -26,16 +27,27 @@
 #define PROGRESS_BYTES ((size_t)128 << 20)
 #define DIRECT_BYTES ((size_t)256 << 20)
 
-/* One level while it is written. Buffers hold `capacity` planes from out.first on. */
+/* One level while it is written. Buffers hold `capacity` planes from out.first on;
+ * there are two sets of them, one of which is written while the other is filled. */
 typedef struct stream_level {
     iso_geometry geometry;
     iso_type type;
     size_t capacity;
-    iso_cascade_out out;
+    iso_cascade_out set[2];
+    size_t first;      /* plane of the buffers' first plane */
+    size_t written;    /* planes that the last slab completed */
     level_file files[FILE_COUNT];
     iso_bigfile *file[FILE_COUNT]; /* NULL: not stored */
     XXH3_state_t *hash[FILE_COUNT];
 } stream_level;
+
+/* A piece of a file, for the writing thread. */
+typedef struct write_item {
+    stream_level *level;
+    int file;
+    const void *data;
+    size_t bytes;
+} write_item;
 
 typedef struct stream {
     const iso_stream_input *in;
@@ -49,11 +61,19 @@ typedef struct stream {
     size_t level_count;
     stream_level levels[32];
     /* The input's planes in memory. */
-    char *planes;
+    char *planes[2];
+    int active; /* the set that is filled */
     size_t planes_first, planes_count, planes_capacity, slab, progress_at;
     bool direct; /* files past the page cache */
     iso_bigfile *carry;
     size_t carry_planes; /* written */
+    /* The thread that writes the other set. */
+    write_item items[32 * FILE_COUNT];
+    size_t item_count;
+    bool writing;
+    pthread_t writer;
+    iso_status write_status;
+    iso_error write_error;
 } stream;
 
 static size_t input_plane_bytes(const stream *s)
@@ -127,9 +147,9 @@ static size_t level_plane_bytes(const stream *s, size_t k)
 
 static size_t buffer_bytes(const stream *s, size_t slab)
 {
-    size_t bytes = (slab + 2 * iso_cascade_reach(s->cascade)) * input_plane_bytes(s) + iso_cascade_bytes(s->cascade);
+    size_t bytes = 2 * (slab + 2 * iso_cascade_reach(s->cascade)) * input_plane_bytes(s) + iso_cascade_bytes(s->cascade);
     for (size_t k = 0; k < s->level_count; ++k) {
-        bytes += iso_cascade_capacity(s->cascade, k, slab) * level_plane_bytes(s, k);
+        bytes += 2 * iso_cascade_capacity(s->cascade, k, slab) * level_plane_bytes(s, k);
         for (int i = 0; i < FILE_COUNT; ++i)
             bytes += s->levels[k].files[i].stored ? ISO_BIGFILE_BYTES : 0;
     }
@@ -151,22 +171,29 @@ static iso_status choose_slab(stream *s, iso_error *err)
     return ISO_OK;
 }
 
+static bool create_set(const stream *s, const stream_level *l, size_t k, iso_cascade_out *out)
+{
+    const size_t n = l->capacity * l->geometry.size[0] * l->geometry.size[1];
+    out->codes = malloc(3 * n);
+    out->scalar = converts(s, k) ? malloc(n * sizeof(float)) : NULL;
+    out->directions = s->opt->keep_float ? malloc(3 * n * sizeof(float)) : NULL;
+    out->magnitude = s->opt->keep_magnitude ? malloc(n * sizeof(float)) : NULL;
+    return out->codes && (out->scalar || !converts(s, k)) && (out->directions || !s->opt->keep_float) &&
+           (out->magnitude || !s->opt->keep_magnitude);
+}
+
 static bool create_buffers(stream *s)
 {
-    const size_t reach = iso_cascade_reach(s->cascade);
-    s->planes_capacity = s->slab + 2 * reach;
-    s->planes = malloc(s->planes_capacity * input_plane_bytes(s));
-    bool good = s->planes != NULL;
+    bool good = true;
+    s->planes_capacity = s->slab + 2 * iso_cascade_reach(s->cascade);
+    for (int set = 0; set < 2; ++set) {
+        s->planes[set] = malloc(s->planes_capacity * input_plane_bytes(s));
+        good = good && s->planes[set];
+    }
     for (size_t k = 0; k < s->level_count; ++k) {
         stream_level *l = &s->levels[k];
         l->capacity = iso_cascade_capacity(s->cascade, k, s->slab);
-        const size_t n = l->capacity * l->geometry.size[0] * l->geometry.size[1];
-        l->out.codes = malloc(3 * n);
-        l->out.scalar = converts(s, k) ? malloc(n * sizeof(float)) : NULL;
-        l->out.directions = s->opt->keep_float ? malloc(3 * n * sizeof(float)) : NULL;
-        l->out.magnitude = s->opt->keep_magnitude ? malloc(n * sizeof(float)) : NULL;
-        good = good && l->out.codes && (l->out.scalar || !converts(s, k)) && (l->out.directions || !s->opt->keep_float) &&
-               (l->out.magnitude || !s->opt->keep_magnitude);
+        good = create_set(s, l, k, &l->set[0]) && create_set(s, l, k, &l->set[1]) && good;
     }
     return good;
 }
@@ -228,7 +255,7 @@ static iso_status open_files(stream *s, iso_error *err)
     for (size_t k = 0; k < s->level_count && status == ISO_OK; ++k)
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (s->levels[k].files[i].stored)
-                status = open_file(s, k, i, s->levels[k].out.first, err);
+                status = open_file(s, k, i, s->levels[k].first, err);
     return status;
 }
 
@@ -305,51 +332,105 @@ static bool read_progress(stream *s, const json_t *job, size_t *planes)
 
 /* ---- planes ---- */
 
-/* Drops planes below `from` and reads up to `to` (not included). */
+/* Planes from `from` to `to` (not included) into the active set: those that the other has, and new ones. */
 static iso_status read_planes(stream *s, size_t from, size_t to, iso_error *err)
 {
     const size_t plane = input_plane_bytes(s), end = s->planes_first + s->planes_count;
     const double start = iso_clock_seconds();
     const size_t keep = end > from ? end - from : 0;
-    memmove(s->planes, s->planes + (s->planes_count - keep) * plane, keep * plane);
+    char *planes = s->planes[s->active];
+    if (keep > 0)
+        memcpy(planes, s->planes[!s->active] + (s->planes_count - keep) * plane, keep * plane);
     s->planes_count = keep;
     s->planes_first = end - keep;
     iso_status status = ISO_OK;
     while (s->planes_first + s->planes_count < from && status == ISO_OK) { /* not wanted; only when a build is taken up */
-        status = iso_source_read(s->source, 1, s->planes, err);
+        status = iso_source_read(s->source, 1, planes, err);
         ++s->planes_first;
     }
     if (status == ISO_OK) {
         const size_t count = to - (s->planes_first + s->planes_count);
-        status = iso_source_read(s->source, count, s->planes + s->planes_count * plane, err);
+        status = iso_source_read(s->source, count, planes + s->planes_count * plane, err);
         s->planes_count += count;
     }
     s->report->seconds_read += iso_clock_seconds() - start;
     return status;
 }
 
-/* Writes the planes of level k that are complete, and moves the others to the front. */
-static iso_status write_level(stream *s, size_t k, size_t complete, iso_error *err)
+static void *write_items(void *user)
+{
+    stream *s = user;
+    s->write_status = ISO_OK;
+    for (size_t i = 0; i < s->item_count && s->write_status == ISO_OK; ++i) {
+        const write_item *w = &s->items[i];
+        s->write_status = write_file(w->level, w->file, w->data, w->bytes, &s->write_error);
+    }
+    return NULL;
+}
+
+static iso_status wait_for_writer(stream *s, iso_error *err)
+{
+    if (!s->writing)
+        return ISO_OK;
+    const double start = iso_clock_seconds();
+    pthread_join(s->writer, NULL);
+    s->writing = false;
+    s->report->seconds_write += iso_clock_seconds() - start;
+    if (s->write_status != ISO_OK && err)
+        *err = s->write_error;
+    return s->write_status;
+}
+
+/* Hands the active set to the writing thread; without one, writes. */
+static iso_status start_writer(stream *s, iso_error *err)
+{
+    s->writing = pthread_create(&s->writer, NULL, write_items, s) == 0;
+    if (s->writing)
+        return ISO_OK;
+    write_items(s);
+    if (s->write_status != ISO_OK && err)
+        *err = s->write_error;
+    return s->write_status;
+}
+
+static void list_pointers(const iso_cascade_out *out, char *data[FILE_COUNT])
+{
+    data[FILE_SCALAR] = (char *)out->scalar;
+    data[FILE_CODES] = (char *)out->codes;
+    data[FILE_DIRECTIONS] = (char *)out->directions;
+    data[FILE_MAGNITUDE] = (char *)out->magnitude;
+}
+
+/* Lists the planes of level k that are complete, for the writer. */
+static void list_level(stream *s, size_t k, size_t complete)
 {
     stream_level *l = &s->levels[k];
-    const size_t n = l->geometry.size[0] * l->geometry.size[1], count = complete - l->out.first;
-    if (count == 0)
-        return ISO_OK;
-    char *data[FILE_COUNT] = {(char *)l->out.scalar, (char *)l->out.codes, (char *)l->out.directions,
-                              (char *)l->out.magnitude};
+    char *data[FILE_COUNT];
+    list_pointers(&l->set[s->active], data);
     if (!converts(s, k))
-        data[FILE_SCALAR] = s->planes + (l->out.first - s->planes_first) * n * iso_type_bytes(l->type);
-    iso_status status = ISO_OK;
-    for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i) {
-        if (!l->files[i].stored)
-            continue;
-        const size_t plane = file_plane_bytes(l, i);
-        status = write_file(l, i, data[i], count * plane, err);
-        if (i != FILE_SCALAR || converts(s, k))
-            memmove(data[i], data[i] + count * plane, (l->capacity - count) * plane);
+        data[FILE_SCALAR] = s->planes[s->active] +
+                            (l->first - s->planes_first) * l->geometry.size[0] * l->geometry.size[1] * iso_type_bytes(l->type);
+    l->written = complete > l->first ? complete - l->first : 0;
+    for (int i = 0; i < FILE_COUNT && l->written > 0; ++i)
+        if (l->files[i].stored)
+            s->items[s->item_count++] = (write_item){l, i, data[i], l->written * file_plane_bytes(l, i)};
+    l->first += l->written;
+}
+
+/* What the last slab began and did not complete goes on in the other set. */
+static void copy_begun_planes(stream *s)
+{
+    for (size_t k = 0; k < s->level_count; ++k) {
+        stream_level *l = &s->levels[k];
+        char *to[FILE_COUNT], *from[FILE_COUNT];
+        list_pointers(&l->set[s->active], to);
+        list_pointers(&l->set[!s->active], from);
+        for (int i = 0; i < FILE_COUNT; ++i) {
+            const size_t plane = file_plane_bytes(l, i);
+            if (to[i])
+                memcpy(to[i], from[i] + l->written * plane, (l->capacity - l->written) * plane);
+        }
     }
-    l->out.first = complete;
-    return status;
 }
 
 static iso_status write_carry(stream *s, size_t z, iso_error *err)
@@ -368,7 +449,9 @@ static iso_status write_carry(stream *s, size_t z, iso_error *err)
 /* Before progress.json says that the planes are there. */
 static iso_status sync_files(stream *s, iso_error *err)
 {
-    iso_status status = s->carry ? iso_bigfile_sync(s->carry, err) : ISO_OK;
+    iso_status status = wait_for_writer(s, err);
+    if (status == ISO_OK && s->carry)
+        status = iso_bigfile_sync(s->carry, err);
     for (size_t k = 0; k < s->level_count; ++k)
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (s->levels[k].file[i])
@@ -382,24 +465,29 @@ static iso_status do_slab(stream *s, size_t z0, size_t z1, iso_error *err)
     iso_status status = read_planes(s, z0 > reach ? z0 - reach : 0, z1 + reach < nz ? z1 + reach : nz, err);
     if (status != ISO_OK)
         return status;
-    const iso_planes planes = {s->planes, s->header.type,
+    const iso_planes planes = {s->planes[s->active], s->header.type,
                                {s->header.geometry.size[0], s->header.geometry.size[1], nz}, s->planes_first,
                                s->planes_count};
+    const double start = iso_clock_seconds();
     iso_cascade_out out[32];
-    for (size_t k = 0; k < s->level_count; ++k)
-        out[k] = s->levels[k].out;
-    double start = iso_clock_seconds();
+    copy_begun_planes(s);
+    for (size_t k = 0; k < s->level_count; ++k) {
+        out[k] = s->levels[k].set[s->active];
+        out[k].first = s->levels[k].first;
+    }
     status = iso_cascade_feed(s->cascade, &planes, z0, z1, out, err);
     s->report->seconds_build += iso_clock_seconds() - start;
-    start = iso_clock_seconds();
-    for (size_t k = 0; k < s->level_count && status == ISO_OK; ++k) {
-        const size_t complete = iso_cascade_complete(s->cascade, k, z1);
-        if (complete > s->levels[k].out.first)
-            status = write_level(s, k, complete, err);
-    }
     if (status == ISO_OK)
-        status = write_carry(s, z1, err);
-    s->report->seconds_write += iso_clock_seconds() - start;
+        status = wait_for_writer(s, err);
+    if (status != ISO_OK)
+        return status;
+    s->item_count = 0;
+    for (size_t k = 0; k < s->level_count; ++k)
+        list_level(s, k, iso_cascade_complete(s->cascade, k, z1));
+    status = write_carry(s, z1, err);
+    if (status == ISO_OK)
+        status = start_writer(s, err);
+    s->active = !s->active;
     return status;
 }
 
@@ -427,6 +515,8 @@ static iso_status run_slabs(stream *s, json_t *job, size_t done, const iso_progr
         if (s->how->stop_after > 0 && z >= s->how->stop_after && z < nz)
             return iso_fail(err, ISO_E_PROGRAM, "stopped after %zu planes", z);
     }
+    if (status == ISO_OK)
+        status = wait_for_writer(s, err);
     iso_progress_report(progress, "build", 1);
     return status;
 }
@@ -471,7 +561,7 @@ static iso_status begin(stream *s, const json_t *job, bool resumed, size_t *done
         iso_output_clear(&s->output);
     }
     for (size_t k = 0; k < s->level_count; ++k)
-        s->levels[k].out.first = iso_cascade_complete(s->cascade, k, *done);
+        s->levels[k].first = iso_cascade_complete(s->cascade, k, *done);
     s->report->resumed_at_plane = *done;
     iso_status status = open_files(s, err);
     if (status == ISO_OK)
@@ -540,17 +630,21 @@ static iso_status finish(stream *s, iso_error *err)
 
 static void clean_up(stream *s, bool keep)
 {
+    wait_for_writer(s, NULL);
     close_files(s, NULL);
     for (size_t k = 0; k < 32; ++k) {
         stream_level *l = &s->levels[k];
-        free(l->out.scalar);
-        free(l->out.codes);
-        free(l->out.directions);
-        free(l->out.magnitude);
+        for (int set = 0; set < 2; ++set) {
+            free(l->set[set].scalar);
+            free(l->set[set].codes);
+            free(l->set[set].directions);
+            free(l->set[set].magnitude);
+        }
         for (int i = 0; i < FILE_COUNT; ++i)
             XXH3_freeState(l->hash[i]);
     }
-    free(s->planes);
+    free(s->planes[0]);
+    free(s->planes[1]);
     iso_cascade_destroy(s->cascade);
     iso_source_close(s->source);
     if (keep)
