@@ -8,7 +8,7 @@
 
 enum { pixels = 32, tf_entries = 17 };
 
-/* A subject of one level, its view, and the image that it must give. */
+/* A subject, its view, and the image that it must give. */
 typedef struct stage {
     iso_pyramid pyramid;
     iso_view view;
@@ -44,10 +44,10 @@ static iso_status set_stage(stage *s, const iso_geometry *g, double (*value)(con
 {
     iso_volume v;
     iso_pyramid_options opt = iso_pyramid_defaults();
-    opt.level_count = 1;
+    opt.level_count = 2; /* the second is for a planted fault alone */
     *s = (stage){.view = {.width = pixels, .height = pixels, .light_count = 1, .step_voxels = 0.25,
                           .shading = {.ambient = 1, .power = 1}}};
-    s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(0.9, -0.3, 0.5)), .intensity = 1};
+    s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.9, 0.3, 0.5)), .intensity = 1};
     iso_status status = iso_volume_create(&v, g, ISO_F32, "calibration", err);
     if (status != ISO_OK)
         return status;
@@ -92,25 +92,65 @@ static void swap_xy(iso_level *level)
     }
 }
 
+static void reverse_scalar(iso_level *level)
+{
+    for (size_t i = 0, j = iso_geometry_voxel_count(&level->geometry) - 1; i < j; ++i, --j) {
+        float t = level->scalar[i];
+        level->scalar[i] = level->scalar[j];
+        level->scalar[j] = t;
+    }
+}
+
+/* Takes every direction back to the index and out again by the wrong matrix. */
+static void send_by_the_matrix(iso_level *level, iso_code code)
+{
+    const iso_mat3 m = level->geometry.index_to_world;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&level->geometry); ++i) {
+        float d[3];
+        iso_code_decode_all(code, level->codes + 3 * i, d, 1);
+        iso_vec3 index = iso_mul(iso_mat3_transpose(m), iso_v3((double)d[0], (double)d[1], (double)d[2]));
+        iso_vec3 wrong = iso_normalize(iso_mul(m, index));
+        const float out[3] = {(float)wrong.x, (float)wrong.y, (float)wrong.z};
+        iso_code_encode(code, out, level->codes + 3 * i, 1);
+    }
+}
+
 static void plant(stage *s, iso_fault fault)
 {
     iso_level *level = &s->pyramid.levels[0];
+    iso_geometry *g = &level->geometry;
     float *e = s->view.tf.entries;
     switch (fault) {
-    case ISO_FAULT_HALF_VOXEL:
-        level->geometry.origin_mm = iso_geometry_to_world(&level->geometry, iso_v3(0.5, 0.5, 0.5));
+    case ISO_FAULT_HALF_VOXEL: g->origin_mm = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5)); break;
+    case ISO_FAULT_MIRRORED:
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][0] = -g->index_to_world.m[r][0];
         break;
-    case ISO_FAULT_AXIS_SWAP: swap_xy(level); break;
-    case ISO_FAULT_SRGB:
-        for (size_t i = 0; i < tf_entries * 4; ++i)
-            e[i] = i % 4 == 3 ? e[i] : powf(e[i], 2.2f);
-        break;
-    case ISO_FAULT_LIGHT: s->view.lights[0].direction.x = -s->view.lights[0].direction.x; break;
+    case ISO_FAULT_STALE: reverse_scalar(level); break;
     case ISO_FAULT_UNIT:
         for (size_t i = 3; i < tf_entries * 4; i += 4)
             e[i] *= 1.1f;
         break;
+    case ISO_FAULT_SRGB:
+        for (size_t i = 0; i < tf_entries * 4; ++i)
+            e[i] = i % 4 == 3 ? e[i] : powf(e[i], 2.2f);
+        break;
+    case ISO_FAULT_RANGE: s->view.tf.hi += (s->view.tf.hi - s->view.tf.lo) / (tf_entries - 1); break;
+    case ISO_FAULT_AXIS_SWAP: swap_xy(level); break;
+    case ISO_FAULT_NOT_INVERSE_TRANSPOSE: send_by_the_matrix(level, s->pyramid.options.code); break;
+    case ISO_FAULT_LIGHT: s->view.lights[0].direction.x = -s->view.lights[0].direction.x; break;
+    case ISO_FAULT_ONE_SIDED: s->view.shading.diffuse = s->view.shading.specular = 0; break; /* the gradient looks away */
     default: break;
+    }
+}
+
+/* Faults of the picture itself. */
+static void spoil(iso_image *image, iso_fault fault)
+{
+    for (size_t i = 0; i < image->width * image->height; ++i) {
+        float *p = image->rgba + 4 * i;
+        for (int c = 0; c < 3; ++c)
+            p[c] = fault == ISO_FAULT_PREMULTIPLIED ? p[c] * p[3] : fault == ISO_FAULT_CLIPPED ? fminf(p[c], 1) : p[c];
     }
 }
 
@@ -118,7 +158,10 @@ static iso_status render_stage(stage *s, iso_renderers *r, iso_renderer which, i
 {
     iso_render_options opt = iso_render_defaults(which);
     plant(s, fault);
-    return iso_render_with(r, &s->pyramid, 0, &s->view, &opt, &s->got, NULL, NULL, err);
+    iso_status status = iso_render_with(r, &s->pyramid, fault == ISO_FAULT_LEVEL ? 1 : 0, &s->view, &opt, &s->got, NULL, NULL, err);
+    if (status == ISO_OK)
+        spoil(&s->got, fault);
+    return status;
 }
 
 static double largest_difference(const stage *s)
@@ -266,10 +309,10 @@ static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, is
     iso_status status = set_stage(s, &g, tilted_ramp, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(1, 2, -0.7), 7, true);
-    s->view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.8, .power = 1};
+    s->view.camera = look(iso_v3(1, -0.6, 0.9), 7, true); /* light and viewer are where the gradient does not look */
+    s->view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = 0.9, .power = 2};
     for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.15f);
+        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.9f);
     /* The gradient of the field is (3, -1, 2) / 100 per mm in the world; what its code keeps of it is the truth here. */
     const float direction[3] = {3 / sqrtf(14), -1 / sqrtf(14), 2 / sqrtf(14)};
     uint8_t bytes[3];
@@ -278,9 +321,11 @@ static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, is
     iso_code_lattice(s->pyramid.options.code, bytes, e);
     iso_code_decode(s->pyramid.options.code, e, d);
     iso_code_normal(d, n);
-    double shade = 0.2 + 0.8 * fabs(iso_dot(iso_v3(n[0], n[1], n[2]), s->view.lights[0].direction));
+    iso_vec3 light = s->view.lights[0].direction, normal = iso_v3(n[0], n[1], n[2]);
+    double highlight = iso_dot(normal, iso_normalize(iso_sub(light, s->view.camera.forward)));
+    double shade = 0.2 + 0.8 * fabs(iso_dot(normal, light)) + 0.9 * highlight * highlight;
     for (size_t i = 0; i < pixels * pixels; ++i) {
-        const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.15f};
+        const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.9f};
         expect_pixel(s, i % pixels, i / pixels, rgbs, shade);
     }
     status = render_stage(s, r, which, fault, err);

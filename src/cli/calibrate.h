@@ -9,7 +9,8 @@
  *   transfer function  a ramp seen from the side: every column shows one value, so the
  *                      colours and extinctions of the table stand side by side.
  *   light              a linear field has one gradient everywhere: one shade, by the
- *                      inverse transpose of the rotated, anisotropic matrix. */
+ *                      inverse transpose of the rotated, anisotropic matrix, from
+ *                      behind, with a highlight above 1. */
 #ifndef ISO_CLI_CALIBRATE_H
 #define ISO_CLI_CALIBRATE_H
 
@@ -25,14 +26,27 @@ typedef struct iso_calibration {
     bool passed;
 } iso_calibration;
 
-/* A planted fault, so that tests can show that each check rejects something. */
+/* Planted faults, so that tests can show that each is rejected by the check made for it: enum, name, check. */
+#define ISO_FAULT_LIST(X)                                                                    \
+    X(ISO_FAULT_HALF_VOXEL, "the volume stands half a voxel off", "placement")               \
+    X(ISO_FAULT_MIRRORED, "the direction matrix is mirrored along x", "placement")           \
+    X(ISO_FAULT_STALE, "the volume is an older one", "placement")                            \
+    X(ISO_FAULT_UNIT, "extinction is for 10 % more length", "slab")                          \
+    X(ISO_FAULT_PREMULTIPLIED, "colour is multiplied by alpha twice", "slab")                \
+    X(ISO_FAULT_SRGB, "the TF's colours are taken for sRGB", "transfer function")            \
+    X(ISO_FAULT_RANGE, "the TF's range is off by one entry", "transfer function")            \
+    X(ISO_FAULT_LEVEL, "the level is off by one", "transfer function")                       \
+    X(ISO_FAULT_AXIS_SWAP, "x and y of the directions are exchanged", "light")               \
+    X(ISO_FAULT_NOT_INVERSE_TRANSPOSE, "gradients go to the world by the matrix itself", "light") \
+    X(ISO_FAULT_LIGHT, "the light comes from the mirrored side", "light")                    \
+    X(ISO_FAULT_ONE_SIDED, "the light is one-sided", "light")                                \
+    X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")
+
 typedef enum iso_fault {
     ISO_FAULT_NONE,
-    ISO_FAULT_HALF_VOXEL,  /* the volume stands half a voxel off */
-    ISO_FAULT_AXIS_SWAP,   /* x and y of the directions are exchanged */
-    ISO_FAULT_SRGB,        /* the TF's colours are taken for sRGB */
-    ISO_FAULT_LIGHT,       /* the light comes from the mirrored side */
-    ISO_FAULT_UNIT,        /* extinction for 10 % more length */
+#define ISO_FAULT_ENUM(name, text, check) name,
+    ISO_FAULT_LIST(ISO_FAULT_ENUM)
+#undef ISO_FAULT_ENUM
     ISO_FAULT_COUNT
 } iso_fault;
 
