@@ -17,6 +17,7 @@
  *   cube      unsigned; the cube-dot, rounded.
  *   region48  unsigned; gradients-2017 section 4: cube-dots of 48 triangular
  *             regions, Eq. 2 with lambda = 0.61.
+ *   squeeze   unsigned; the 48 regions with their lines of holes squeezed.
  *   oct24     12 + 12 bits of the octahedral map; for nearest fetches.
  *   half      three half floats, 6 bytes.
  *
@@ -39,6 +40,7 @@ typedef enum iso_code {
     ISO_CODE_FREE,
     ISO_CODE_CUBE,
     ISO_CODE_REGION48,
+    ISO_CODE_SQUEEZE,
     ISO_CODE_OCT24,
     ISO_CODE_HALF,
     ISO_CODE_COUNT

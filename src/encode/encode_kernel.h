@@ -22,6 +22,8 @@
 ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 
+/* Scalar: Newton, and a search by the decoder. */
+void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
 /* What fit and region48 search for, over every lattice point that could win, in
