@@ -68,6 +68,9 @@ else
     not_ok blend_has_a_tf_a_level "$(cat err)"
 fi
 
+check classes_render "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --classes -o classes.exr -q
+refuse classes_at_level_0 2 '--level 1 or more' render shells.iso --level 0 --size 48 --scene own.scene.json --classes -o z.exr -q
+refuse classes_elsewhere 2 'for --with gl alone' render shells.iso --level 1 --size 48 --scene own.scene.json --with reference --classes -o z.exr -q
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' tf adapt shells.iso --tf absent.tf.json -o x

@@ -46,3 +46,16 @@ iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const 
     view->tf = table;
     return ISO_OK;
 }
+
+iso_status iso_cli_adapt_classes(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                                 const iso_view *view, int threads, iso_class_tables *classes, iso_error *err)
+{
+    iso_adapt_options opt;
+    *classes = (iso_class_tables){0};
+    iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
+    if (status == ISO_OK && level == 0)
+        status = iso_fail(err, ISO_E_USAGE, "--classes is for coarse levels: --level 1 or more");
+    if (status == ISO_OK)
+        status = iso_adapt_classes(p, iso_pyramid_is_one(path) ? path : NULL, level, &view->tf, &opt, classes, err);
+    return status;
+}

@@ -48,4 +48,8 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
                               int threads, iso_error *err);
 
+/* The tables over value and deviation class of `level`; ISO_E_USAGE at level 0. */
+iso_status iso_cli_adapt_classes(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                                 const iso_view *view, int threads, iso_class_tables *classes, iso_error *err);
+
 #endif

@@ -118,6 +118,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     switch (opt->renderer) {
     case ISO_WITH_GL: {
         iso_gl_options o = iso_gl_defaults();
+        o.classes = opt->classes;
         o.source = opt->source;
         o.step_voxels = opt->step_voxels;
         status = need_gl(r, err);
