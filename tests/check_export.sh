@@ -41,6 +41,7 @@ is blend_of_one_level "$program" export v.nrrd --to blender --scene "$scene" --l
 [ -e one.vdb ] && ok the_grid_has_the_name_of_the_blend || not_ok the_grid_has_the_name_of_the_blend "$(ls)"
 
 refuses no_blend_ending 2 ".blend" "$program" export v.nrrd --to blender --scene "$scene" -q -o scene.bld
+refuses a_name_that_is_not_utf8 2 "UTF-8" "$program" export v.nrrd --to blender --scene "$scene" -q -o "$(printf 'a\351b.blend')"
 refuses no_scene 2 "--scene" "$program" export v.nrrd --to blender -q -o x.blend
 refuses no_folder 3 "nowhere" "$program" export v.nrrd --to blender --scene "$scene" -q -o nowhere/x.blend
 refuses no_such_level 5 "levels 0 to" "$program" export v.nrrd --to vdb --level 9 -q -o x.vdb

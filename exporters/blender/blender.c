@@ -1,6 +1,7 @@
 #define _GNU_SOURCE
 #include "blender/blender.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +76,24 @@ static iso_status in_units(const iso_pyramid *p, double units, iso_pyramid *copy
 }
 
 /* ---- the description: all lengths in units, g the geometry in units ---- */
+
+/* At most `limit` bytes, whole characters; what is not UTF-8 becomes '_'. */
+static json_t *text_json(const char *text, size_t limit)
+{
+    char *copy = strdup(text);
+    size_t n = copy ? strlen(copy) : 0;
+    if (n > limit)
+        for (n = limit; n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80;)
+            --n;
+    json_t *json = copy ? json_stringn(copy, n) : NULL;
+    for (size_t i = 0; !json && i < n; ++i)
+        if ((unsigned char)copy[i] >= 0x80)
+            copy[i] = '_';
+    if (copy && !json)
+        json = json_stringn(copy, n);
+    free(copy);
+    return json;
+}
 
 static json_t *vec_json(iso_vec3 v) { return iso_json_numbers((double[]){v.x, v.y, v.z}, 3); }
 
@@ -182,8 +201,8 @@ static iso_status check_options(const iso_pyramid *p, size_t level, size_t count
 static json_t *describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
                               const iso_blender_options *opt)
 {
-    json_t *about = json_pack("{ss ss si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1",
-                              "name", name, "samples", opt->samples, "seed", opt->seed, "max_steps", MAX_STEPS, "image",
+    json_t *about = json_pack("{ss so si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1",
+                              "name", text_json(name, 50), "samples", opt->samples, "seed", opt->seed, "max_steps", MAX_STEPS, "image",
                               (json_int_t)view->width, (json_int_t)view->height, "background",
                               iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, units, g),
                               "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
@@ -216,6 +235,7 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
 typedef struct listener {
     const iso_progress *progress;
     char refusal[256]; /* why calibration failed */
+    char failure[256]; /* why the script did */
 } listener;
 
 static void take_line(void *user, const char *line)
@@ -226,6 +246,7 @@ static void take_line(void *user, const char *line)
     if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
         iso_progress_report(l->progress, stage, fraction);
     sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
+    sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
 }
 
 /* Writes script, description and calibration volume into the folder and runs them. Takes `about`. */
@@ -254,6 +275,8 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
         status = iso_process_run(argv, &options, err);
         if (status != ISO_OK && l.refusal[0])
             status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
+        else if (status != ISO_OK && l.failure[0])
+            status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", blender, l.failure);
     }
     json_decref(about);
     free(calibration);
@@ -338,12 +361,12 @@ static json_t *describe_export(const iso_pyramid *p, double units, size_t first,
                                const iso_tf_table *tables, const char *blend_path, const iso_blender_options *opt)
 {
     const char *base = iso_path_base(blend_path);
-    char name[64];
-    snprintf(name, sizeof name, "%.*s", (int)fmin((double)(strlen(base) - strlen(".blend")), 50), base);
+    char name[NAME_MAX + 1];
+    snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
     json_t *about = describe_scene(view, units, &p->levels[first].geometry, name, opt);
     json_t *levels = json_array();
     for (size_t k = first; k < first + count; ++k) {
-        char *path = vdb_path(blend_path, k, count), relative[300];
+        char *path = vdb_path(blend_path, k, count), relative[NAME_MAX + 40];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
         json_array_append_new(levels, describe_level(&p->levels[k], k, tables ? k - first : 0, relative, opt));
         free(path);
@@ -351,7 +374,7 @@ static json_t *describe_export(const iso_pyramid *p, double units, size_t first,
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", tables ? describe_tf(tables, count, units) : describe_tf(&view->tf, 1, units));
     json_object_set_new(about, "film_transparent", json_false());
-    json_object_set_new(about, "source", json_string(p->source ? p->source : ""));
+    json_object_set_new(about, "source", text_json(p->source ? p->source : "", 1000));
     return about;
 }
 
@@ -362,6 +385,10 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
     iso_status status = check_options(p, first, count, opt, err);
     if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
         status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    json_t *probe = json_string(blend_path);
+    if (status == ISO_OK && !probe)
+        status = iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path);
+    json_decref(probe);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();

@@ -609,4 +609,8 @@ def main():
     print("isoshade: progress 1 Blender", flush=True)
 
 
-main()
+try:
+    main()
+except Exception as error:
+    print(f"isoshade: failed: {type(error).__name__}: {error}".replace("\n", " "), flush=True)
+    raise
