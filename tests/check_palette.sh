@@ -28,6 +28,22 @@ check csv_has_an_entry_a_line test "$(wc -l <p.csv)" = 256
 check csv_starts_with_the_zero_vector grep -q '^0,0,0,0$' p.csv
 check povray_table_is_declared grep -q '^#declare Palette = array\[Palette_Count\]' p.inc
 check python_table_parses python3 -c 'import runpy; t = runpy.run_path("p.py")["palette"]; assert len(t) == 255 and t[0] == (0, 0, 0)'
+cat >t.pov <<'POV'
+#version 3.7;
+#include "p.inc"
+#if (dimension_size(Palette, 1) != Palette_Count | Palette_Count != 255 | abs(vlength(Palette[254]) - 1) > 1e-6) #error "wrong" #end
+camera { location <0, 0, -1> look_at 0 }
+POV
+expect povray_reads_its_table 0 povray -D +W2 +H2 +It.pov +Ot.png
+cat >t.py <<'PY'
+import runpy
+module = runpy.run_path("p.py")
+image, palette = module["make_image"](), module["palette"]
+assert tuple(image.size) == (255, 1) and image.is_float
+pixels = list(image.pixels)
+assert all(abs(a - b) < 1e-6 for k, n in enumerate(palette) for a, b in zip(pixels[4 * k:], n))
+PY
+expect blender_makes_its_image 0 blender -b --factory-startup --python-exit-code 3 --python t.py
 check index_volume_is_bytes sh -c '"$ISOSHADE" info p.nrrd | grep -q uint8'
 check index_volume_has_the_size sh -c '"$ISOSHADE" info p.nrrd --json | tr -d " \n" | grep -q "\[40,28,33\]"'
 expect more_entries_take_two_bytes 0 "$ISOSHADE" palette v.nrrd -q --entries 1022 -o wide.nrrd
