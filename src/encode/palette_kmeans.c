@@ -260,17 +260,16 @@ static void relocate(search *s, uint32_t k, uint32_t target, const float side[3]
     clusters_set_entry(c, k, side);
     memset(c->cluster[k].sum, 0, sizeof c->cluster[k].sum);
     c->cluster[k].norm = 0;
-    /* The other half lies opposite of `side` as seen from the middle. */
+    /* Those that are clearly on its side of the middle; the exchange does the rest. */
+    float across[3], even = 0;
+    for (int d = 0; d < 3; ++d) {
+        across[d] = side[d] - middle[d];
+        even += middle[d] * across[d];
+    }
     for (uint32_t i = c->cluster[target].head, after; i != NO_ITEM && !s->full; i = after) {
         const float *u = c->u + 3 * i;
         after = c->next[i];
-        float lead = 0;
-        for (int d = 0; d < 3; ++d)
-            lead += u[d] * (side[d] - middle[d]);
-        float even = 0;
-        for (int d = 0; d < 3; ++d)
-            even += middle[d] * (side[d] - middle[d]);
-        if (lead > even * 0.5f)
+        if (u[0] * across[0] + u[1] * across[1] + u[2] * across[2] > even * 0.5f)
             move_item(s, i, k);
     }
     clusters_find_neighbors(c, k);
