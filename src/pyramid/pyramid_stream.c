@@ -21,7 +21,7 @@
 #define CARRY_NAME "carry.raw"
 
 /* Slabs that stay in a large cache are written while they are still there. */
-#define FAST_BYTES ((size_t)72 << 20)
+#define FAST_BYTES ((size_t)160 << 20)
 
 /* Input between two notes of progress; and from which on files bypass the page cache. */
 #define PROGRESS_BYTES ((size_t)128 << 20)
