@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -85,17 +86,45 @@ static void take_output(line_log *log, const char *bytes, size_t count)
     }
 }
 
-/* Reads until the child closes its output. False when the time ran out. */
-static bool drain(int fd, line_log *log, double timeout_seconds)
+/* Ctrl-C and the like, while a program runs: it is ended and the call fails, so that the caller removes what is half
+ * made. A handler can speak through nothing but a global. */
+static volatile sig_atomic_t stop_signal;
+static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
+enum { stop_count = sizeof stop_signals / sizeof *stop_signals };
+
+static void note_signal(int number) { stop_signal = number; }
+
+/* Signals that are ignored (nohup) or handled by others stay so. */
+static void watch_signals(struct sigaction before[stop_count])
+{
+    const struct sigaction watch = {.sa_handler = note_signal};
+    stop_signal = 0;
+    for (int i = 0; i < stop_count; ++i)
+        if (sigaction(stop_signals[i], NULL, &before[i]) == 0 && before[i].sa_handler == SIG_DFL)
+            sigaction(stop_signals[i], &watch, NULL);
+}
+
+static void restore_signals(const struct sigaction before[stop_count])
+{
+    for (int i = 0; i < stop_count; ++i)
+        sigaction(stop_signals[i], &before[i], NULL);
+}
+
+typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED } drain_end;
+
+/* Reads until the child closes its output. */
+static drain_end drain(int fd, line_log *log, double timeout_seconds)
 {
     double start = iso_clock_seconds();
     for (char buffer[4096];;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
         int ready = poll(&p, 1, 500);
+        if (stop_signal)
+            return DRAIN_STOPPED;
         if (timeout_seconds > 0 && iso_clock_seconds() - start > timeout_seconds)
-            return false;
+            return DRAIN_TIMED_OUT;
         if (ready < 0 && errno != EINTR)
-            return true;
+            return DRAIN_CLOSED;
         if (ready <= 0)
             continue;
         ssize_t n = read(fd, buffer, sizeof buffer);
@@ -105,12 +134,13 @@ static bool drain(int fd, line_log *log, double timeout_seconds)
             take_output(log, buffer, (size_t)n);
     }
     end_line(log);
-    return true;
+    return DRAIN_CLOSED;
 }
 
 static void run_child(const char *const argv[], const char *directory, int out)
 {
     setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a killed isoshade leaves nothing running */
     if (directory && chdir(directory) != 0)
         _exit(126);
     if (!freopen("/dev/null", "r", stdin))
@@ -130,8 +160,11 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     int fds[2];
     if (pipe2(fds, O_CLOEXEC) != 0)
         return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", name, strerror(errno));
+    struct sigaction before[stop_count];
+    watch_signals(before);
     pid_t pid = fork();
     if (pid < 0) {
+        restore_signals(before);
         close(fds[0]);
         close(fds[1]);
         return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", name, strerror(errno));
@@ -140,14 +173,17 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
         run_child(argv, options->directory, fds[1]);
     close(fds[1]);
     line_log log = {.options = options};
-    bool in_time = drain(fds[0], &log, options->timeout_seconds);
+    drain_end end = drain(fds[0], &log, options->timeout_seconds);
     close(fds[0]);
-    if (!in_time)
+    if (end != DRAIN_CLOSED)
         kill(-pid, SIGKILL);
     int result = 0;
     while (waitpid(pid, &result, 0) < 0 && errno == EINTR) {
     }
-    if (!in_time)
+    restore_signals(before);
+    if (end == DRAIN_STOPPED)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", name, (int)stop_signal);
+    if (end == DRAIN_TIMED_OUT)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", name, options->timeout_seconds);
     if (WIFSIGNALED(result))
         return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", name, WTERMSIG(result), log.last);

@@ -21,7 +21,9 @@ typedef struct iso_process_options {
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
  * captured; on a non-zero exit, a signal or a timeout the status is
  * ISO_E_PROGRAM and the message names the program, the cause and the last
- * lines of the output that look like an error. */
+ * lines of the output that look like an error. SIGINT, SIGTERM and SIGHUP end
+ * the program and are such a failure, so that callers clean up; the program
+ * does not outlive this process. One call at a time. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 
 #endif

@@ -11,6 +11,7 @@
 #include "cli/adapted.h"
 #include "cli/cli.h"
 #include "cli/subject.h"
+#include "compare/chart.h"
 
 typedef struct tf_arguments {
     iso_cli_input input;
@@ -245,6 +246,8 @@ static iso_status draw(const tf_arguments *a, script_writer write, void *user, i
         const iso_process_options process = {.timeout_seconds = 60};
         status = iso_process_run((const char *[]){gnuplot, script, NULL}, &process, err);
     }
+    if (status == ISO_OK)
+        status = iso_chart_check_whole(out.temp_path, iso_path_ends_with(a->output, ".png") ? "png" : "svg", err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

@@ -22,6 +22,20 @@ static iso_status write_beside(const char *dir, const char *name, const char *en
     return status;
 }
 
+iso_status iso_chart_check_whole(const char *picture, const char *format, iso_error *err)
+{
+    const char *last = strcmp(format, "pdf") == 0 ? "%%EOF" : strcmp(format, "png") == 0 ? "IEND" : "</svg>";
+    enum { tail = 32 };
+    char *data = NULL;
+    size_t size = 0;
+    iso_status status = iso_file_read(picture, &data, &size, err);
+    bool whole = status == ISO_OK && size >= tail && memmem(data + size - tail, tail, last, strlen(last));
+    if (status == ISO_OK && !whole)
+        status = iso_fail(err, ISO_E_IO, "%s: gnuplot left it incomplete; is the disk full?", picture);
+    free(data);
+    return status;
+}
+
 static iso_status run_gnuplot(const char *dir, const char *name, const char *format, iso_error *err)
 {
     char *gnuplot = NULL, *script = NULL, *setting = NULL, *picture = NULL;
@@ -39,6 +53,8 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         status = iso_process_run(argv, &(iso_process_options){.directory = dir, .timeout_seconds = 60}, err);
         if (status == ISO_OK && !iso_path_exists(picture))
             status = iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
+        if (status == ISO_OK)
+            status = iso_chart_check_whole(picture, format, err);
     } else {
         status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     }
