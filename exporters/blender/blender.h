@@ -19,7 +19,7 @@
 
 typedef struct iso_blender_options {
     double step_voxels;  /* Cycles' step in the level's smallest spacing */
-    int samples;         /* 1 goes exactly through the pixel centres */
+    int samples;         /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
     int threads;
 } iso_blender_options;
