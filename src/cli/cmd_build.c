@@ -146,7 +146,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                         .gauss_radius = (int)defaults.gauss_radius,
                         .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
-                        .memory_mb = 512};
+                        .memory_mb = 900};
     iso_cli_input input;
     iso_cli_input_defaults(&input);
     struct poptOption options[] = {
