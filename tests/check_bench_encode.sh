@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# bench encode: the keys that the design fixes, the paper's figures, and bad usage.
+set -u
+bad=0
+dir=$(mktemp -d) && trap 'rm -rf "$dir"' EXIT
+check() { # name, test ...
+    local name=$1
+    shift
+    if "$@" >"$dir/why" 2>&1; then echo "ok $name"; else echo "not ok $name: $(head -c 200 "$dir/why")"; bad=1; fi
+}
+exits() { # code, command ...
+    local wanted=$1
+    shift
+    "$@" >/dev/null 2>&1
+    [ $? = "$wanted" ]
+}
+check "bench encode runs and draws Figure 10" "$ISOSHADE" bench encode --count 500 --chart "$dir"
+check "the chart is there" test -s "$dir/figure10.svg"
+"$ISOSHADE" bench encode --count 500 --json >"$dir/out.json"
+check "the report has the design's keys and the paper's holes" python3 - "$dir/out.json" <<'PY'
+import json, sys
+report = json.load(open(sys.argv[1]))
+keys = ['name', 'bytes', 'encode_million_per_second', 'decode_million_per_second', 'hole_deg', 'max_error_deg',
+        'mean_error_deg', 'filtered_mean_error_deg', 'filtered_max_error_deg']
+schemes = {s['name']: s for s in report['schemes']}
+for s in report['schemes']:
+    for key in keys:
+        assert key in s, (s['name'], key)
+assert abs(schemes['region48']['hole_deg'] - 0.17303) < 1e-4
+assert abs(schemes['cube']['hole_deg'] - 0.31776) < 1e-4
+assert schemes['squeeze']['hole_deg'] <= 0.098
+assert abs(report['convexity']['counter_example']['off_arc_deg'] - 1.96) < 0.01
+assert abs(report['table1']['best_lambda']['lambda'] - 0.61) < 0.01
+PY
+check "an unknown benchmark is bad usage" exits 2 "$ISOSHADE" bench nothing
+check "a count out of range is bad usage" exits 2 "$ISOSHADE" bench encode --count 1
+check "a folder that is not there is an I/O error" exits 3 "$ISOSHADE" bench encode --count 500 --chart "$dir/none"
+exit $bad
