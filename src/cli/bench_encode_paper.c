@@ -30,7 +30,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
                                  "stats data skip 1 using 1:2 nooutput\n"
                                  "set label 1 sprintf('%.4f at λ = %.2f', STATS_min_y, STATS_pos_min_y) at "
                                  "STATS_pos_min_y, STATS_min_y * 0.82 center\n"
-                                 "plot data skip 1 using 1:2 with linespoints lt 1 notitle\n";
+                                 "plot data skip 1 using 1:2 with lines lt 1 notitle\n";
     char *csv = NULL;
     size_t size = 0, i;
     json_t *row;
@@ -60,10 +60,10 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
     json_t *sweep = json_array();
     json_object_set_new(root, "figure10", sweep);
     double best = 0, best_hole = INFINITY;
-    for (int i = 0; i <= 49 && status == ISO_OK; ++i) { /* at 1 the decoder folds up at the edges */
-        status = iso_region48_hole(0.02 * i, 1e-4, &hole, err);
+    for (int i = 0; i <= 98 && status == ISO_OK; ++i) { /* at 1 the decoder folds up at the edges */
+        status = iso_region48_hole(0.01 * i, 1e-4, &hole, err);
         if (status == ISO_OK)
-            json_array_append_new(sweep, json_pack("{s:f, s:f}", "lambda", 0.02 * i, "hole_deg", hole.radius_deg));
+            json_array_append_new(sweep, json_pack("{s:f, s:f}", "lambda", 0.01 * i, "hole_deg", hole.radius_deg));
     }
     for (int i = 550; i <= 670 && status == ISO_OK; i += 5) { /* where the least is */
         status = iso_region48_hole(0.001 * i, 1e-4, &hole, err);
@@ -87,8 +87,8 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
                "Figure 10: least hole %.4f at lambda %.3f (0.1730 at 0.61)\n",
                none.radius_deg, scheme.radius_deg, least / 2, least, best_hole, best);
         printf("  lambda, hole:");
-        for (size_t i = 0; i < json_array_size(sweep); i += 5)
-            printf("  %.1f %.3f", 0.02 * (double)i,
+        for (size_t i = 0; i < json_array_size(sweep); i += 10)
+            printf("  %.1f %.3f", 0.01 * (double)i,
                    json_real_value(json_object_get(json_array_get(sweep, i), "hole_deg")));
         putchar('\n');
     }
