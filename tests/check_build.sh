@@ -1,22 +1,6 @@
 #!/usr/bin/env bash
 # The command build: files, JSON, default name, messages and exit codes, and nothing half-written.
-set -u
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >out 2>err
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 err)"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
 nothing_left() { [ -z "$(ls -A | grep -E '^\..*iso|no\.iso')" ]; }
 
 "$ISOSHADE" make marschner-lobb --size 21x16x9 --spacing 1x1x2.5 --rotate 1,2,3,40 -o v.nrrd -q || exit 1

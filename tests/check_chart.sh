@@ -1,22 +1,7 @@
 #!/usr/bin/env bash
 # The command chart: its files, the setting it names, restyling, messages, and no half-written folder.
-set -u
-cd "$(dirname "$0")/.." || exit 1
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >"$dir/out" 2>"$dir/err"
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
 chart() { "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/marschner-lobb.scene.json --size 24 --quiet "$@"; }
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1
 

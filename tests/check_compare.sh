@@ -1,21 +1,6 @@
 #!/usr/bin/env bash
 # The command compare: verdicts, exit codes, JSON, messages, and no half-written files.
-set -u
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >"$dir/out" 2>"$dir/err"
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 "$dir/err")"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
 # picture FILE WIDTH HEIGHT HIGH-BYTE: 16-bit PPM, every channel HIGH-BYTE * 256.
 picture() {
     printf 'P6\n%d %d\n65535\n' "$2" "$3" >"$1"

@@ -1,24 +1,7 @@
 #!/usr/bin/env bash
 # bench convergence and isosurfaces: two renderers down to one limit; charts; messages; nothing half-written.
-set -u
-cd "$(dirname "$0")/.." || exit 1
-scene=$PWD/refscenes/marschner-lobb.scene.json
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >out 2>err
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 err)"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
+scene=$top/refscenes/marschner-lobb.scene.json
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x2.5 --rotate 1,2,3,40 -o v.nrrd -q || exit 1
 
 expect gl_and_povray_converge 0 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --size 24 --steps 3 --json -o conv

@@ -1,23 +1,6 @@
 #!/usr/bin/env bash
 # Whole commands on good and bad input: exit code, one line on stderr, no half-written file.
-set -u
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-cd "$dir" || exit 1
-failed=0
-not_ok() { echo "not ok $1: $2"; failed=1; }
-# name, wanted exit code, words that stderr has to hold, command ...
-refuse() {
-    local name=$1 wanted=$2 words=$3 code
-    shift 3
-    "$ISOSHADE" "$@" >out 2>err
-    code=$?
-    if [ $code != "$wanted" ]; then not_ok "$name" "exit code $code, wanted $wanted: $(cat err)"
-    elif [ "$(wc -l <err)" != 1 ]; then not_ok "$name" "$(wc -l <err) lines on stderr, wanted 1: $(cat err)"
-    elif ! grep -qF -- "$words" err; then not_ok "$name" "stderr lacks \"$words\": $(cat err)"
-    elif [ -s out ]; then not_ok "$name" "wrote on stdout"
-    else echo "ok $name"; fi
-}
+. "$(dirname "$0")/lib.sh"
 accept() { # name, words that stdout has to hold, command ...
     local name=$1 words=$2
     shift 2
@@ -38,33 +21,33 @@ head -c 147840 /dev/zero >plain.raw
 accept raw_options '40 x 56 x 33 = 73920 voxels of int16' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 1x1x2 --raw-big-endian
 
 header uchar '2 2 2' >short.nrrd; printf 1234567 >>short.nrrd
-refuse truncated 4 'short.nrrd: truncated: holds 7 bytes of samples' info short.nrrd
+refuse truncated 4 'short.nrrd: truncated: holds 7 bytes of samples' "$ISOSHADE" info short.nrrd
 head -c 60 v.nrrd >cut.nrrd
-refuse cut_header 4 'cut.nrrd: ' info cut.nrrd
+refuse cut_header 4 'cut.nrrd: ' "$ISOSHADE" info cut.nrrd
 printf 'PNG or what' >magic.nrrd
-refuse wrong_magic 4 'magic.nrrd: starts with "PNG or w"' info magic.nrrd
+refuse wrong_magic 4 'magic.nrrd: starts with "PNG or w"' "$ISOSHADE" info magic.nrrd
 header uchar '5000000000 5000000000 5000000000' >huge.nrrd
-refuse sizes_overflow 5 'huge.nrrd: sizes 5000000000' info huge.nrrd
+refuse sizes_overflow 5 'huge.nrrd: sizes 5000000000' "$ISOSHADE" info huge.nrrd
 header uchar '2 2 2' >long.nrrd; printf 123456789 >>long.nrrd
-refuse sizes_do_not_match 4 'long.nrrd: too long: holds 9 bytes' info long.nrrd
+refuse sizes_do_not_match 4 'long.nrrd: too long: holds 9 bytes' "$ISOSHADE" info long.nrrd
 header float '1 1 2' >nan.nrrd; printf '\0\0\0\0\0\0\300\177' >>nan.nrrd
-refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' info nan.nrrd
+refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' "$ISOSHADE" info nan.nrrd
 header float '1 1 2' >inf.nrrd; printf '\0\0\200\377\0\0\0\0' >>inf.nrrd
-refuse inf_voxel 5 'the first is (0, 0, 0)' info inf.nrrd
-refuse missing_file 3 'absent.nrrd: cannot be opened' info absent.nrrd
-refuse a_folder 3 'is not a regular file' info .
-refuse no_argument 2 'wanted: isoshade info VOLUME' info
-refuse unknown_option 2 '--sizes' make ramp --sizes 3 -o x.nrrd
-refuse raw_half_given 2 'both --raw-size and --raw-type' info plain.raw --raw-size 3
-refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' info plain.raw --raw-size 40x56x34 --raw-type int16
-refuse raw_unknown_type 2 'uint8, int8, uint16' info plain.raw --raw-size 3 --raw-type half
-refuse raw_bad_spacing 2 '--raw-spacing is 0' info plain.raw --raw-size 3 --raw-type uint8 --raw-spacing 0
-refuse make_unknown_kind 2 'unknown kind "blob"' make blob --size 3 -o x.nrrd
-refuse make_zero_size 2 '--size is "0x3x3"' make ramp --size 0x3x3 -o x.nrrd
-refuse make_bad_rotation 2 '--rotate is "1,2"' make ramp --size 3 --rotate 1,2 -o x.nrrd
-refuse make_flat_matrix 5 'span no volume' make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
-refuse make_no_folder 3 'the folder nowhere does not exist' make ramp --size 3 -o nowhere/x.nrrd
-refuse make_on_a_folder 3 'is a directory' make ramp --size 3 -o .
+refuse inf_voxel 5 'the first is (0, 0, 0)' "$ISOSHADE" info inf.nrrd
+refuse missing_file 3 'absent.nrrd: cannot be opened' "$ISOSHADE" info absent.nrrd
+refuse a_folder 3 'is not a regular file' "$ISOSHADE" info .
+refuse no_argument 2 'wanted: isoshade info VOLUME' "$ISOSHADE" info
+refuse unknown_option 2 '--sizes' "$ISOSHADE" make ramp --sizes 3 -o x.nrrd
+refuse raw_half_given 2 'both --raw-size and --raw-type' "$ISOSHADE" info plain.raw --raw-size 3
+refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' "$ISOSHADE" info plain.raw --raw-size 40x56x34 --raw-type int16
+refuse raw_unknown_type 2 'uint8, int8, uint16' "$ISOSHADE" info plain.raw --raw-size 3 --raw-type half
+refuse raw_bad_spacing 2 '--raw-spacing is 0' "$ISOSHADE" info plain.raw --raw-size 3 --raw-type uint8 --raw-spacing 0
+refuse make_unknown_kind 2 'unknown kind "blob"' "$ISOSHADE" make blob --size 3 -o x.nrrd
+refuse make_zero_size 2 '--size is "0x3x3"' "$ISOSHADE" make ramp --size 0x3x3 -o x.nrrd
+refuse make_bad_rotation 2 '--rotate is "1,2"' "$ISOSHADE" make ramp --size 3 --rotate 1,2 -o x.nrrd
+refuse make_flat_matrix 5 'span no volume' "$ISOSHADE" make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
+refuse make_no_folder 3 'the folder nowhere does not exist' "$ISOSHADE" make ramp --size 3 -o nowhere/x.nrrd
+refuse make_on_a_folder 3 'is a directory' "$ISOSHADE" make ramp --size 3 -o .
 # A disk that fills up: /dev/full cannot be renamed over, so a size limit stands in for it.
 (ulimit -f 8; trap '' XFSZ; "$ISOSHADE" make noise --size 64 -o full.nrrd -q 2>err; echo $? >code)
 if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.nrrd ]; then echo "ok output_that_does_not_fit"

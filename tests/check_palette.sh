@@ -1,24 +1,8 @@
 #!/usr/bin/env bash
 # The command palette: inputs, every output, JSON, messages, exit codes, and no half-written files.
-set -u
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >"$dir/out" 2>"$dir/err"
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(head -n 1 "$dir/err")"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
 # at_most KEY LIMIT: the first number of that key in the last JSON output
 at_most() { awk -v key="\"$1\":" -v limit="$2" '$1 == key {exit !($2 + 0 <= limit)} END {if (NR == 0) exit 1}' "$dir/out"; }
-cd "$dir" || exit 1
 "$ISOSHADE" make marschner-lobb --size 40x28x33 --spacing 1x1x2.5 -o v.nrrd -q || exit 1
 "$ISOSHADE" make constant --size 8x9x10 -o flat.nrrd -q || exit 1
 "$ISOSHADE" build v.nrrd -o v.iso --levels 3 -q >/dev/null || exit 1

@@ -1,21 +1,6 @@
 #!/usr/bin/env bash
 # The commands that read a report, figure and baseline: exit codes, messages, and what they leave.
-set -u
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-failed=0
-check() { # name, condition as a command
-    local name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then echo "ok $name"; else echo "not ok $name: $*"; failed=1; fi
-}
-expect() { # name, exit code, command ...
-    local name=$1 wanted=$2 code
-    shift 2
-    "$@" >"$dir/out" 2>"$dir/err"
-    code=$?
-    if [ $code = "$wanted" ]; then echo "ok $name"; else echo "not ok $name: exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; failed=1; fi
-}
+. "$(dirname "$0")/lib.sh"
 report() { # folder, rmse
     mkdir -p "$1"
     cat >"$1/report.json" <<END

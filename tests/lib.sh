@@ -1,0 +1,44 @@
+# lib.sh - sourced by the check scripts. Leaves the shell in a private folder $dir, knows the project's $top and the
+# program $ISOSHADE. Cases print "ok NAME" or "not ok NAME: why"; a script ends with `exit $failed`.
+set -u
+top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+export ISOSHADE=${ISOSHADE:-$top/isoshade}
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+ok() { echo "ok $1"; }
+not_ok() { echo "not ok $1: $2"; failed=1; }
+
+# check NAME COMMAND: it has to succeed
+check() {
+    local name=$1 output
+    shift
+    if output=$("$@" 2>&1 | tr -d '\0'; exit "${PIPESTATUS[0]}"); then ok "$name"; else not_ok "$name" "$*: $(tail -n 2 <<<"$output")"; fi
+}
+
+# expect NAME CODE COMMAND: the exit code; its output is left in $dir/out and $dir/err
+expect() {
+    local name=$1 wanted=$2 code
+    shift 2
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$wanted" ]; then ok "$name"; else not_ok "$name" "exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; fi
+}
+
+# refuse NAME CODE WORDS COMMAND: the exit code, one line on stderr that holds the words, nothing on stdout, no file left
+refuse() {
+    local name=$1 wanted=$2 words=$3 code before after
+    shift 3
+    : >"$dir/out" && : >"$dir/err"
+    before=$(find "$dir" | sort)
+    "$@" >"$dir/out" 2>"$dir/err"
+    code=$?
+    after=$(find "$dir" | sort)
+    if [ $code != "$wanted" ]; then not_ok "$name" "exit code $code, wanted $wanted: $(cat "$dir/err")"
+    elif [ "$(wc -l <"$dir/err")" != 1 ]; then not_ok "$name" "$(wc -l <"$dir/err") lines on stderr, wanted 1: $(cat "$dir/err")"
+    elif ! grep -qF -- "$words" "$dir/err"; then not_ok "$name" "stderr lacks \"$words\": $(cat "$dir/err")"
+    elif [ -s "$dir/out" ]; then not_ok "$name" "wrote on stdout: $(head -n 1 "$dir/out")"
+    elif [ "$before" != "$after" ]; then not_ok "$name" "files were left: $(diff <(echo "$before") <(echo "$after"))"
+    else ok "$name"; fi
+}
