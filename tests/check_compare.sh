@@ -40,5 +40,5 @@ expect a_limit_that_is_nan_is_refused 2 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a
 expect one_image_is_too_few 2 "$ISOSHADE" compare "$dir/a.ppm"
 expect an_unwritable_picture_is_an_error 3 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --difference "$dir/no/d.png"
 expect help_is_not_an_error 0 "$ISOSHADE" compare --help
-check help_ends_with_examples grep -q '^  isoshade compare a.exr b.exr$' "$dir/out"
+check help_ends_with_examples grep -q '^  isoshade compare a.exr b.exr --max-rmse' "$dir/out"
 exit $failed

@@ -170,8 +170,10 @@ const iso_command iso_command_compare = {
     .details = "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
                "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
                "on the sRGB that people see. Pixels that are not finite always differ.",
-    .examples = "  isoshade compare a.exr b.exr\n"
-                "  isoshade compare a.exr b.exr --max-rmse 1e-4 --max-abs 2e-3 --json\n"
-                "  isoshade compare a.exr b.exr --difference difference.png\n",
+    .examples = "  isoshade make sphere --size 24 -o v.nrrd\n"
+                "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"
+                "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 --with reference --quadrature midpoint -o b.exr\n"
+                "  isoshade compare a.exr b.exr --max-rmse 1e-6 --max-abs 2e-5\n"
+                "  isoshade compare a.exr b.exr --max-flip 0.01 --difference difference.png --json\n",
     .run = run,
 };
