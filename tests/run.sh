@@ -6,7 +6,7 @@ set -u
 cd "$(dirname "$0")/.."
 logs=$(mktemp -d)
 trap 'rm -rf "$logs"' EXIT
-# Mesa and Blender's libraries keep memory until the end: not ours to report.
+# Libraries and popt keep memory until the end (a command runs once): not ours to report.
 export LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0
 export ASAN_OPTIONS=detect_odr_violation=0
 export ISOSHADE=$PWD/$1/isoshade

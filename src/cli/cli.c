@@ -39,49 +39,6 @@ static const char *option_before(const char *bad, int argc, const char **argv, c
     return "";
 }
 
-static bool takes_string(const struct poptOption *o)
-{
-    return (o->argInfo & POPT_ARG_MASK) == POPT_ARG_STRING && o->arg;
-}
-
-/* popt copies the values of string options. What differs from `before` - the
- * defaults, one a string option - is such a copy, and ours to free. */
-static void keep_strings(iso_cli *cli, const struct poptOption *options, char *const *before)
-{
-    size_t i = 0;
-    for (const struct poptOption *o = options; o->longName || o->shortName || o->arg; ++o)
-        if (takes_string(o)) {
-            char *value = *(char **)o->arg;
-            bool is_new = value && value != before[i++];
-            for (size_t k = 0; k < cli->string_count; ++k)
-                is_new = is_new && cli->strings[k] != value; /* two spellings of one option */
-            if (is_new)
-                cli->strings[cli->string_count++] = value;
-        }
-}
-
-/* Parses; -1 is popt's word for success. */
-static int parse_options(iso_cli *cli, const struct poptOption *options)
-{
-    size_t count = 0, i = 0;
-    for (const struct poptOption *o = options; o->longName || o->shortName || o->arg; ++o)
-        count += takes_string(o);
-    char **before = calloc(count + 1, sizeof *before);
-    cli->strings = calloc(count + 1, sizeof *cli->strings);
-    if (!before || !cli->strings) {
-        free(before);
-        return POPT_ERROR_MALLOC;
-    }
-    for (const struct poptOption *o = options; o->longName || o->shortName || o->arg; ++o)
-        if (takes_string(o))
-            before[i++] = *(char **)o->arg;
-    /* Every option has val 0, so one call parses all. */
-    int result = poptGetNextOpt(cli->context);
-    keep_strings(cli, options, before);
-    free(before);
-    return result;
-}
-
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
                          iso_error *err)
@@ -102,7 +59,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         POPT_TABLEEND,
     };
     cli->context = poptGetContext("isoshade", argc, argv, table, 0);
-    int result = parse_options(cli, options);
+    /* popt writes through POPT_ARG_* pointers; every option has val 0, so one call parses all. */
+    int result = poptGetNextOpt(cli->context);
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
         char option[64];
@@ -127,9 +85,6 @@ void iso_cli_end(iso_cli *cli)
 {
     if (cli->context)
         poptFreeContext(cli->context);
-    for (size_t i = 0; i < cli->string_count; ++i)
-        free(cli->strings[i]);
-    free(cli->strings);
     *cli = (iso_cli){0};
 }
 

@@ -35,8 +35,6 @@ typedef struct iso_cli {
     size_t argument_count;
     const char **arguments; /* positional, owned by the parse */
     poptContext context;
-    char **strings; /* values of string options, copied by popt: freed by iso_cli_end() */
-    size_t string_count;
     int argc;
     const char **argv;
     const iso_command *command;
@@ -47,8 +45,7 @@ typedef enum iso_cli_next { ISO_CLI_RUN, ISO_CLI_STOP } iso_cli_next;
 /* Parses argv by `options` (popt; ended by POPT_TABLEEND) and the common ones.
  * On --help prints and sets *next to ISO_CLI_STOP. ISO_E_USAGE names the bad
  * option and value, and the number of positional arguments when it is not in
- * [min, max]. Release with iso_cli_end() in every case; string options are
- * valid until then. */
+ * [min, max]. Release with iso_cli_end() in every case. */
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
                          iso_error *err);
