@@ -55,6 +55,13 @@ static double balls(iso_vec3 p, iso_vec3 *n)
 
 /* ---- shared shapes of a case ---- */
 
+/* The last step of most cases: both pictures against the right one. */
+static iso_status judge_pictures(iso_atlas_result *out, iso_error *err)
+{
+    iso_status status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
+    return status == ISO_OK ? iso_atlas_rmse(&out->truth, &out->mended, &out->good, err) : status;
+}
+
 /* One stage, two sources of directions at one level, measured against the picture with the closed form's. */
 static iso_status two_sources(iso_atlas_stage *s, size_t level, iso_direction_source bad, iso_direction_source good,
                               iso_atlas_result *out, iso_error *err)
@@ -64,9 +71,7 @@ static iso_status two_sources(iso_atlas_stage *s, size_t level, iso_direction_so
         status = iso_atlas_render(s, level, bad, 0.25, &out->failure, err);
     if (status == ISO_OK)
         status = iso_atlas_render(s, level, good, 0.25, &out->mended, err);
-    if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
-    return status == ISO_OK ? iso_atlas_rmse(&out->truth, &out->mended, &out->good, err) : status;
+    return status == ISO_OK ? judge_pictures(out, err) : status;
 }
 
 /* How two builds of one field are shown and judged. */
@@ -204,9 +209,7 @@ static iso_status large_steps(iso_atlas_result *out, iso_error *err)
     if (status == ISO_OK)
         status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 1.0 / 16, &out->mended, err);
     if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
-    if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+        status = judge_pictures(out, err);
     iso_atlas_stage_destroy(&s);
     return status;
 }
@@ -237,9 +240,7 @@ static iso_status sharp_tf(iso_atlas_result *out, iso_error *err)
     }
     iso_tf_table_destroy(&adapted);
     if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
-    if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+        status = judge_pictures(out, err);
     iso_atlas_stage_destroy(&s);
     return status;
 }
@@ -256,9 +257,7 @@ static iso_status thin_vessels(iso_atlas_result *out, iso_error *err)
         status = iso_atlas_render(&s, level == 1 ? 0 : level, ISO_FROM_CODES, level == 1 ? 0.5 : 0.25,
                                   level == 0 ? &out->truth : level == 1 ? &out->mended : &out->failure, err);
     if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
-    if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+        status = judge_pictures(out, err);
     iso_atlas_stage_destroy(&s);
     return status;
 }
@@ -288,9 +287,7 @@ static iso_status code_folds(iso_atlas_result *out, iso_error *err)
     if (status == ISO_OK)
         status = iso_atlas_render(&s, 0, ISO_FROM_CODES, 0.25, &out->failure, err);
     if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->failure, &out->bad, err);
-    if (status == ISO_OK)
-        status = iso_atlas_rmse(&out->truth, &out->mended, &out->good, err);
+        status = judge_pictures(out, err);
     iso_atlas_stage_destroy(&s);
     return status;
 }

@@ -19,6 +19,30 @@ typedef struct render_arguments {
     const char *shader_dir;
 } render_arguments;
 
+/* An option that the renderer would pass over is an error: its user would believe it. */
+static iso_status check_for_renderer(const render_arguments *a, iso_renderer renderer, iso_error *err)
+{
+    const unsigned reference = 1u << ISO_WITH_REFERENCE, gl = 1u << ISO_WITH_GL, cycles = 1u << ISO_WITH_CYCLES,
+                   povray = 1u << ISO_WITH_POVRAY;
+    const struct {
+        const char *option, *where;
+        bool given;
+        unsigned renderers;
+    } rules[] = {
+        {"--quadrature", "reference", a->quadrature != NULL, reference},
+        {"--gradients", "reference and gl", a->source != NULL, reference | gl},
+        {"--intervals", "povray and reference", a->intervals != 0, povray | reference},
+        {"--planes", "povray", a->planes != 0, povray},
+        {"--samples", "cycles", a->samples != 0, cycles},
+        {"--seed", "cycles", a->seed != 0, cycles},
+        {"--shader-dir", "gl", a->shader_dir != NULL, gl},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        if (rules[i].given && !(rules[i].renderers & 1u << renderer))
+            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option, rules[i].where);
+    return ISO_OK;
+}
+
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
 {
     static const char *const quadratures[] = {"converged", "midpoint", "povray"};
@@ -37,6 +61,8 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         status = iso_cli_check_range("--samples", a->samples, 0, 65536, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--level", a->level, 0, 63, err);
+    if (status == ISO_OK)
+        status = check_for_renderer(a, renderer, err);
     if (status != ISO_OK)
         return status;
     int q = 0;
@@ -44,8 +70,6 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         ++q;
     if (q == 3)
         return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted converged, midpoint or povray", a->quadrature);
-    if (a->quadrature && renderer != ISO_WITH_REFERENCE)
-        return iso_fail(err, ISO_E_USAGE, "--quadrature is for --with reference alone");
     if (a->isosurface) {
         double value[3];
         status = iso_cli_parse_numbers(a->isosurface, "--isosurface", value, err);
