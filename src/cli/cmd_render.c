@@ -14,7 +14,7 @@ typedef struct render_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, classes;
+    int level, intervals, planes, samples, seed, classes, shade_table;
     double step;
     const char *shader_dir;
 } render_arguments;
@@ -36,6 +36,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         {"--samples", "cycles", a->samples != 0, cycles},
         {"--seed", "cycles", a->seed != 0, cycles},
         {"--shader-dir", "gl", a->shader_dir != NULL, gl},
+        {"--shade-table", "gl", a->shade_table != 0, gl},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         if (rules[i].given && !(rules[i].renderers & 1u << renderer))
@@ -83,6 +84,7 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     opt->samples = a->samples;
     opt->seed = a->seed;
     opt->threads = cli->threads;
+    opt->shade_table = a->shade_table;
     return status;
 }
 
@@ -95,8 +97,10 @@ static bool is_from_palette(iso_direction_source source)
 static iso_status attach_palette(const render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
                                  iso_palette *palette, iso_error *err)
 {
-    if (!a->palette && !is_from_palette(opt->source))
+    if (!a->palette && !a->shade_table && !is_from_palette(opt->source))
         return ISO_OK;
+    if (a->shade_table && !a->palette)
+        return iso_fail(err, ISO_E_USAGE, "--shade-table needs a --palette FILE.csv");
     if (!a->palette || !is_from_palette(opt->source))
         return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --gradients palette or palette-nearest go together");
     iso_status status = iso_palette_load_csv(a->palette, palette, err);
@@ -207,6 +211,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
         {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
+        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint or povray", "RULE"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference and povray: the first hit of this value, opaque", "VALUE"},

@@ -121,6 +121,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
         o.classes = opt->classes;
         o.source = opt->source;
         o.step_voxels = opt->step_voxels;
+        o.shade_table = opt->shade_table;
         status = need_gl(r, err);
         if (status == ISO_OK)
             status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);

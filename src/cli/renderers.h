@@ -42,6 +42,7 @@ typedef struct iso_render_options {
     bool isosurface;               /* first hit of the value iso; the reference and POV-Ray */
     double iso;
     const iso_class_tables *classes; /* GL: instead of the view's TF, or NULL */
+    bool shade_table;              /* GL, palettes */
     int threads;
 } iso_render_options;
 iso_render_options iso_render_defaults(iso_renderer r);
