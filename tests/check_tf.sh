@@ -51,6 +51,7 @@ fi
 check classes_render "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --classes -o classes.exr -q
 refuse classes_at_level_0 2 '--level 1 or more' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene own.scene.json --classes -o z.exr -q
 refuse classes_elsewhere 2 'for --with gl alone' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --with reference --classes -o z.exr -q
+refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x

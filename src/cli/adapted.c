@@ -30,11 +30,20 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
     return status;
 }
 
+/* How to adapt, said without asking for it, would be passed over in silence. */
+static bool is_told_how(const iso_cli_adapted *a)
+{
+    return a->average || a->weight || a->window != 0 || a->mix_s != 0 || a->mix_t != 0 || a->always ||
+           a->bits != iso_adapt_defaults().bits;
+}
+
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
                               int threads, iso_error *err)
 {
     iso_adapt_options opt;
     iso_tf_table table;
+    if (!a->wanted && is_told_how(a))
+        return iso_fail(err, ISO_E_USAGE, "--average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
     if (!a->wanted)
         return ISO_OK;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
