@@ -13,11 +13,12 @@
 #include "cli/bench.h"
 #include "cli/input.h"
 #include "cli/subject.h"
+#include "cli/views.h"
 #include "compare/metrics.h"
 #include "render/raycaster.h"
 #include "tf/adapt.h"
 
-enum { MAX_VIEWS = 20, MAX_LEVELS = 8 };
+enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8 };
 
 typedef struct bench_tf {
     const char *name;
@@ -74,28 +75,13 @@ typedef struct bench_run {
     double worst[METHOD_COUNT]; /* largest SSIM dissimilarity above the original's */
 } bench_run;
 
-/* Towards the centres of an icosahedron's faces, which are the corners of a dodecahedron. */
-static iso_vec3 view_direction(int i)
-{
-    const double g = 0.5 * (1 + sqrt(5)), s[2] = {-1, 1};
-    if (i < 8)
-        return iso_normalize(iso_v3(s[i & 1], s[i >> 1 & 1], s[i >> 2]));
-    double a = s[i & 1] / g, b = s[i >> 1 & 1] * g;
-    switch ((i - 8) / 4) {
-    case 0: return iso_normalize(iso_v3(0, a, b));
-    case 1: return iso_normalize(iso_v3(a, b, 0));
-    default: return iso_normalize(iso_v3(b, 0, a));
-    }
-}
-
 static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view, iso_error *err)
 {
-    /* fewer views are spread over the twenty */
-    iso_vec3 direction = view_direction(i * MAX_VIEWS / run->views);
+    iso_vec3 direction = iso_view_of_faces(i, run->views);
     const iso_level *level0 = &p->levels[0];
     const iso_scene scene = {.path = "bench", .width = (size_t)run->size, .height = (size_t)run->size, .camera_fit = true,
                              .orthographic = true, .camera_direction = direction,
-                             .camera_up = fabs(direction.z) < 0.8 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0), .margin = 1,
+                             .camera_up = iso_view_up(direction), .margin = 1,
                              .light_count = 1, .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
                              .shading = {.ambient = run->shaded ? 0.3 : 1, .diffuse = run->shaded ? 0.7 : 0, .power = 1},
                              .step_voxels = run->step_voxels, .tf = *tf};

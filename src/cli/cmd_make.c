@@ -139,7 +139,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "mm along the axes of the grid (1)", "SXxSYxSZ"},
         {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows", "NUMBERS"},
         {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
-        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise", "N"},
+        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise and vessels", "N"},
         {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress", NULL},
         POPT_TABLEEND,
     };

@@ -172,20 +172,127 @@ static void noise_row(const noise_wave waves[NOISE_WAVES], iso_vec3 p, iso_vec3 
     }
 }
 
+/* What overlapping parts show together, 1 - product of (1 - s_i): in [0, 1], and as smooth as each. */
+typedef struct overlap {
+    double rest;   /* the product */
+    iso_vec3 log_slope; /* sum of ds_i / (1 - s_i) */
+} overlap;
+
+static void add_part(overlap *o, double s, iso_vec3 slope)
+{
+    const double rest = fmax(1 - s, 1e-12); /* of a part that is 1: its slope vanishes with the rest */
+    o->rest *= rest;
+    o->log_slope = iso_madd(o->log_slope, slope, 1 / rest);
+}
+
+static double join_parts(const overlap *o, iso_vec3 *d)
+{
+    *d = iso_scale(o->log_slope, o->rest);
+    return 1 - o->rest;
+}
+
+/* From 1 inside (depth > 0) to 0 outside. */
+static double flank_at(double depth, double width, double *slope)
+{
+    double v = 1 / (1 + exp(-depth / width));
+    *slope = v * (1 - v) / width;
+    return v;
+}
+
+static double tubes(iso_vec3 p, iso_vec3 *d)
+{
+    static const struct {
+        iso_vec3 through, along;
+        double width;
+    } lines[] = {{{0, 0, 0}, {1, 0.3, 0.2}, 0.09},
+                 {{0.1, -0.5, 0.3}, {0.2, 1, 0.5}, 0.06},
+                 {{-0.5, 0.2, -0.3}, {0.3, -0.2, 1}, 0.045},
+                 {{0.5, 0.5, 0}, {-0.4, 1, -0.7}, 0.035},
+                 {{0, -0.1, 0.6}, {1, 1, -0.1}, 0.03}};
+    overlap sum = {.rest = 1};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; ++i) {
+        const iso_vec3 along = iso_normalize(lines[i].along), from = iso_sub(p, lines[i].through);
+        const iso_vec3 off = iso_madd(from, along, -iso_dot(from, along));
+        const double width = lines[i].width, v = exp(-iso_dot(off, off) / (2 * width * width));
+        add_part(&sum, v, iso_scale(off, -v / (width * width)));
+    }
+    return join_parts(&sum, d);
+}
+
+static double balls(iso_vec3 p, iso_vec3 *d)
+{
+    static const struct {
+        iso_vec3 center;
+        double radius;
+    } parts[] = {{{-0.42, -0.1, 0.05}, 0.4}, {{0.42, 0.08, -0.04}, 0.42}}; /* 0.045 apart */
+    overlap sum = {.rest = 1};
+    for (size_t i = 0; i < 2; ++i) {
+        const iso_vec3 from = iso_sub(p, parts[i].center);
+        const double r = iso_norm(from);
+        double slope, v = flank_at(parts[i].radius - r, 0.012, &slope);
+        add_part(&sum, v, r > 0 ? iso_scale(from, -slope / r) : iso_v3(0, 0, 0));
+    }
+    return join_parts(&sum, d);
+}
+
+enum { VESSEL_COUNT = 31 }; /* a trunk, and four times two branches at each end */
+
+typedef struct vessel {
+    iso_vec3 from, along; /* along: unit */
+    double length, radius;
+} vessel;
+
+/* Branch i grows from the end of branch (i - 1) / 2; thickness shrinks by a quarter at each fork. */
+static void grow_vessels(uint64_t seed, vessel tree[VESSEL_COUNT])
+{
+    tree[0] = (vessel){{0.05, -0.05, -0.9}, {0, 0, 1}, 0.6, 0.1};
+    for (size_t i = 1; i < VESSEL_COUNT; ++i) {
+        const vessel *parent = &tree[(i - 1) / 2];
+        const double turn = 6.2831853071795865 * uniform(&seed), spread = 0.45 + 0.3 * uniform(&seed);
+        const iso_vec3 other = fabs(parent->along.x) < 0.7 ? iso_v3(1, 0, 0) : iso_v3(0, 1, 0);
+        const iso_vec3 u = iso_normalize(iso_cross(parent->along, other)), v = iso_cross(parent->along, u);
+        /* the second of a pair leaves on the other side */
+        const double side = i % 2 ? 1 : -1;
+        iso_vec3 away = iso_add(iso_scale(u, side * cos(0.3 * turn)), iso_scale(v, side * sin(0.3 * turn)));
+        tree[i] = (vessel){iso_madd(parent->from, parent->along, parent->length),
+                           iso_normalize(iso_madd(parent->along, away, tan(spread))), 0.78 * parent->length, 0.75 * parent->radius};
+    }
+}
+
+static double vessels(iso_vec3 p, const vessel tree[VESSEL_COUNT], iso_vec3 *d)
+{
+    const double flank = 0.01;
+    overlap sum = {.rest = 1};
+    for (size_t i = 0; i < VESSEL_COUNT; ++i) {
+        const iso_vec3 from = iso_sub(p, tree[i].from);
+        const double t = fmin(fmax(iso_dot(from, tree[i].along), 0), tree[i].length);
+        const iso_vec3 off = iso_madd(from, tree[i].along, -t);
+        const double r = iso_norm(off);
+        double slope, v = flank_at(tree[i].radius - r, flank, &slope);
+        add_part(&sum, v, r > 0 ? iso_scale(off, -slope / r) : iso_v3(0, 0, 0));
+    }
+    return join_parts(&sum, d);
+}
+
 /* What all samples of a field share. */
 typedef struct field_frame {
     double half_edge; /* mm */
     iso_vec3 center;
     double extent;    /* of the box, in half edges */
     double flank;     /* one voxel along z, in half edges */
+    vessel tree[VESSEL_COUNT]; /* of vessels alone */
 } field_frame;
 
-static field_frame frame_of(const iso_geometry *g)
+static field_frame frame_of(const iso_field *f)
 {
+    const iso_geometry *g = &f->geometry;
     double spacing[3], half_edge = half_shortest_edge_mm(g);
     iso_geometry_spacing_mm(g, spacing);
-    return (field_frame){.half_edge = half_edge, .center = iso_geometry_box_center_mm(g),
+    field_frame frame = {.half_edge = half_edge, .center = iso_geometry_box_center_mm(g),
                          .extent = iso_geometry_box_radius_mm(g) / half_edge, .flank = spacing[2] / half_edge};
+    if (f->kind == ISO_FIELD_VESSELS)
+        grow_vessels(f->seed, frame.tree);
+    return frame;
 }
 
 static double evaluate(const iso_field *f, const field_frame *frame, iso_vec3 p, iso_vec3 *d)
@@ -198,6 +305,9 @@ static double evaluate(const iso_field *f, const field_frame *frame, iso_vec3 p,
     case ISO_FIELD_PLATE: return plate(p, d);
     case ISO_FIELD_MARSCHNER_LOBB: return marschner_lobb(p, d);
     case ISO_FIELD_NOISE: return noise(p, f->seed, d);
+    case ISO_FIELD_TUBES: return tubes(p, d);
+    case ISO_FIELD_VESSELS: return vessels(p, frame->tree, d);
+    case ISO_FIELD_BALLS: return balls(p, d);
     case ISO_FIELD_CONSTANT:
     case ISO_FIELD_COUNT: break;
     }
@@ -207,7 +317,7 @@ static double evaluate(const iso_field *f, const field_frame *frame, iso_vec3 p,
 
 double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient)
 {
-    field_frame frame = frame_of(&f->geometry);
+    field_frame frame = frame_of(f);
     iso_vec3 d;
     double value = evaluate(f, &frame, iso_scale(iso_sub(world_mm, frame.center), 1 / frame.half_edge), &d);
     if (gradient)
@@ -265,7 +375,7 @@ static void sample_row(const iso_field *f, const field_frame *frame, const noise
 iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out, iso_error *err)
 {
     const size_t *n = f->geometry.size;
-    field_frame frame = frame_of(&f->geometry);
+    field_frame frame = frame_of(f);
     noise_wave waves[NOISE_WAVES];
     bool no_memory = false;
     noise_waves(f->seed, waves);

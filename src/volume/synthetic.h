@@ -19,6 +19,9 @@
     X(ISO_FIELD_PLATE, "plate", "a thin tilted Gaussian plate: opposite gradients close by")  \
     X(ISO_FIELD_MARSCHNER_LOBB, "marschner-lobb", "the test signal of Marschner and Lobb (1994)") \
     X(ISO_FIELD_NOISE, "noise", "smooth band-limited noise: a sum of random plane waves")     \
+    X(ISO_FIELD_TUBES, "tubes", "five straight Gaussian tubes of several widths")              \
+    X(ISO_FIELD_VESSELS, "vessels", "a branching tree of vessels, ever thinner")               \
+    X(ISO_FIELD_BALLS, "balls", "two balls that nearly touch: surfaces that face each other")  \
     X(ISO_FIELD_CONSTANT, "constant", "1/2 everywhere: no gradient at all")
 
 typedef enum iso_field_kind {
@@ -31,7 +34,7 @@ typedef enum iso_field_kind {
 typedef struct iso_field {
     iso_field_kind kind;
     iso_geometry geometry; /* where p is normalised */
-    uint64_t seed;         /* of noise */
+    uint64_t seed;         /* of noise and vessels */
 } iso_field;
 
 const char *iso_field_name(iso_field_kind kind);
