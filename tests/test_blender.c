@@ -227,6 +227,30 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
     close_subject(&s);
 }
 
+/* Steps and seeds change from frame to frame, nothing else: each picture is that of a run of its own. */
+static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
+{
+    (void)state;
+    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
+    iso_blender_options frames[3] = {iso_blender_defaults(), iso_blender_defaults(), iso_blender_defaults()};
+    frames[0].step_voxels = 1.0 / 8;
+    frames[1].step_voxels = frames[2].step_voxels = 1.0 / 2;
+    frames[1].seed = 7;
+    iso_image pictures[3], alone;
+    assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, 3, pictures, NULL, &err));
+    assert_ok(iso_cycles_render(&s.pyramid, 0, &s.view, &frames[1], &alone, NULL, &err));
+    assert_at_most(rmse(&pictures[1], &alone), 1e-7); /* threads may differ in the last bit */
+    assert_more_than(rmse(&pictures[1], &pictures[0]), 1e-4); /* another step */
+    assert_more_than(rmse(&pictures[1], &pictures[2]), 1e-4); /* another seed */
+    frames[2].step_voxels = -1;
+    for (int i = 0; i < 3; ++i)
+        iso_image_destroy(&pictures[i]);
+    assert_status(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, 3, pictures, NULL, &err), ISO_E_RANGE);
+    assert_null(pictures[0].rgba); /* all or none */
+    iso_image_destroy(&alone);
+    close_subject(&s);
+}
+
 /* Runs Blender on a .blend with a script of its user. */
 static void run_script(const char *blend, const char *script_text)
 {
@@ -453,6 +477,7 @@ int main(void)
         cmocka_unit_test(an_overhanging_sheared_level_agrees_orthographically),
         cmocka_unit_test(thin_shells_under_the_microscope_agree_at_a_coarse_level),
         cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
+        cmocka_unit_test(frames_of_one_run_are_the_pictures_of_single_runs),
         cmocka_unit_test(an_exported_scene_can_be_moved_switched_and_turned),
         cmocka_unit_test(ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not),
         cmocka_unit_test(failures_are_told_and_leave_no_file),

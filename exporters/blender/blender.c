@@ -286,19 +286,55 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
     return status;
 }
 
-iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
-                             iso_image *image, const iso_progress *progress, iso_error *err)
+/* One entry a picture: what may change without building the scene again. */
+static json_t *describe_frames(const iso_geometry *g, const char *folder, const iso_blender_options *frames, size_t count)
 {
-    *image = (iso_image){0};
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i) {
+        char path[PATH_MAX];
+        snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
+        json_array_append_new(list, json_pack("{sf si si ss}", "step",
+                                              frames[i].step_voxels * iso_geometry_min_spacing_mm(g), "samples",
+                                              frames[i].samples, "seed", frames[i].seed, "path", path));
+    }
+    return list;
+}
+
+static iso_status load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        char path[PATH_MAX];
+        iso_image *picture = &pictures[i];
+        snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
+        status = iso_image_load_exr(path, picture, err);
+        if (status == ISO_OK && (picture->width != view->width || picture->height != view->height))
+            status = iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", picture->width,
+                              picture->height, view->width, view->height);
+        if (status == ISO_OK)
+            iso_image_add_background(picture, view->background);
+    }
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&pictures[i]);
+    return status;
+}
+
+iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
+                                    const iso_blender_options *frames, size_t count, iso_image *pictures,
+                                    const iso_progress *progress, iso_error *err)
+{
     iso_pyramid scaled = {0};
-    iso_status status = check_options(p, level, 1, opt, err);
+    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture is asked for");
+    memset(pictures, 0, count * sizeof *pictures);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = check_options(p, level, 1, &frames[i], err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     double units = units_per_mm(&p->levels[0].geometry);
-    char *vdb = iso_path_join(folder, "volume.vdb"), *exr = iso_path_join(folder, "picture.exr");
+    char *vdb = iso_path_join(folder, "volume.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     status = in_units(p, units, &scaled, err);
@@ -306,28 +342,26 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
     if (status == ISO_OK) {
         const iso_level *l = &scaled.levels[level];
-        json_t *about = describe_scene(view, units, &l->geometry, "isoshade", opt);
-        json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, opt)));
+        json_t *about = describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
+        json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, &frames[0])));
         json_object_set_new(about, "tf", describe_tf(&view->tf, 1, units));
         json_object_set_new(about, "film_transparent", json_true());
-        json_object_set_new(about, "render", json_string(exr));
-        status = run_blender(about, folder, opt, progress, err);
+        json_object_set_new(about, "frames", describe_frames(&l->geometry, folder, frames, count));
+        status = run_blender(about, folder, &frames[0], progress, err);
     }
     if (status == ISO_OK)
-        status = iso_image_load_exr(exr, image, err);
-    if (status == ISO_OK && (image->width != view->width || image->height != view->height))
-        status = iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", image->width,
-                          image->height, view->width, view->height);
-    if (status == ISO_OK)
-        iso_image_add_background(image, view->background);
-    else
-        iso_image_destroy(image);
+        status = load_pictures(folder, view, count, pictures, err);
     iso_remove_tree(folder);
     free(scaled.levels);
-    free(exr);
     free(vdb);
     free(folder);
     return status;
+}
+
+iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
+                             iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    return iso_cycles_render_frames(p, level, view, opt, 1, image, progress, err);
 }
 
 /* ---- export ---- */

@@ -47,6 +47,12 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
+/* Several pictures of one scene by one run of Blender, which is started, calibrated and given its grids once:
+ * pictures[i] is what iso_cycles_render() gives with frames[i]. threads: of frames[0]. All or none are created. */
+iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
+                                    const iso_blender_options *frames, size_t count, iso_image *pictures,
+                                    const iso_progress *progress, iso_error *err);
+
 /* The TF as Blender's ColorRamp: at most 32 stops, which Cycles bakes to 256
  * entries. The .blend carries it as the group "isoshade ramp" beside the exact
  * image. The losses are the largest differences from the table, after baking. */

@@ -322,16 +322,20 @@ def camera_object(camera, collection):
     return thing
 
 
-def configure(scene, about):
-    """Cycles as an integrator of emission and absorption, without any of its noise."""
-    scene.render.engine = 'CYCLES'
-    cycles = scene.cycles
-    cycles.device = 'CPU'
+def set_samples(cycles, about):
     cycles.samples = about["samples"]
     cycles.seed = about["seed"]
     # One sample goes through the pixel's centre but for the filter table's coarseness, a thousandth of its width.
     cycles.pixel_filter_type = 'BLACKMAN_HARRIS'
     cycles.filter_width = 0.01 if about["samples"] == 1 else 1.5
+
+
+def configure(scene, about):
+    """Cycles as an integrator of emission and absorption, without any of its noise."""
+    scene.render.engine = 'CYCLES'
+    cycles = scene.cycles
+    cycles.device = 'CPU'
+    set_samples(cycles, about)
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False
     cycles.max_bounces = 0
@@ -368,6 +372,19 @@ def render(scene, path):
     bpy.ops.render.render(scene=scene.name, write_still=True)
     if not os.path.exists(path):
         raise RuntimeError(f"Blender wrote no picture at {path}")
+
+
+def render_frames(scene, frames):
+    """Pictures that differ in step, samples and seed alone: the scene stays."""
+    volumes = [thing for thing in scene.objects if "isoshade_step" in thing]
+    for number, frame in enumerate(frames):
+        set_samples(scene.cycles, frame)
+        for thing in volumes:
+            thing.data.render.step_size = frame["step"]
+            thing["isoshade_step"] = float(frame["step"])
+            thing.update_tag()
+        render(scene, frame["path"])
+        print(f"isoshade: progress {0.3 + 0.7 * (number + 1) / len(frames):.3f} Blender", flush=True)
 
 
 # ---- calibration -----------------------------------------------------------------------------------------------
@@ -602,8 +619,8 @@ def main():
     shift = calibrate(about["calibration"])
     print("isoshade: progress 0.3 Blender", flush=True)
     scene = build(about, shift)
-    if "render" in about:
-        render(scene, about["render"])
+    if "frames" in about:
+        render_frames(scene, about["frames"])
     if "save" in about:
         save(about, shift)
     print("isoshade: progress 1 Blender", flush=True)
