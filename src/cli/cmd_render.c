@@ -29,7 +29,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         bool given;
         unsigned renderers;
     } rules[] = {
-        {"--quadrature", "reference", a->quadrature != NULL, reference},
+        {"--quadrature", "reference and gl", a->quadrature != NULL, reference | gl},
         {"--gradients", "reference and gl", a->source != NULL, reference | gl},
         {"--intervals", "povray and reference", a->intervals != 0, povray | reference},
         {"--planes", "povray", a->planes != 0, povray},
@@ -44,9 +44,28 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
     return ISO_OK;
 }
 
+/* The ray caster has no end of its refinement and no other program's sums. */
+static iso_status take_quadrature(const char *word, iso_renderer renderer, iso_quadrature *quadrature, iso_error *err)
+{
+    static const struct {
+        const char *name;
+        iso_quadrature value;
+        bool in_gl;
+    } quadratures[] = {{"converged", ISO_QUADRATURE_CONVERGED, false},
+                       {"midpoint", ISO_QUADRATURE_MIDPOINT, true},
+                       {"preintegrated", ISO_QUADRATURE_PREINTEGRATED, true},
+                       {"povray", ISO_QUADRATURE_POVRAY, false}};
+    for (size_t i = 0; i < sizeof quadratures / sizeof *quadratures; ++i)
+        if (strcmp(quadratures[i].name, word) == 0 && (quadratures[i].in_gl || renderer == ISO_WITH_REFERENCE)) {
+            *quadrature = quadratures[i].value;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
+                    renderer == ISO_WITH_REFERENCE ? "converged, midpoint, preintegrated or povray" : "midpoint or preintegrated");
+}
+
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
 {
-    static const char *const quadratures[] = {"converged", "midpoint", "povray"};
     iso_renderer renderer = ISO_WITH_GL;
     iso_status status = iso_renderer_from_name(a->with, &renderer, err);
     *opt = iso_render_defaults(renderer);
@@ -66,18 +85,16 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         status = check_for_renderer(a, renderer, err);
     if (status != ISO_OK)
         return status;
-    int q = 0;
-    while (a->quadrature && q < 3 && strcmp(quadratures[q], a->quadrature) != 0)
-        ++q;
-    if (q == 3)
-        return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted converged, midpoint or povray", a->quadrature);
+    if (a->quadrature)
+        status = take_quadrature(a->quadrature, renderer, &opt->quadrature, err);
+    if (status != ISO_OK)
+        return status;
     if (a->isosurface) {
         double value[3];
         status = iso_cli_parse_numbers(a->isosurface, "--isosurface", value, err);
         opt->isosurface = true;
         opt->iso = value[0];
     }
-    opt->quadrature = (iso_quadrature)q;
     opt->step_voxels = a->step;
     opt->intervals = (size_t)a->intervals;
     opt->planes = (size_t)a->planes;
@@ -213,7 +230,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
-        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint or povray", "RULE"},
+        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference and povray: the first hit of this value, opaque", "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},

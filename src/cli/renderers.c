@@ -122,6 +122,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
         o.source = opt->source;
         o.step_voxels = opt->step_voxels;
         o.shade_table = opt->shade_table;
+        o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
         status = need_gl(r, err);
         if (status == ISO_OK)
             status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);

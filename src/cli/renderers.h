@@ -34,7 +34,7 @@ iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *
 typedef struct iso_render_options {
     iso_renderer renderer;
     iso_direction_source source;   /* reference and GL */
-    iso_quadrature quadrature;     /* reference */
+    iso_quadrature quadrature;     /* reference; GL: pre-integrated, or else the midpoint */
     double step_voxels;            /* 0: the view's; for Cycles and POV-Ray their own defaults */
     size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
     bool extrapolate;              /* POV-Ray, with intervals */

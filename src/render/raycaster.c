@@ -10,12 +10,13 @@
 #include "render/gl_context.h"
 #include "render/gl_uniforms.h"
 #include "render/sampler.h"
+#include "tf/integral.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
-    GLuint scalar, directions, tf, occupancy, palette, classes; /* directions: the indices, with a palette */
+    GLuint scalar, directions, tf, tf_sums, occupancy, palette, classes; /* directions: the indices, with a palette */
     bool skip_empty;
     double value_per_texel; /* value = min + texel * value_per_texel */
     double direction_scale, direction_offset;
@@ -127,8 +128,28 @@ static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
 
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[6] = {t->scalar, t->directions, t->tf, t->occupancy, t->palette, t->classes};
-    glDeleteTextures(6, names);
+    const GLuint names[] = {t->scalar, t->directions, t->tf, t->tf_sums, t->occupancy, t->palette, t->classes};
+    glDeleteTextures(sizeof names / sizeof *names, names);
+}
+
+/* The TF's sums as floats, and what the floats leave of them: their differences then keep a float's digits. */
+static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_textures *t, iso_error *err)
+{
+    iso_tf_integral integral;
+    iso_status status = iso_tf_integral_create(&integral, tf, err);
+    const size_t count = 4 * tf->count;
+    float *rows = malloc(2 * count * sizeof *rows);
+    if (status == ISO_OK && !rows)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for the integral of %zu entries", tf->count);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        rows[i] = (float)integral.sums[i];
+        rows[count + i] = (float)(integral.sums[i] - (double)rows[i]);
+    }
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err);
+    free(rows);
+    iso_tf_integral_destroy(&integral);
+    return status;
 }
 
 /* Decides whether empty bricks are skipped, and uploads their distances if so. */
@@ -148,6 +169,10 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
         double occupied = iso_occupancy_compute(&r, tf, distance);
         t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || occupied <= ISO_GL_SKIP_OCCUPIED;
     }
+    /* A segment whose middle is in one brick may begin and end this many further. */
+    const size_t reach = opt->preintegrated ? (size_t)ceil(0.5 * opt->step_voxels / (double)opt->brick_voxels) : 0;
+    for (size_t i = 0; status == ISO_OK && reach > 0 && i < iso_brick_ranges_count(&r); ++i)
+        distance[i] = (uint8_t)(distance[i] > reach ? distance[i] - reach : 0);
     if (status == ISO_OK && t->skip_empty)
         status = iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err);
     free(distance);
@@ -206,6 +231,9 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
         status = upload_classes(gl, level, opt, t, err);
     else if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF_SUMS);
+    if (status == ISO_OK && opt->preintegrated)
+        status = upload_sums(gl, tf, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && source == ISO_FROM_CODES)
         status = upload_codes(gl, level, code, t, err);
@@ -235,6 +263,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "palette", UNIT_PALETTE);
     iso_gl_set_int(program, "class_part", UNIT_CLASSES);
+    iso_gl_set_int(program, "tf_sums", UNIT_TF_SUMS);
     iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
     iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
     iso_gl_set_vec3(program, "voxel", voxel);
@@ -270,20 +299,24 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     char defines[320];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
-             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n",
+             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
+             "#define PREINTEGRATED %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty, opt->classes ? ISO_JOINT_CLASSES : 0);
+             view->shading.specular > 0, skip_empty, opt->classes ? ISO_JOINT_CLASSES : 0, opt->preintegrated);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
 iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
-                         const iso_gl_options *opt, iso_image *image, double *seconds, iso_error *err)
+                         const iso_gl_options *options, iso_image *image, double *seconds, iso_error *err)
 {
-    double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    iso_gl_options with_step = *options, *opt = &with_step;
+    const double step_voxels = opt->step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
     *image = (iso_image){0};
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
+    if (opt->classes && opt->preintegrated)
+        return iso_fail(err, ISO_E_USAGE, "gl: a TF over deviation classes is not pre-integrated");
     GLuint program;
     level_textures textures;
     iso_status status = iso_gl_bind(gl, err);

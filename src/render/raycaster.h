@@ -1,7 +1,8 @@
 /* raycaster.h - the OpenGL ray caster: headless, by EGL, on a GPU or in software.
  *
  * Quadrature: segments [k ds, (k+1) ds] of each ray clipped to the box, one
- * sample in the middle, 1 - exp(-sigma length). Textures: scalar R16 where the
+ * sample in the middle, 1 - exp(-sigma length); or pre-integrated, the TF's means
+ * between the values at both ends (tf/integral.h). Textures: scalar R16 where the
  * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
  * from floats, or on the fly. At start the texture filter is probed: where
  * 8-bit textures are filtered in 8 bits (llvmpipe), codes travel in 16 bits. */
@@ -47,6 +48,7 @@ typedef struct iso_gl_options {
     bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
+    bool preintegrated;          /* not with classes */
     const iso_class_tables *classes; /* a TF over value and deviation class instead of the view's, or NULL */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);

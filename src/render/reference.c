@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "render/sampler.h"
+#include "tf/integral.h"
 
 iso_reference_options iso_reference_defaults(void)
 {
@@ -17,6 +18,7 @@ typedef struct ray_state {
     const iso_sampler *sampler;
     const iso_view *view;
     const size_t *bends;        /* bends_create() */
+    const iso_tf_integral *integral; /* preintegrated */
     iso_vec3 origin, direction; /* index per mm of t */
     iso_vec3 to_viewer;         /* world, unit */
 } ray_state;
@@ -278,13 +280,36 @@ static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, do
     return s;
 }
 
+/* The midpoint's segments with the TF's means between the values at their ends. */
+static stretch integrate_means(const ray_state *ray, double t0, double t1, double ds)
+{
+    stretch s = {{0}, 0};
+    double back = value_at(ray, t0);
+    for (double k = floor(t0 / ds); k * ds < t1; ++k) {
+        double a = fmax(k * ds, t0), b = fmin((k + 1) * ds, t1), front = back, mean[4];
+        if (!(b > a))
+            continue;
+        back = value_at(ray, b);
+        iso_tf_integral_mean(ray->integral, front, back, mean);
+        if (mean[3] <= 0)
+            continue;
+        iso_vec3 normal = iso_sample_normal(ray->sampler, iso_madd(ray->origin, ray->direction, 0.5 * (a + b)));
+        double depth = mean[3] * (b - a);
+        double weight = exp(-s.depth) * -expm1(-depth) / mean[3] * shade(ray->view, normal, ray->to_viewer);
+        for (int c = 0; c < 3; ++c)
+            s.color[c] += weight * mean[c];
+        s.depth += depth;
+    }
+    return s;
+}
+
 static void render_pixel(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
-                         const size_t *bends, size_t column, size_t row, float rgba[4])
+                         const size_t *bends, const iso_tf_integral *integral, size_t column, size_t row, float rgba[4])
 {
     const iso_geometry *g = &sampler->level->geometry;
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.sampler = sampler, .view = view, .bends = bends, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.sampler = sampler, .view = view, .bends = bends, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -295,6 +320,8 @@ static void render_pixel(const iso_sampler *sampler, const iso_view *view, const
             s = integrate_converged(&state, t0, t1, opt->tolerance);
         else if (opt->quadrature == ISO_QUADRATURE_MIDPOINT)
             s = integrate_midpoint(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
+        else if (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
+            s = integrate_means(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
         else if (opt->quadrature == ISO_QUADRATURE_FIRST_HIT)
             s = hit_surface(&state, t0, t1, opt->iso);
         else
@@ -321,17 +348,21 @@ static iso_status render_all(const iso_sampler *sampler, const iso_view *view, c
     size_t *bends = bends_create(&view->tf);
     if (status == ISO_OK && !bends)
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
+    iso_tf_integral integral = {0};
+    if (status == ISO_OK && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
+        status = iso_tf_integral_create(&integral, &view->tf, err);
     size_t done = 0;
     int threads = iso_threads(opt->threads);
     if (status == ISO_OK) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t row = 0; row < view->height; ++row) {
             for (size_t column = 0; column < view->width; ++column)
-                render_pixel(sampler, view, opt, bends, column, row, image->rgba + 4 * (row * view->width + column));
+                render_pixel(sampler, view, opt, bends, &integral, column, row, image->rgba + 4 * (row * view->width + column));
 #pragma omp critical(iso_reference_progress)
             iso_progress_report(progress, "reference", (double)++done / (double)view->height);
         }
     }
+    iso_tf_integral_destroy(&integral);
     free(bends);
     if (status != ISO_OK)
         iso_image_destroy(image);

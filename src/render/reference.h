@@ -9,6 +9,8 @@
  *              the change is below tolerance: no step is left in the result.
  *   midpoint   what the GL ray caster does: segments [k ds, (k+1) ds] clipped to
  *              the box, sample in the middle, 1 - exp(-sigma length).
+ *   preintegrated  the same segments, with the TF's means between the values at
+ *              both ends (tf/integral.h), shaded in the middle.
  *   povray     what POV-Ray's method 2 does: N equal intervals a ray, weight
  *              tau exp(-tau / 2) (see exporters/povray).
  *   first hit  no quadrature: the first point of the ray inside the box where
@@ -25,6 +27,7 @@
 typedef enum iso_quadrature {
     ISO_QUADRATURE_CONVERGED,
     ISO_QUADRATURE_MIDPOINT,
+    ISO_QUADRATURE_PREINTEGRATED,
     ISO_QUADRATURE_POVRAY,
     ISO_QUADRATURE_FIRST_HIT
 } iso_quadrature;
@@ -32,7 +35,7 @@ typedef enum iso_quadrature {
 typedef struct iso_reference_options {
     iso_quadrature quadrature;
     iso_direction_source source;
-    double step_voxels; /* midpoint; 0: the view's */
+    double step_voxels; /* midpoint and preintegrated; 0: the view's */
     size_t intervals;   /* povray */
     double tolerance;   /* converged: of a pixel's value */
     double iso;         /* first hit: the value of the surface */

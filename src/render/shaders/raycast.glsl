@@ -7,7 +7,8 @@
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
 // voxels, 4 of one), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of the TF over deviation classes; 0 or absent: one).
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of the TF over deviation classes; 0 or absent: one),
+// PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -29,6 +30,13 @@ uniform int tf_count;
 #endif
 #if CLASSES
 uniform sampler3D class_part;      // class / (CLASSES - 1)
+#endif
+
+#ifndef PREINTEGRATED
+#define PREINTEGRATED 0
+#endif
+#if PREINTEGRATED
+uniform sampler2D tf_sums;         // rows: of sigma c and sigma up to each entry, and what float leaves of them
 #endif
 
 #if SKIP_EMPTY
@@ -97,14 +105,28 @@ Ray pixel_ray()
 struct Segment {
     vec3 p;     // the middle
     float part; // of a whole segment; exactly 1 away from the ends
+#if PREINTEGRATED
+    vec3 front, back; // its ends
+#endif
 };
+
+// p, `at` segments on from the first one's middle.
+vec3 point_of(Ray ray, float at)
+{
+    return fma(vec3(at), ray.stride, ray.start) + (ray.start_rest + at * ray.stride_rest);
+}
 
 Segment segment(Ray ray, float k)
 {
     float front = k == 0.0 ? ray.first_cut : 0.0, back = max(k + 1.0 - ray.length, 0.0);
-    float middle = k + 0.5 * (front - back);
-    vec3 rest = ray.start_rest + middle * ray.stride_rest;
-    return Segment(fma(vec3(middle), ray.stride, ray.start) + rest, 1.0 - front - back);
+    Segment s;
+    s.p = point_of(ray, k + 0.5 * (front - back));
+    s.part = 1.0 - front - back;
+#if PREINTEGRATED
+    s.front = point_of(ray, k - 0.5 + front);
+    s.back = point_of(ray, k + 0.5 - back);
+#endif
+    return s;
 }
 
 #if SKIP_EMPTY
@@ -151,6 +173,40 @@ vec4 tf_row(float s, int row)
     return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), x - float(i));
 }
 
+#if PREINTEGRATED
+// Sigma c and sigma of entry x in cell [i, i + 1]; cells -1 and tf_count - 1 hold what lies beyond the table.
+vec4 emission_in(int i, float x)
+{
+    vec4 a = texelFetch(tf, ivec2(clamp(i, 0, tf_count - 1), 0), 0);
+    vec4 b = texelFetch(tf, ivec2(clamp(i + 1, 0, tf_count - 1), 0), 0);
+    vec4 e = mix(a, b, i < 0 || i >= tf_count - 1 ? 0.0 : x - float(i));
+    return vec4(e.rgb * e.a, e.a);
+}
+
+// Simpson's rule, exact of a parabola.
+vec4 cell_mean(int i, float a, float b)
+{
+    return (emission_in(i, a) + 4.0 * emission_in(i, 0.5 * (a + b)) + emission_in(i, b)) / 6.0;
+}
+
+// The mean colour by extinction, and the mean extinction, between two texel values: tf/integral.h.
+vec4 mean_between(float s0, float s1)
+{
+    float x0 = min(s0, s1) * tf_scale + tf_offset, x1 = max(s0, s1) * tf_scale + tf_offset;
+    int i0 = int(clamp(floor(x0), -1.0, float(tf_count - 1))), i1 = int(clamp(floor(x1), -1.0, float(tf_count - 1)));
+    vec4 mean;
+    if (i0 == i1) {
+        mean = cell_mean(i0, x0, x1);
+    } else {
+        vec4 sums = (texelFetch(tf_sums, ivec2(i1, 0), 0) - texelFetch(tf_sums, ivec2(i0 + 1, 0), 0)) +
+                    (texelFetch(tf_sums, ivec2(i1, 1), 0) - texelFetch(tf_sums, ivec2(i0 + 1, 1), 0));
+        float front = float(i0 + 1) - x0, back = x1 - float(i1);
+        mean = (cell_mean(i0, x0, float(i0 + 1)) * front + sums + cell_mean(i1, float(i1), x1) * back) / (x1 - x0);
+    }
+    return mean.a > 0.0 ? vec4(mean.rgb / mean.a, mean.a) : vec4(0.0);
+}
+#endif
+
 vec4 classify_at(vec3 p)
 {
     float s = scalar_at(p);
@@ -160,6 +216,15 @@ vec4 classify_at(vec3 p)
     return mix(tf_row(s, i), tf_row(s, i + 1), c - float(i));
 #else
     return tf_row(s, 0);
+#endif
+}
+
+vec4 classify(Segment at, vec4 where)
+{
+#if PREINTEGRATED
+    return mean_between(scalar_at(at.front), scalar_at(at.back));
+#else
+    return classify_at(where.xyz);
 #endif
 }
 
@@ -255,7 +320,7 @@ void main()
                 break;
             at = segment(ray, k);
             where = address(at.p);
-            c = classify_at(where.xyz);
+            c = classify(at, where);
             if (c.a > 0.0)
                 break;
         }
@@ -269,7 +334,7 @@ void main()
     for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
         Segment at = segment(ray, k);
         vec4 where = address(at.p);
-        vec4 c = where.w > 0.0 ? classify_at(where.xyz) : vec4(0.0);
+        vec4 c = where.w > 0.0 ? classify(at, where) : vec4(0.0);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         if (weight > 0.0)
             sum += weight * shade_at(where.xyz, halfway) * c.rgb;
