@@ -48,9 +48,9 @@ else
     not_ok blend_has_a_tf_a_level "$(cat err)"
 fi
 
-check classes_render "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --classes -o classes.exr -q
-refuse classes_at_level_0 2 '--level 1 or more' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene own.scene.json --classes -o z.exr -q
-refuse classes_elsewhere 2 'for --with gl alone' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --with reference --classes -o z.exr -q
+check table_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table deviation -o classes.exr -q
+refuse table_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --table deviation -o z.exr -q
+refuse table_unknown 2 "wanted value, deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table depth -o z.exr -q
 refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x

@@ -90,7 +90,7 @@ static void histograms_equal_a_direct_sum_of_trilinear_lookups(void **state)
     iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
     for (size_t level = 1; level < p.level_count; ++level) {
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, level, 8, 1, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, level, 8, ISO_SPLIT_NONE, 2, &j, &err));
         assert_equals_direct_sum(&p, level, &j);
         iso_joint_destroy(&j);
     }
@@ -103,7 +103,7 @@ static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
     iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
     for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, 1, bits, 1, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SPLIT_NONE, 2, &j, &err));
         assert_within(j.z.step, 1, 0); /* 3000 values fit */
         assert_true(j.z.count == (size_t)1 << bits && j.s.count == 4096);
         uint64_t sum = 0;
@@ -135,8 +135,8 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
     iso_joint whole, other;
-    assert_ok(iso_joint_compute(&p, 2, 8, 1, 1, &whole, &err));
-    assert_ok(iso_joint_compute(&p, 2, 8, 1, 5, &other, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SPLIT_NONE, 1, &whole, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SPLIT_NONE, 5, &other, &err));
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_builder *b;
@@ -161,16 +161,16 @@ static void stored_histograms_come_back_and_foreign_ones_are_refused(void **stat
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
         iso_joint j, back;
-        assert_ok(iso_joint_compute(&p, 1, bits, 1, 1, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SPLIT_NONE, 1, &j, &err));
         assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
-        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, 1, j.voxel_count, &back, &err));
+        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err));
         assert_same_joint(&j, &back);
         iso_joint_destroy(&back);
-        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, 1, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
         iso_bins other = j.z;
         other.step *= 1.01;
-        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, 1, j.voxel_count, &back, &err), ISO_E_FORMAT);
-        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, 1, j.voxel_count, &back, &err), ISO_E_IO);
+        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err), ISO_E_IO);
         iso_joint_destroy(&j);
     }
     iso_pyramid_destroy(&p);
@@ -508,14 +508,14 @@ static void classes_split_homogeneous_voxels_from_mixed_ones(void **state)
     (void)state;
     iso_pyramid p = shared_value_pyramid(true);
     iso_joint one, split;
-    assert_ok(iso_joint_compute(&p, 1, 8, 1, 1, &one, &err));
-    assert_ok(iso_joint_compute(&p, 1, 8, ISO_JOINT_CLASSES, 2, &split, &err));
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SPLIT_NONE, 1, &one, &err));
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SPLIT_DEVIATION, 2, &split, &err));
     assert_int_equal(split.voxel_count, one.voxel_count);
     for (size_t s = 0; s < one.s.count; ++s) { /* the classes of a row sum to the row */
         uint64_t whole = 0, parts = 0;
         for (size_t i = one.row_start[s]; i < one.row_start[s + 1]; ++i)
             whole += one.entry_count_of[i];
-        for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
+        for (size_t c = 0; c < ISO_CLASSES; ++c)
             for (size_t i = split.row_start[c * one.s.count + s]; i < split.row_start[c * one.s.count + s + 1]; ++i)
                 parts += split.entry_count_of[i];
         assert_int_equal(whole, parts);

@@ -182,9 +182,11 @@ static json_t *describe_level(const iso_level *level, size_t k, size_t row, cons
                      vec_json(iso_mul(level->geometry.index_to_world, iso_v3(1, 1, 1))));
 }
 
-static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_blender_options *opt,
+static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_view *view, const iso_blender_options *opt,
                                 iso_error *err)
 {
+    if (view->classes)
+        return iso_fail(err, ISO_E_RANGE, "blender: a table over two values is not written");
     if (count == 0 || level >= p->level_count || count > p->level_count - level)
         return iso_fail(err, ISO_E_RANGE, "blender: levels %zu to %zu, the pyramid has levels 0 to %zu", level,
                         level + count - 1, p->level_count - 1);
@@ -327,7 +329,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture is asked for");
     memset(pictures, 0, count * sizeof *pictures);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = check_options(p, level, 1, &frames[i], err);
+        status = check_options(p, level, 1, view, &frames[i], err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
@@ -416,7 +418,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
                                      const iso_tf_table *tables, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    iso_status status = check_options(p, first, count, opt, err);
+    iso_status status = check_options(p, first, count, view, opt, err);
     if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
         status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
     json_t *probe = json_string(blend_path);

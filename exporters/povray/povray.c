@@ -71,6 +71,8 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_vi
         return iso_fail(err, ISO_E_RANGE, "povray: DF3 files of %u bits, must be 16 or 32", opt->df3_bits);
     if (opt->isosurface && !isfinite(opt->iso))
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
+    if (view->classes)
+        return iso_fail(err, ISO_E_RANGE, "povray: a table over two values is not written");
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
     if (view->tf.count < 2 || !(view->tf.hi > view->tf.lo))

@@ -40,19 +40,20 @@ typedef struct bench_method {
     const char *name;
     bool adapt;
     iso_adapt_options options;
-    bool classes; /* a table over value and deviation class */
+    iso_joint_split classes; /* a table over value and class, or 0 */
 } bench_method;
 
 static const bench_method all_methods[] = {
-    {"original", false, {.bits = 8}, false},
-    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}, false},
-    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}, false},
-    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}, false},
-    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, false},
-    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, false},
-    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, false},
-    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, false},
-    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, true},
+    {"original", false, {.bits = 8}, 0},
+    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
+    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
+    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
+    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
+    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
+    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
+    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
+    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_DEVIATION},
+    {"gradient-classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_GRADIENT},
 };
 enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
@@ -89,20 +90,21 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
 }
 
 static iso_status render(const bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, const iso_tf_table *table,
-                         const iso_class_tables *classes, iso_image *image, iso_error *err)
+                         iso_class_tables *classes, iso_image *image, iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
-    opt.classes = classes;
     iso_tf_table own = view->tf;
     view->tf = *table;
+    view->classes = classes; /* lent */
     iso_status status = iso_gl_render(run->gl, &p->levels[level], p->options.code, view, &opt, image, NULL, err);
     view->tf = own;
+    view->classes = NULL;
     return status;
 }
 
 /* All views of one level with one table. */
 static iso_status measure(const bench_run *run, const iso_pyramid *p, size_t level, iso_view *views, const iso_image *finest,
-                          const iso_tf_table *table, const iso_class_tables *classes, case_result *r, iso_error *err)
+                          const iso_tf_table *table, iso_class_tables *classes, case_result *r, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
@@ -163,7 +165,7 @@ static iso_status run_level(bench_run *run, const char *volume, const iso_pyrami
         status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgement, err);
         iso_class_tables classes = {0};
         if (status == ISO_OK && all_methods[m].classes)
-            status = iso_adapt_classes(p, NULL, level, &views[0].tf, &opt, &classes, err);
+            status = iso_adapt_classes(p, NULL, level, all_methods[m].classes, &views[0].tf, &opt, &classes, err);
         if (status == ISO_OK)
             status = measure(run, p, level, views, finest, &table, all_methods[m].classes ? &classes : NULL, &results[m], err);
         iso_class_tables_destroy(&classes);
@@ -252,7 +254,7 @@ static iso_status choose_methods(bench_run *run, const char *text, iso_error *er
                 run->wanted[m] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
-                            "extinction-flat, transmittance-flat, default, classes or all", (int)length, at);
+                            "extinction-flat, transmittance-flat, default, classes, gradient-classes or all", (int)length, at);
         at += length + (at[length] == ',');
     }
     return ISO_OK;

@@ -63,7 +63,7 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     for (int run = 0; run < b->runs && status == ISO_OK; ++run) {
         iso_joint_destroy(&joint);
         double start = iso_clock_seconds(), cpu = iso_cpu_seconds();
-        status = iso_joint_compute(p, level, bits, 1, b->cli->threads, &joint, err);
+        status = iso_joint_compute(p, level, bits, ISO_SPLIT_NONE, b->cli->threads, &joint, err);
         t->histogram_seconds = fmin(t->histogram_seconds, iso_clock_seconds() - start);
         t->histogram_cpu_seconds = fmin(t->histogram_cpu_seconds, iso_cpu_seconds() - cpu);
         iso_adapter_destroy(adapter);

@@ -14,7 +14,7 @@ typedef struct render_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, classes, shade_table;
+    int level, intervals, planes, samples, seed, shade_table;
     double step;
     const char *shader_dir;
 } render_arguments;
@@ -172,7 +172,6 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     iso_pyramid pyramid = {0};
     iso_palette palette = {0};
     iso_view view = {0};
-    iso_class_tables classes = {0};
     iso_image image = {0};
     char version[320] = "";
     double seconds = 0;
@@ -188,11 +187,6 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
         status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
-    if (status == ISO_OK && a->classes && opt.renderer != ISO_WITH_GL)
-        status = iso_fail(err, ISO_E_USAGE, "--classes is for --with gl alone");
-    if (status == ISO_OK && a->classes)
-        status = iso_cli_adapt_classes(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, &classes, err);
-    opt.classes = a->classes ? &classes : NULL;
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
@@ -204,7 +198,6 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         report(a, cli, &pyramid, &view, version, seconds);
     iso_image_destroy(&image);
-    iso_class_tables_destroy(&classes);
     iso_view_destroy(&view);
     if ((size_t)a->level < pyramid.level_count)
         iso_cli_detach_palette(&pyramid.levels[a->level]);
@@ -238,7 +231,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
-        {"classes", 0, POPT_ARG_NONE, &a.classes, 0, "gl: adapted over value and deviation inside the coarse voxel", NULL},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };

@@ -118,7 +118,6 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     switch (opt->renderer) {
     case ISO_WITH_GL: {
         iso_gl_options o = iso_gl_defaults();
-        o.classes = opt->classes;
         o.source = opt->source;
         o.step_voxels = opt->step_voxels;
         o.shade_table = opt->shade_table;

@@ -41,7 +41,6 @@ typedef struct iso_render_options {
     int samples, seed;             /* Cycles; 0: defaults */
     bool isosurface;               /* first hit of the value iso; the reference and POV-Ray */
     double iso;
-    const iso_class_tables *classes; /* GL: instead of the view's TF, or NULL */
     bool shade_table;              /* GL, palettes */
     int threads;
 } iso_render_options;

@@ -180,37 +180,50 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
-/* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the largest extinction of
- * any class. */
-static iso_status upload_classes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt, level_textures *t,
-                                 iso_error *err)
+/* Bytes where they are filtered as finely as floats, else the same in 16 bits. */
+static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t, iso_error *err)
 {
-    const iso_tf_table *tables = opt->classes->tables;
-    const size_t *size = level->geometry.size, row = 4 * tables[0].count, count = tables[0].count;
-    float *rows = malloc((ISO_JOINT_CLASSES + 1) * row * sizeof *rows);
-    if (!rows)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_JOINT_CLASSES, count);
-    iso_tf_table envelope = tables[0];
-    envelope.entries = rows + ISO_JOINT_CLASSES * row;
-    memset(envelope.entries, 0, row * sizeof *rows);
-    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c) {
-        memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
-        for (size_t i = 3; i < row; i += 4)
-            envelope.entries[i] = fmaxf(envelope.entries[i], tables[c].entries[i]);
+    const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
+    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
+                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
+    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "classes", &t->classes, err);
+    uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
+    if (status == ISO_OK && wide && !plane)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu classes", plane_count);
+    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z) {
+        for (size_t i = 0; wide && i < plane_count; ++i)
+            plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
+                        wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE, wide ? (const void *)plane : bytes + z * plane_count);
     }
+    free(plane);
+    return status;
+}
+
+/* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
+static iso_status upload_classes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
+                                 const iso_class_tables *classes, level_textures *t, iso_error *err)
+{
+    const iso_tf_table *tables = classes->tables;
+    size_t row = 4 * tables[0].count;
+    iso_tf_table envelope = {0};
+    float *rows = malloc(ISO_CLASSES * row * sizeof *rows);
+    iso_status status = rows ? iso_class_envelope(classes, &envelope, err)
+                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_CLASSES, tables[0].count);
+    for (size_t c = 0; c < ISO_CLASSES && status == ISO_OK; ++c)
+        memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    iso_status status = iso_gl_create_texture_rgba32f(gl, count, ISO_JOINT_CLASSES, rows, &t->tf, err);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_CLASSES, rows, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_CLASSES);
     if (status == ISO_OK)
-        status = iso_gl_create_texture_3d(gl, GL_R8, size, "deviation classes", &t->classes, err);
-    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z)
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED, GL_UNSIGNED_BYTE,
-                        opt->classes->bytes + z * size[0] * size[1]);
+        status = upload_class_bytes(gl, level, classes->bytes, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
         status = upload_occupancy(gl, level, opt, &envelope, t, err);
     free(rows);
-    return status == ISO_OK ? iso_gl_check("uploading deviation classes", err) : status;
+    iso_tf_table_destroy(&envelope);
+    return status == ISO_OK ? iso_gl_check("uploading classes", err) : status;
 }
 
 static bool is_from_palette(iso_direction_source source)
@@ -227,8 +240,8 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
     iso_status status = upload_scalar(gl, level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    if (status == ISO_OK && opt->classes)
-        status = upload_classes(gl, level, opt, t, err);
+    if (status == ISO_OK && view->classes)
+        status = upload_classes(gl, level, opt, view->classes, t, err);
     else if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF_SUMS);
@@ -245,7 +258,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     if (status == ISO_OK && is_from_palette(source))
         status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
-    if (status == ISO_OK && !opt->classes)
+    if (status == ISO_OK && !view->classes)
         status = upload_occupancy(gl, level, opt, tf, t, err);
     if (status != ISO_OK)
         destroy_textures(t);
@@ -303,7 +316,7 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
              "#define PREINTEGRATED %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty, opt->classes ? ISO_JOINT_CLASSES : 0, opt->preintegrated);
+             view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -315,8 +328,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     *image = (iso_image){0};
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
-    if (opt->classes && opt->preintegrated)
-        return iso_fail(err, ISO_E_USAGE, "gl: a TF over deviation classes is not pre-integrated");
+    if (view->classes && opt->preintegrated)
+        return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
     GLuint program;
     level_textures textures;
     iso_status status = iso_gl_bind(gl, err);
@@ -330,7 +343,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (status == ISO_OK) {
         glUseProgram(program);
         iso_gl_set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
-        set_field(program, level, &textures, opt, opt->classes ? &opt->classes->tables[0] : &view->tf);
+        set_field(program, level, &textures, opt, view->classes ? &view->classes->tables[0] : &view->tf);
         iso_gl_set_light(program, view);
     }
     double least = INFINITY;

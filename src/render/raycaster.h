@@ -12,7 +12,6 @@
 #include "image/image.h"
 #include "render/field.h"
 #include "render/scene.h"
-#include "tf/adapt.h"
 
 typedef struct iso_gl iso_gl; /* a context with its programs */
 
@@ -49,7 +48,6 @@ typedef struct iso_gl_options {
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
     bool preintegrated;          /* not with classes */
-    const iso_class_tables *classes; /* a TF over value and deviation class instead of the view's, or NULL */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

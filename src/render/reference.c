@@ -13,11 +13,18 @@ iso_reference_options iso_reference_defaults(void)
                                    .tolerance = 1e-6};
 }
 
+/* A field and the transfer function that it is seen through. */
+typedef struct layer {
+    const iso_sampler *sampler;
+    const iso_tf_table *tf;
+    const iso_class_tables *classes; /* in place of tf, or NULL */
+    const size_t *bends;             /* bends_create() */
+} layer;
+
 /* A ray in the level's index space, with what its samples need. */
 typedef struct ray_state {
-    const iso_sampler *sampler;
+    const layer *layer;
     const iso_view *view;
-    const size_t *bends;        /* bends_create() */
     const iso_tf_integral *integral; /* preintegrated */
     iso_vec3 origin, direction; /* index per mm of t */
     iso_vec3 to_viewer;         /* world, unit */
@@ -28,22 +35,29 @@ typedef struct stretch {
     double color[3], depth;
 } stretch;
 
-/* bends[i]: how many of the TF's entries below i are bends, where a component's
- * slope changes by more than a thousandth of its largest value. To be freed. */
-static size_t *bends_create(const iso_tf_table *tf)
+/* Sets bends[i + 1] where a component's slope changes at entry i by more than a thousandth of its largest value. */
+static void mark_bends(const iso_tf_table *tf, size_t *bends)
 {
-    size_t *bends = calloc(tf->count + 1, sizeof *bends);
     double largest[4] = {0};
     for (size_t i = 0; i < 4 * tf->count; ++i)
         largest[i % 4] = fmax(largest[i % 4], (double)tf->entries[i]);
-    for (size_t i = 0; bends && i < tf->count; ++i) {
+    for (size_t i = 0; i < tf->count; ++i) {
         const float *before = tf->entries + 4 * (i > 0 ? i - 1 : 0), *here = tf->entries + 4 * i;
         const float *after = i + 1 < tf->count ? here + 4 : here;
-        bool bend = false;
         for (size_t c = 0; c < 4; ++c)
-            bend |= fabs((double)after[c] - 2 * (double)here[c] + (double)before[c]) > 1e-3 * largest[c];
-        bends[i + 1] = bends[i] + bend;
+            if (fabs((double)after[c] - 2 * (double)here[c] + (double)before[c]) > 1e-3 * largest[c])
+                bends[i + 1] = 1;
     }
+}
+
+/* bends[i]: how many of the TF's entries below i are bends, in any class. To be freed. */
+static size_t *bends_create(const iso_tf_table *tf, const iso_class_tables *classes)
+{
+    size_t *bends = calloc(tf->count + 1, sizeof *bends);
+    for (int c = 0; bends && c < (classes ? ISO_CLASSES : 1); ++c)
+        mark_bends(classes ? &classes->tables[c] : tf, bends);
+    for (size_t i = 0; bends && i < tf->count; ++i)
+        bends[i + 1] += bends[i];
     return bends;
 }
 
@@ -62,15 +76,25 @@ static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
     return sum;
 }
 
+static void classify(const layer *l, iso_vec3 p, double rgbs[4])
+{
+    double s = iso_sample_scalar(l->sampler, p);
+    if (l->classes)
+        iso_class_lookup(l->classes, s, iso_class_coordinate(iso_sample_bytes(l->sampler, l->classes->bytes, p)), rgbs);
+    else
+        iso_tf_lookup(l->tf, s, rgbs);
+}
+
 /* Emission sigma c shade and extinction sigma per mm at t. */
 static double emission(const ray_state *ray, double t, double color[3])
 {
+    const layer *l = ray->layer;
     iso_vec3 p = iso_madd(ray->origin, ray->direction, t);
     double rgbs[4];
-    iso_tf_lookup(&ray->view->tf, iso_sample_scalar(ray->sampler, p), rgbs);
+    classify(l, p, rgbs);
     double scale = 0;
     if (rgbs[3] > 0)
-        scale = rgbs[3] * shade(ray->view, iso_sample_normal(ray->sampler, p), ray->to_viewer);
+        scale = rgbs[3] * shade(ray->view, iso_sample_normal(l->sampler, p), ray->to_viewer);
     for (int c = 0; c < 3; ++c)
         color[c] = scale * rgbs[c];
     return rgbs[3];
@@ -122,8 +146,8 @@ static double distance(stretch a, stretch b)
 /* Where on the TF's table the ray is at t, in entries. */
 static double entry_at(const ray_state *ray, double t)
 {
-    const iso_tf_table *tf = &ray->view->tf;
-    double s = iso_sample_scalar(ray->sampler, iso_madd(ray->origin, ray->direction, t));
+    const iso_tf_table *tf = ray->layer->tf;
+    double s = iso_sample_scalar(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t));
     return (s - tf->lo) / (tf->hi - tf->lo) * (double)(tf->count - 1);
 }
 
@@ -133,16 +157,17 @@ static double entry_at(const ray_state *ray, double t)
 static double cut_at_bend(const ray_state *ray, double a, double b)
 {
     enum { few = 4, bisections = 40 };
-    const double slack = 1e-6, last = (double)(ray->view->tf.count - 1), middle = 0.5 * (a + b);
+    const size_t *bends = ray->layer->bends;
+    const double slack = 1e-6, last = (double)(ray->layer->tf->count - 1), middle = 0.5 * (a + b);
     double at_a = entry_at(ray, a), at_middle = entry_at(ray, middle), at_b = entry_at(ray, b);
     double lo = fmin(at_a, fmin(at_middle, at_b)) + slack, hi = fmax(at_a, fmax(at_middle, at_b)) - slack;
     double first = ceil(fmax(lo, 0)), end = floor(fmin(hi, last));
-    if (!(first <= end) || ray->bends[(size_t)end + 1] == ray->bends[(size_t)first])
+    if (!(first <= end) || bends[(size_t)end + 1] == bends[(size_t)first])
         return a;
     if (hi - lo > few || (at_middle - at_a) * (at_b - at_middle) < 0)
         return middle;
     size_t bend = (size_t)first;
-    while (ray->bends[bend + 1] == ray->bends[bend])
+    while (bends[bend + 1] == bends[bend])
         ++bend;
     for (int i = 0; i < bisections; ++i) {
         double t = 0.5 * (a + b);
@@ -215,7 +240,7 @@ static stretch integrate_converged(const ray_state *ray, double t0, double t1, d
 
 static double value_at(const ray_state *ray, double t)
 {
-    return iso_sample_scalar(ray->sampler, iso_madd(ray->origin, ray->direction, t));
+    return iso_sample_scalar(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t));
 }
 
 /* The first t in [a, b], a piece inside one cell, where the value is at least
@@ -253,7 +278,7 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
         return s;
     double rgbs[4];
     iso_tf_lookup(&ray->view->tf, iso, rgbs);
-    const double light = shade(ray->view, iso_sample_normal(ray->sampler, iso_madd(ray->origin, ray->direction, t)),
+    const double light = shade(ray->view, iso_sample_normal(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t)),
                                ray->to_viewer);
     for (int c = 0; c < 3; ++c)
         s.color[c] = light * rgbs[c];
@@ -293,7 +318,7 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
         iso_tf_integral_mean(ray->integral, front, back, mean);
         if (mean[3] <= 0)
             continue;
-        iso_vec3 normal = iso_sample_normal(ray->sampler, iso_madd(ray->origin, ray->direction, 0.5 * (a + b)));
+        iso_vec3 normal = iso_sample_normal(ray->layer->sampler, iso_madd(ray->origin, ray->direction, 0.5 * (a + b)));
         double depth = mean[3] * (b - a);
         double weight = exp(-s.depth) * -expm1(-depth) / mean[3] * shade(ray->view, normal, ray->to_viewer);
         for (int c = 0; c < 3; ++c)
@@ -303,13 +328,13 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
     return s;
 }
 
-static void render_pixel(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
-                         const size_t *bends, const iso_tf_integral *integral, size_t column, size_t row, float rgba[4])
+static void render_pixel(const layer *l, const iso_view *view, const iso_reference_options *opt,
+                         const iso_tf_integral *integral, size_t column, size_t row, float rgba[4])
 {
-    const iso_geometry *g = &sampler->level->geometry;
+    const iso_geometry *g = &l->sampler->level->geometry;
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.sampler = sampler, .view = view, .bends = bends, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.layer = l, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -333,19 +358,24 @@ static void render_pixel(const iso_sampler *sampler, const iso_view *view, const
     rgba[3] = (float)(1 - t_end);
 }
 
-static iso_status check_options(const iso_reference_options *opt, iso_error *err)
+static iso_status check_options(const iso_view *view, const iso_reference_options *opt, iso_error *err)
 {
     if (!(opt->tolerance > 0) || opt->intervals < 1)
         return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g and intervals %zu must be above 0", opt->tolerance,
                         opt->intervals);
+    if (view->classes && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
+        return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
     return ISO_OK;
 }
 
 static iso_status render_all(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
+    /* The tables of all classes have one range and count, so the first serves for them where entries are counted. */
+    layer l = {.sampler = sampler, .tf = view->classes ? &view->classes->tables[0] : &view->tf, .classes = view->classes};
     iso_status status = iso_image_create(image, view->width, view->height, err);
-    size_t *bends = bends_create(&view->tf);
+    size_t *bends = bends_create(l.tf, l.classes);
+    l.bends = bends;
     if (status == ISO_OK && !bends)
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
     iso_tf_integral integral = {0};
@@ -357,7 +387,7 @@ static iso_status render_all(const iso_sampler *sampler, const iso_view *view, c
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t row = 0; row < view->height; ++row) {
             for (size_t column = 0; column < view->width; ++column)
-                render_pixel(sampler, view, opt, bends, &integral, column, row, image->rgba + 4 * (row * view->width + column));
+                render_pixel(&l, view, opt, &integral, column, row, image->rgba + 4 * (row * view->width + column));
 #pragma omp critical(iso_reference_progress)
             iso_progress_report(progress, "reference", (double)++done / (double)view->height);
         }
@@ -375,7 +405,7 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 {
     iso_sampler sampler;
     *image = (iso_image){0};
-    iso_status status = check_options(opt, err);
+    iso_status status = check_options(view, opt, err);
     if (status == ISO_OK)
         status = iso_sampler_create(&sampler, level, code, opt->source, err);
     if (status != ISO_OK)
@@ -392,7 +422,9 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     iso_sampler sampler;
     iso_level level;
     *image = (iso_image){0};
-    iso_status status = check_options(opt, err);
+    iso_status status = check_options(view, opt, err);
+    if (status == ISO_OK && view->classes)
+        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have no classes, and a table over them is asked for");
     if (status != ISO_OK)
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);

@@ -97,6 +97,15 @@ double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
     return value;
 }
 
+double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 index)
+{
+    stencil at = stencil_at(&s->level->geometry, index);
+    double value = 0;
+    for (int c = 0; c < 8; ++c)
+        value += at.weight[c] * (double)bytes[at.voxel[c]];
+    return value;
+}
+
 /* Central differences of the filtered scalar, one voxel apart to each side. */
 static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 {

@@ -32,6 +32,8 @@ void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_le
 void iso_sampler_destroy(iso_sampler *s);
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
+/* The same of bytes, one a voxel of the level. */
+double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 index);
 /* World axes, |n| <= 1, zero where there is no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
 

@@ -229,6 +229,8 @@ void iso_view_destroy(iso_view *view)
     if (!view)
         return;
     iso_tf_table_destroy(&view->tf);
+    iso_class_tables_destroy(view->classes);
+    free(view->classes);
     *view = (iso_view){0};
 }
 

@@ -25,6 +25,7 @@
 #ifndef ISO_SCENE_H
 #define ISO_SCENE_H
 
+#include "tf/class_tables.h"
 #include "tf/tf.h"
 
 #define ISO_MAX_LIGHTS 8
@@ -82,6 +83,7 @@ typedef struct iso_view {
     double background[3];
     double step_voxels;
     iso_tf_table tf;
+    iso_class_tables *classes; /* of the level that is rendered, in place of tf; owned, or NULL */
 } iso_view;
 
 /* value_min/max: of level 0. */

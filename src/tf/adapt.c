@@ -320,7 +320,7 @@ iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const
     return status;
 }
 
-/* ---- a table over value and deviation ------------------------------------------------ */
+/* ---- a table over value and class ------------------------------------------------ */
 
 /* The class's row, drawn to the row of all classes by pseudo-counts: few voxels say little. */
 static void blend_class(const row_sums *all, double count, row_sums *r)
@@ -334,7 +334,7 @@ static void blend_class(const row_sums *all, double count, row_sums *r)
 }
 
 static iso_status fill_class_tables(const iso_adapter *all, const iso_adapter *split, const iso_tf_table *tf, double length_mm,
-                                    iso_tf_table tables[ISO_JOINT_CLASSES], iso_error *err)
+                                    iso_tf_table tables[ISO_CLASSES], iso_error *err)
 {
     weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
     if (!prepared)
@@ -342,70 +342,59 @@ static iso_status fill_class_tables(const iso_adapter *all, const iso_adapter *s
     prepare(all, tf, length_mm, prepared);
     for (size_t row = 0; row < all->s.count; ++row) {
         row_sums of_all = sum_row(all, prepared, row);
-        for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c) {
+        for (size_t c = 0; c < ISO_CLASSES; ++c) {
             row_sums own = sum_row(split, prepared, c * all->s.count + row);
             blend_class(&of_all, split->row_count[c * all->s.count + row], &own);
             finish_row(all, &own, length_mm, tables[c].entries + 4 * row);
         }
     }
-    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
+    for (size_t c = 0; c < ISO_CLASSES; ++c)
         fill_empty_rows(all, &tables[c], length_mm);
     free(prepared);
     return ISO_OK;
 }
 
-void iso_class_tables_destroy(iso_class_tables *t)
-{
-    if (!t)
-        return;
-    for (size_t c = 0; c < ISO_JOINT_CLASSES; ++c)
-        iso_tf_table_destroy(&t->tables[c]);
-    free(t->bytes);
-    *t = (iso_class_tables){0};
-}
-
 /* The class coordinate of each voxel of the level, in a byte. */
-static iso_status class_bytes(const iso_pyramid *p, size_t level, int threads, uint8_t **bytes, iso_error *err)
+static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_joint_split split, int threads, uint8_t **bytes,
+                              iso_error *err)
 {
-    const iso_level *fine = &p->levels[0];
-    const iso_geometry *g = &p->levels[level].geometry;
-    size_t count = iso_geometry_voxel_count(g);
+    size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
     float *planes = malloc(count * sizeof *planes);
     *bytes = malloc(count);
     if (!planes || !*bytes) {
         free(planes);
         return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the classes of %zu voxels", count);
     }
-    iso_joint_class_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], (fine->max - fine->min) / 2, threads, planes);
-    for (size_t i = 0; i < count; ++i)
-        (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_JOINT_CLASSES - 1)) + 0.5f);
+    iso_status status = iso_joint_class_coordinates(p, level, split, threads, planes, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_CLASSES - 1)) + 0.5f);
     free(planes);
-    return ISO_OK;
+    return status;
 }
 
-iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                             const iso_adapt_options *opt, iso_class_tables *out, iso_error *err)
+iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split,
+                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_class_tables *out, iso_error *err)
 {
     iso_joint joint = {0}, joint_split = {0};
-    iso_adapter *all = NULL, *split = NULL;
+    iso_adapter *all = NULL, *by_class = NULL;
     *out = (iso_class_tables){0};
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, 1, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SPLIT_NONE, opt->threads, &joint, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(p, dir, level, opt->bits, ISO_JOINT_CLASSES, opt->threads, &joint_split, err);
+        status = iso_joint_obtain(p, dir, level, opt->bits, split, opt->threads, &joint_split, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &all, err);
     if (status == ISO_OK)
-        status = iso_adapter_create(&joint_split, opt, &split, err);
-    for (size_t c = 0; c < ISO_JOINT_CLASSES && status == ISO_OK; ++c)
+        status = iso_adapter_create(&joint_split, opt, &by_class, err);
+    for (size_t c = 0; c < ISO_CLASSES && status == ISO_OK; ++c)
         status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->tables[c], err);
     if (status == ISO_OK && joint.entry_count > 0)
-        status = fill_class_tables(all, split, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
+        status = fill_class_tables(all, by_class, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
     if (status == ISO_OK)
-        status = class_bytes(p, level, opt->threads, &out->bytes, err);
+        status = class_bytes(p, level, split, opt->threads, &out->bytes, err);
     if (status != ISO_OK)
         iso_class_tables_destroy(out);
     iso_adapter_destroy(all);
-    iso_adapter_destroy(split);
+    iso_adapter_destroy(by_class);
     iso_joint_destroy(&joint);
     iso_joint_destroy(&joint_split);
     return status;
@@ -484,7 +473,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
             *judgement = verdict;
         return copy_table(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, 1, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SPLIT_NONE, opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);
     if (status == ISO_OK)

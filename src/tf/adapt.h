@@ -30,6 +30,7 @@
 #ifndef ISO_TF_ADAPT_H
 #define ISO_TF_ADAPT_H
 
+#include "tf/class_tables.h"
 #include "tf/histogram.h"
 #include "tf/tf.h"
 
@@ -111,21 +112,14 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
                            const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgement *judgement,
                            iso_error *err);
 
-/* The better table where one value has two meanings: over value and the
- * deviation of the fine values inside the coarse voxel (histogram.h), a table a
- * class and a byte a voxel of the level. A voxel of byte b has the class
- * coordinate b / 255 (ISO_JOINT_CLASSES - 1); tables and bytes are both
- * interpolated linearly. Each class's row is drawn to the 1-D row by
- * ISO_CLASS_PSEUDO_COUNTS of its voxels. */
+/* The better table where one value has two meanings: over value and class
+ * (class_tables.h), by the deviation inside the coarse voxel or by the level's
+ * gradient, for `level` alone. Each class's row is drawn to the row of all classes by
+ * ISO_CLASS_PSEUDO_COUNTS of its voxels. level: at least 1; bits: at most 12.
+ * ISO_E_RANGE, ISO_E_MEMORY. */
 #define ISO_CLASS_PSEUDO_COUNTS 16
-typedef struct iso_class_tables {
-    iso_tf_table tables[ISO_JOINT_CLASSES]; /* of one range and count */
-    uint8_t *bytes;                         /* a voxel of the level */
-} iso_class_tables;
-/* level: at least 1; bits: at most 12. Destroy with iso_class_tables_destroy(). */
-iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                             const iso_adapt_options *opt, iso_class_tables *out, iso_error *err);
-void iso_class_tables_destroy(iso_class_tables *t); /* accepts empty and NULL */
+iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split,
+                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_class_tables *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that
  * tabulating it gives the same entries back within rounding. */

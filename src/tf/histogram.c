@@ -150,8 +150,8 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes,
     *builder = NULL;
     if (level < 1 || level > 30)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
-    if (classes != 1 && classes != ISO_JOINT_CLASSES)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu classes, must be 1 or %d", classes, ISO_JOINT_CLASSES);
+    if (classes != 1 && classes != ISO_CLASSES)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu classes, must be 1 or %d", classes, ISO_CLASSES);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
             return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
@@ -280,7 +280,7 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
 
 static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t entry_count, iso_error *err)
 {
-    *joint = (iso_joint){.z = b->z, .s = b->s, .class_count = b->classes, .entry_count = entry_count};
+    *joint = (iso_joint){.z = b->z, .s = b->s, .split = ISO_SPLIT_NONE, .class_count = b->classes, .entry_count = entry_count};
     joint->row_start = calloc(iso_joint_row_count(joint) + 1, sizeof *joint->row_start);
     joint->entry_z = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_z);
     joint->entry_count_of = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_count_of);
@@ -369,7 +369,7 @@ void iso_joint_destroy(iso_joint *joint)
     *joint = (iso_joint){0};
 }
 
-/* ---- deviation classes -------------------------------------------------------------- */
+/* ---- classes by deviation and by gradient -------------------------------------------------------------- */
 
 static double class_coordinate(const float *fine, const size_t n[3], size_t z0, size_t level, const size_t at[3], double half_range)
 {
@@ -391,7 +391,7 @@ static double class_coordinate(const float *fine, const size_t n[3], size_t z0, 
             }
         }
     double mean = sum / (double)count, variance = fmax(square / (double)count - mean * mean, 0);
-    return half_range > 0 ? (ISO_JOINT_CLASSES - 1) * sqrt(fmin(sqrt(variance) / half_range, 1)) : 0;
+    return half_range > 0 ? (ISO_CLASSES - 1) * sqrt(fmin(sqrt(variance) / half_range, 1)) : 0;
 }
 
 void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
@@ -404,6 +404,39 @@ void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const 
             const size_t at[3] = {x, r % coarse_size[1], c0 + r / coarse_size[1]};
             out[r * coarse_size[0] + x] = (float)class_coordinate(fine, fine_size, c0 << level, level, at, half_range);
         }
+}
+
+/* |central difference| of the level's scalar, in value a voxel, a plane at a time. */
+static iso_status gradient_coordinates(const iso_level *level, double half_range, int threads, float *out, iso_error *err)
+{
+    const size_t *n = level->geometry.size;
+    const iso_volume v = {.geometry = iso_geometry_axis_aligned(n, (const double[3]){1, 1, 1}), .type = ISO_F32, .data = level->scalar};
+    iso_gradient_options opt = iso_gradient_defaults();
+    size_t plane = n[0] * n[1];
+    opt.threads = threads;
+    float *g = malloc(3 * plane * sizeof *g);
+    iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for a plane of gradients");
+    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
+        status = iso_gradient_slab(&v, &opt, z, z + 1, g, err);
+        for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
+            double magnitude = sqrt((double)g[3 * i] * g[3 * i] + (double)g[3 * i + 1] * g[3 * i + 1] + (double)g[3 * i + 2] * g[3 * i + 2]);
+            out[z * plane + i] = half_range > 0 ? (float)((ISO_CLASSES - 1) * sqrt(fmin(magnitude / half_range, 1))) : 0;
+        }
+    }
+    free(g);
+    return status;
+}
+
+iso_status iso_joint_class_coordinates(const iso_pyramid *p, size_t level, iso_joint_split split, int threads, float *out,
+                                       iso_error *err)
+{
+    const iso_level *fine = &p->levels[0];
+    const iso_geometry *g = &p->levels[level].geometry;
+    const double half_range = (fine->max - fine->min) / 2;
+    if (split == ISO_SPLIT_GRADIENT)
+        return gradient_coordinates(&p->levels[level], half_range, threads, out, err);
+    iso_joint_class_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], half_range, threads, out);
+    return ISO_OK;
 }
 
 /* ---- a pyramid in memory ------------------------------------------------------------- */
@@ -423,7 +456,7 @@ static iso_status count_all(const iso_pyramid *p, size_t level, const float *cla
     return status;
 }
 
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_t classes, int threads, iso_joint *joint,
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_joint_split split, int threads, iso_joint *joint,
                              iso_error *err)
 {
     *joint = (iso_joint){0};
@@ -431,7 +464,9 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to %zu", level, p->level_count - 1);
     if (bits < 8 || bits > 16)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits, must be 8 to 16", bits);
-    if (classes > 1 && bits > 12)
+    if (split < ISO_SPLIT_NONE || split > ISO_SPLIT_GRADIENT)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: split %d is none of them", (int)split);
+    if (split != ISO_SPLIT_NONE && bits > 12)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with classes, must be 8 to 12", bits);
     const iso_level *fine = &p->levels[0];
     const size_t *n = fine->geometry.size, *m = p->levels[level].geometry.size;
@@ -439,19 +474,22 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_
     iso_joint_builder *b;
     float *planes = NULL;
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    iso_status status = iso_joint_begin(&z, &s, classes, n, m, level, threads, &b, err);
-    if (status == ISO_OK && classes > 1) {
+    iso_status status = iso_joint_begin(&z, &s, split == ISO_SPLIT_NONE ? 1 : ISO_CLASSES, n, m, level, threads, &b, err);
+    if (status == ISO_OK && split != ISO_SPLIT_NONE) {
         planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
         if (!planes)
             status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the classes of %zu voxels", m[0] * m[1] * m[2]);
         else
-            iso_joint_class_planes(fine->scalar, n, m, level, 0, m[2], (fine->max - fine->min) / 2, threads, planes);
+            status = iso_joint_class_coordinates(p, level, split, threads, planes, err);
     }
     if (status == ISO_OK)
         status = count_all(p, level, planes, b, err);
     free(planes);
-    if (status == ISO_OK)
-        return iso_joint_end(b, joint, err);
-    iso_joint_abandon(b);
+    if (status != ISO_OK) {
+        iso_joint_abandon(b);
+        return status;
+    }
+    status = iso_joint_end(b, joint, err);
+    joint->split = split;
     return status;
 }

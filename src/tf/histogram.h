@@ -19,11 +19,15 @@
  * 3 (2k + 1) or so binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
  * Counts are integers, so threads and slabs change nothing.
  *
- * Classes split each row by the deviation of the fine values inside the coarse
- * voxel: a homogeneous tissue and the partial voxels of a thin structure that
- * share a value s fall apart. Class coordinate (classes - 1) sqrt(2 deviation /
- * range), looked up like s, then rounded. The root spends classes on small
- * deviations; range / 2 is the largest there can be.
+ * A split divides each row into ISO_CLASSES classes (class_tables.h): a
+ * homogeneous tissue and the partial voxels of a thin structure that share a
+ * value s fall apart. Class coordinate (ISO_CLASSES - 1) sqrt(q / (range / 2)),
+ * looked up like s, then rounded, where q is
+ *   by deviation   that of the fine values inside the coarse voxel; half the range
+ *                  is the largest there can be
+ *   by gradient    the magnitude of the level's central differences in value a
+ *                  voxel, the class capped at half the range: no data of level 0
+ * The root spends classes on what is small.
  *
  * Kept as rows of (z, count), z ascending; stored dense or sparse, whichever is
  * smaller. */
@@ -34,9 +38,11 @@
 
 #include "base/progress.h"
 #include "pyramid/pyramid.h"
+#include "tf/class_tables.h"
 
 #define ISO_JOINT_MAX_ROWS 4096
-#define ISO_JOINT_CLASSES 8
+
+typedef enum iso_joint_split { ISO_SPLIT_NONE = 1, ISO_SPLIT_DEVIATION, ISO_SPLIT_GRADIENT } iso_joint_split;
 
 typedef struct iso_bins {
     size_t count;
@@ -45,7 +51,8 @@ typedef struct iso_bins {
 
 typedef struct iso_joint {
     iso_bins z, s;
-    size_t class_count;   /* 1, or ISO_JOINT_CLASSES: then row c * s.count + i is bin i of class c */
+    iso_joint_split split;
+    size_t class_count;   /* 1, or ISO_CLASSES: then row c * s.count + i is bin i of class c */
     uint64_t voxel_count; /* the sum of all counts */
     size_t entry_count;
     size_t *row_start; /* rows + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
@@ -61,9 +68,9 @@ static inline size_t iso_joint_row_count(const iso_joint *j)
 /* The bins for values in [min, max] of level 0. bits 8 to 16. */
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s);
 
-/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16). classes:
- * 1 or ISO_JOINT_CLASSES. ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, size_t classes, int threads, iso_joint *joint,
+/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16; at most 12
+ * with a split). ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_joint_split split, int threads, iso_joint *joint,
                              iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
@@ -71,7 +78,7 @@ void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
 typedef struct iso_joint_builder iso_joint_builder;
 
-/* fine_size: of level 0; coarse_size: of level `level`. */
+/* classes: 1 or ISO_CLASSES; fine_size: of level 0; coarse_size: of level `level`. */
 iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes, const size_t fine_size[3],
                            const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
                            iso_error *err);
@@ -81,26 +88,29 @@ void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, siz
  * those planes of class coordinates, NULL with 1 class. At most 2^31 voxels at once. */
 iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
                          const float *classes, iso_error *err);
-/* Frees the builder in every case. */
+/* Frees the builder in every case. Who has counted classes says which in joint->split. */
 iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
 void iso_joint_abandon(iso_joint_builder *builder);
 
-/* Class coordinates of the coarse planes [c0, c1), in [0, ISO_JOINT_CLASSES - 1]. fine: level 0's
+/* Class coordinates by deviation of the coarse planes [c0, c1), in [0, ISO_CLASSES - 1]. fine: level 0's
  * planes from c0 2^level on. half_range: (max - min) / 2 of level 0. */
 void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
                             size_t c1, double half_range, int threads, float *out);
+/* Class coordinates of all voxels of a level, by either split. ISO_E_MEMORY. */
+iso_status iso_joint_class_coordinates(const iso_pyramid *p, size_t level, iso_joint_split split, int threads, float *out,
+                                       iso_error *err);
 
 /* ---- beside the level -------------------------------------------------------- */
 
-/* DIR/level_K_jointBITS.nrrd (with classes level_K_jointBITSxCLASSES.nrrd), gzip: dense (z fastest, then s), or sparse, three
+/* DIR/level_K_jointBITS.nrrd (split: level_K_jointBITSxCLASSES.nrrd by deviation, ...gCLASSES.nrrd by gradient), gzip: dense (z fastest, then s), or sparse, three
  * numbers an entry: z, s, count. Bins stand in the file's geometry. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
 /* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, size_t classes,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_joint_split split,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads what is stored in `dir`, else computes it and stores it there. dir may
  * be NULL; a folder that cannot be written is no failure. */
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, size_t classes, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_joint_split split, int threads,
                             iso_joint *joint, iso_error *err);
 
 /* Bytes of the smaller form before compression, for Table 1's figures. */

@@ -8,11 +8,12 @@
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
-static char *file_path(const char *dir, size_t level, int bits, size_t classes)
+static char *file_path(const char *dir, size_t level, int bits, iso_joint_split split)
 {
     char *path = NULL;
-    if (classes > 1)
-        return asprintf(&path, "%s/level_%zu_joint%dx%zu.nrrd", dir, level, bits, classes) < 0 ? NULL : path;
+    if (split != ISO_SPLIT_NONE)
+        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, split == ISO_SPLIT_GRADIENT ? 'g' : 'x',
+                        ISO_CLASSES) < 0 ? NULL : path;
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
 
@@ -63,7 +64,7 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
     bool sparse = sparse_is_smaller(j);
     iso_geometry g = bins_geometry(j, sparse);
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, j->class_count);
+    char *path = file_path(dir, level, bits, j->split);
     iso_status status = path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     for (size_t s = 0; status == ISO_OK && s < iso_joint_row_count(j); ++s)
@@ -82,17 +83,18 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 }
 
 /* Fills the rows from the file's numbers; false when they are not what save writes. */
-static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, size_t classes,
+static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_joint_split split,
                             iso_joint *j, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     bool sparse = n[0] == 3 && z->count != 3;
-    size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0, rows = s->count * classes;
+    size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
+    size_t classes = split == ISO_SPLIT_NONE ? 1 : ISO_CLASSES, rows = s->count * classes;
     if (!sparse && (n[0] != z->count || n[1] != rows))
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
-    *j = (iso_joint){.z = *z, .s = *s, .class_count = classes, .entry_count = entries};
+    *j = (iso_joint){.z = *z, .s = *s, .split = split, .class_count = classes, .entry_count = entries};
     j->row_start = calloc(rows + 1, sizeof *j->row_start);
     j->entry_z = malloc((entries + 1) * sizeof *j->entry_z);
     j->entry_count_of = malloc((entries + 1) * sizeof *j->entry_count_of);
@@ -117,12 +119,12 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     return ISO_OK;
 }
 
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, size_t classes,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_joint_split split,
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, classes);
+    char *path = file_path(dir, level, bits, split);
     iso_status status = path ? iso_volume_load(path, &v, err) : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
         status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
@@ -135,7 +137,7 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     if (status == ISO_OK)
-        status = read_rows(&v, path, z, s, classes, j, err);
+        status = read_rows(&v, path, z, s, split, j, err);
     if (status == ISO_OK && j->voxel_count != voxel_count)
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
@@ -146,17 +148,17 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
     return status;
 }
 
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, size_t classes, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_joint_split split, int threads,
                             iso_joint *j, iso_error *err)
 {
     iso_bins z, s;
     const iso_level *fine = &p->levels[0];
     if (bits < 8 || bits > 16 || level < 1 || level >= p->level_count)
-        return iso_joint_compute(p, level, bits, classes, threads, j, err); /* names the value and the limit */
+        return iso_joint_compute(p, level, bits, split, threads, j, err); /* names the value and the limit */
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    if (dir && iso_joint_load(dir, level, bits, &z, &s, classes, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
+    if (dir && iso_joint_load(dir, level, bits, &z, &s, split, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
         return ISO_OK;
-    iso_status status = iso_joint_compute(p, level, bits, classes, threads, j, err);
+    iso_status status = iso_joint_compute(p, level, bits, split, threads, j, err);
     if (status == ISO_OK && dir)
         iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */
     return status;

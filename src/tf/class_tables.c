@@ -1,0 +1,28 @@
+#include "tf/class_tables.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void iso_class_tables_destroy(iso_class_tables *t)
+{
+    if (!t)
+        return;
+    for (size_t c = 0; c < ISO_CLASSES; ++c)
+        iso_tf_table_destroy(&t->tables[c]);
+    free(t->bytes);
+    *t = (iso_class_tables){0};
+}
+
+iso_status iso_class_envelope(const iso_class_tables *t, iso_tf_table *envelope, iso_error *err)
+{
+    *envelope = t->tables[0];
+    envelope->entries = calloc(4 * envelope->count, sizeof *envelope->entries);
+    if (!envelope->entries) {
+        *envelope = (iso_tf_table){0};
+        return iso_fail(err, ISO_E_MEMORY, "transfer function: no memory for %zu entries", t->tables[0].count);
+    }
+    for (size_t c = 0; c < ISO_CLASSES; ++c)
+        for (size_t i = 0; i < 4 * envelope->count; ++i)
+            envelope->entries[i] = fmaxf(envelope->entries[i], t->tables[c].entries[i]);
+    return ISO_OK;
+}
