@@ -224,7 +224,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference and povray: the first hit of this value, opaque", "VALUE"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference, gl and povray: the first hit of this value, opaque", "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
@@ -252,6 +252,7 @@ const iso_command iso_command_render = {
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n",
     .run = run,
 };

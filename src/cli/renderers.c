@@ -109,8 +109,8 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     *image = (iso_image){0};
     if (level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
-    if (opt->isosurface && opt->renderer != ISO_WITH_REFERENCE && opt->renderer != ISO_WITH_POVRAY)
-        return iso_fail(err, ISO_E_USAGE, "isosurfaces are rendered by reference and povray, not by %s",
+    if (opt->isosurface && opt->renderer == ISO_WITH_CYCLES)
+        return iso_fail(err, ISO_E_USAGE, "isosurfaces are rendered by reference, gl and povray, not by %s",
                         iso_renderer_name(opt->renderer));
     const iso_level *l = &p->levels[level];
     double start = iso_clock_seconds(), drawing = -1;
@@ -122,6 +122,8 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
         o.step_voxels = opt->step_voxels;
         o.shade_table = opt->shade_table;
         o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
+        const iso_surface surface = {.iso = opt->iso};
+        o.surface = opt->isosurface ? &surface : NULL;
         status = need_gl(r, err);
         if (status == ISO_OK)
             status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);

@@ -39,7 +39,7 @@ typedef struct iso_render_options {
     size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
     bool extrapolate;              /* POV-Ray, with intervals */
     int samples, seed;             /* Cycles; 0: defaults */
-    bool isosurface;               /* first hit of the value iso; the reference and POV-Ray */
+    bool isosurface;               /* first hit of the value iso; not Cycles */
     double iso;
     bool shade_table;              /* GL, palettes */
     int threads;

@@ -138,7 +138,7 @@ static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, cons
 static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, uint8_t *visible, double shown,
                                    const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
 {
-    t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
+    t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
     if (!t->skip_empty)
         return ISO_OK;
     for (size_t i = 0; i < iso_brick_count(n); ++i)
@@ -158,7 +158,9 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
     *t = (brick_textures){0};
     if (!visible)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
-    double shown = iso_brick_cull(f, &view->tf, 0, visible);
+    float entries[12];
+    iso_tf_table surface = opt->surface ? iso_gl_surface_tf(opt->surface, n->min, n->max, entries) : view->tf;
+    double shown = iso_brick_cull(f, &surface, 0, visible);
     for (size_t i = 0; opt->wanted && i < count; ++i)
         visible[i] = visible[i] && opt->wanted[i];
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible,
@@ -185,7 +187,7 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
 /* ---- drawing ------------------------------------------------------------------ */
 
 static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_brick_pack *pack, const iso_view *view,
-                         double step_voxels)
+                         double step_voxels, const iso_surface *surface)
 {
     const iso_node_levels *n = f->nodes;
     const iso_geometry *g = &n->geometry;
@@ -203,17 +205,20 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
     iso_gl_set_vec3(program, "last_node", iso_v3((double)(g->size[0] - 1) / side, (double)(g->size[1] - 1) / side,
                                                  (double)(g->size[2] - 1) / side));
     iso_gl_set_tf(program, &view->tf, n->min, n->max - n->min);
+    if (surface)
+        iso_gl_set_surface(program, surface, iso_v3(side, side, side), 0, n->min, n->max - n->min);
     iso_gl_set_light(program, view);
 }
 
-static iso_status get_program(iso_gl *gl, const iso_view *view, bool shaded, bool skip_empty, GLuint *program,
-                              iso_error *err)
+static iso_status get_program(iso_gl *gl, const iso_view *view, const iso_gl_brick_options *opt, bool skip_empty,
+                              GLuint *program, iso_error *err)
 {
     char defines[256];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
-             "#define SKIP_EMPTY %d\n#define BRICKS 1\n",
-             shaded ? view->light_count : 0, shaded && view->shading.specular > 0, skip_empty);
+             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define FIRST_HIT %d\n",
+             opt->shaded ? view->light_count : 0, opt->shaded && view->shading.specular > 0, skip_empty,
+             opt->surface ? (int)opt->surface->output + 1 : 0);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -222,13 +227,13 @@ static iso_status draw(iso_gl *gl, const iso_brick_field *f, const iso_brick_pac
                        iso_gl_brick_stats *stats, iso_error *err)
 {
     GLuint program;
-    iso_status status = get_program(gl, view, opt->shaded, t->skip_empty, &program, err);
+    iso_status status = get_program(gl, view, opt, t->skip_empty, &program, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
-    set_uniforms(program, f, pack, view, step_voxels);
+    set_uniforms(program, f, pack, view, step_voxels, opt->surface);
     stats->seconds = INFINITY;
     for (size_t i = 0; status == ISO_OK && i < (opt->repeats ? opt->repeats : 1); ++i) {
         double once;
@@ -244,7 +249,7 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
                                 const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                                 iso_error *err)
 {
-    double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
+    double step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
     iso_brick_pack pack = {0};
     brick_textures textures;
     iso_gl_brick_stats own;

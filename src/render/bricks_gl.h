@@ -17,6 +17,7 @@ typedef struct iso_gl_brick_options {
     const uint8_t *wanted; /* one byte a brick, 0 leaves it out; NULL: all */
     double step_voxels;   /* 0: the view's */
     iso_gl_skip skip;     /* of hidden bricks */
+    const iso_surface *surface; /* its first hit instead of the integral, or NULL */
     size_t repeats;       /* draws; the time is that of the fastest */
 } iso_gl_brick_options;
 iso_gl_brick_options iso_gl_brick_defaults(void);

@@ -17,4 +17,16 @@ typedef enum iso_direction_source {
 const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, on-the-fly, palette, palette-nearest */
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
 
+/* What an image of a first-hit isosurface shows. */
+typedef enum iso_surface_output {
+    ISO_SURFACE_COLOR,    /* c(iso) shade(d) */
+    ISO_SURFACE_POSITION, /* of the hit, index coordinates of the level; alpha 0: no hit */
+    ISO_SURFACE_NORMAL    /* n of the hit; alpha 0: no hit */
+} iso_surface_output;
+
+typedef struct iso_surface {
+    double iso; /* opaque from this value on */
+    iso_surface_output output;
+} iso_surface;
+
 #endif

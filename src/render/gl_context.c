@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 
 ISO_EMBED(iso_code_decode_glsl, "src/encode/code_decode.h");
+ISO_EMBED(iso_first_hit_glsl, "src/render/shaders/first_hit.glsl");
 ISO_EMBED(iso_raycast_glsl, "src/render/shaders/raycast.glsl");
 ISO_EMBED(iso_probe_glsl, "src/render/shaders/probe.glsl");
 ISO_EMBED(iso_fullscreen_glsl, "src/render/shaders/fullscreen.glsl");
@@ -21,6 +22,7 @@ static const struct {
     const char *name, *text;
 } shader_files[] = {
     {"code_decode.h", iso_code_decode_glsl},
+    {"first_hit.glsl", iso_first_hit_glsl},
     {"fullscreen.glsl", iso_fullscreen_glsl},
     {"probe.glsl", iso_probe_glsl},
     {"raycast.glsl", iso_raycast_glsl},
@@ -264,8 +266,8 @@ static iso_status shader_text(const iso_gl *gl, const char *name, const char **t
     if (!path)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a path");
     iso_status status = ISO_OK;
-    /* The decoders belong to the codes, not to the shaders: they need not be in the folder. */
-    if (iso_path_exists(path) || strcmp(name, "code_decode.h") != 0) {
+    /* Headers that C shares belong to their modules, not to the shaders: they need not be in the folder. */
+    if (iso_path_exists(path) || !iso_path_ends_with(name, ".h")) {
         size_t size;
         status = iso_file_read(path, owned, &size, err);
         *text = *owned;
@@ -306,28 +308,88 @@ static iso_status link_program(GLuint vertex, GLuint fragment, const char *name,
     return iso_fail(err, ISO_E_PROGRAM, "gl: shader %s does not link: %s", name, log);
 }
 
+/* A shader with its includes, as one text. Files are numbered in the order in which they begin: compilers name that
+ * number and the line. */
+typedef struct expansion {
+    char *text;
+    size_t size, room;
+    int files;
+} expansion;
+
+static iso_status append(expansion *e, const char *text, size_t length, iso_error *err)
+{
+    if (e->size + length + 1 > e->room) {
+        size_t room = 2 * (e->size + length + 1);
+        char *larger = realloc(e->text, room);
+        if (!larger)
+            return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a shader of %zu bytes", room);
+        e->text = larger;
+        e->room = room;
+    }
+    memcpy(e->text + e->size, text, length);
+    e->size += length;
+    e->text[e->size] = 0;
+    return ISO_OK;
+}
+
+static iso_status append_line_number(expansion *e, int line, int file, iso_error *err)
+{
+    char text[48];
+    int length = snprintf(text, sizeof text, "#line %d %d\n", line, file);
+    return append(e, text, (size_t)length, err);
+}
+
+/* Lines #include "NAME" are replaced by that file. GLSL has no includes of its own. */
+static iso_status expand(const iso_gl *gl, const char *name, int depth, expansion *e, iso_error *err)
+{
+    enum { deepest = 8 };
+    const char *text;
+    char *owned;
+    iso_status status = shader_text(gl, name, &text, &owned, err);
+    const int file = ++e->files;
+    if (status == ISO_OK && depth > deepest)
+        status = iso_fail(err, ISO_E_PROGRAM, "gl: shader %s is included from itself", name);
+    if (status == ISO_OK)
+        status = append_line_number(e, 1, file, err);
+    int line = 1;
+    for (const char *at = text; status == ISO_OK && *at; ++line) {
+        const char *newline = strchr(at, '\n');
+        size_t length = newline ? (size_t)(newline - at) + 1 : strlen(at);
+        char included[64];
+        if (sscanf(at, "#include \"%63[^\"\n]\"", included) == 1) {
+            status = expand(gl, included, depth + 1, e, err);
+            if (status == ISO_OK)
+                status = append_line_number(e, line + 1, file, err);
+        } else {
+            status = append(e, at, length, err);
+        }
+        at += length;
+    }
+    free(owned);
+    return status == ISO_OK ? append(e, "\n", 1, err) : status;
+}
+
 static iso_status build_program(iso_gl *gl, const char *fragment, const char *defines, GLuint *program, iso_error *err)
 {
     static const char version[] = "#version 430 core\n";
-    const char *names[3] = {"fullscreen.glsl", "code_decode.h", fragment}, *texts[3];
-    char *owned[3] = {NULL, NULL, NULL};
+    expansion vertex = {0}, body = {0};
     GLuint shaders[2] = {0, 0};
-    iso_status status = ISO_OK;
-    for (int i = 0; i < 3 && status == ISO_OK; ++i)
-        status = shader_text(gl, names[i], &texts[i], &owned[i], err);
+    iso_status status = expand(gl, "fullscreen.glsl", 0, &vertex, err);
     if (status == ISO_OK)
-        status = compile(GL_VERTEX_SHADER, (const char *[]){version, texts[0]}, 2, names[0], &shaders[0], err);
+        status = expand(gl, "code_decode.h", 0, &body, err);
     if (status == ISO_OK)
-        status = compile(GL_FRAGMENT_SHADER,
-                         (const char *[]){version, defines, "#line 1 1\n", texts[1], "\n#line 1 2\n", texts[2]}, 6,
-                         fragment, &shaders[1], err);
+        status = expand(gl, fragment, 0, &body, err);
+    if (status == ISO_OK)
+        status = compile(GL_VERTEX_SHADER, (const char *[]){version, vertex.text}, 2, "fullscreen.glsl", &shaders[0], err);
+    if (status == ISO_OK)
+        status = compile(GL_FRAGMENT_SHADER, (const char *[]){version, defines, body.text}, 3, fragment, &shaders[1], err);
     if (status == ISO_OK)
         status = link_program(shaders[0], shaders[1], fragment, program, err);
     for (int i = 0; i < 2; ++i)
         if (shaders[i] && (i == 0 || status == ISO_OK))
             glDeleteShader(shaders[i]);
-    for (int i = 0; i < 3; ++i)
-        free(owned[i]);
+    free(vertex.text);
+    free(body.text);
     return status;
 }
 

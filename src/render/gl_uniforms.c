@@ -1,6 +1,8 @@
 #include "render/gl_uniforms.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 void iso_gl_set_float(GLuint program, const char *name, double value)
 {
@@ -72,4 +74,20 @@ void iso_gl_set_light(GLuint program, const iso_view *view)
     glUniform4f(glGetUniformLocation(program, "shading"), (float)s->ambient, (float)s->diffuse, (float)s->specular,
                 (float)s->power);
     iso_gl_set_vec3(program, "background", iso_v3(view->background[0], view->background[1], view->background[2]));
+}
+
+void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 samples_per_p, double first_sample,
+                        double zero, double per_texel)
+{
+    iso_gl_set_float(program, "iso_texel", (surface->iso - zero) / (per_texel > 0 ? per_texel : 1));
+    iso_gl_set_vec3(program, "samples_per_p", samples_per_p);
+    iso_gl_set_float(program, "first_sample", first_sample);
+}
+
+iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12])
+{
+    double reach = fmax(fmax(fabs(max - surface->iso), fabs(min - surface->iso)), 1e-30);
+    memset(entries, 0, 12 * sizeof *entries);
+    entries[11] = 1;
+    return (iso_tf_table){.lo = surface->iso - reach, .hi = surface->iso + reach, .count = 3, .entries = entries};
 }

@@ -19,4 +19,12 @@ void iso_gl_set_light(GLuint program, const iso_view *view);
 /* Texel t of the scalar is the value zero + t * per_texel. */
 void iso_gl_set_tf(GLuint program, const iso_tf_table *tf, double zero, double per_texel);
 
+
+/* A first-hit surface: samples of level 0 lie where samples_per_p * p - first_sample is whole. zero and per_texel as
+ * above. */
+void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 samples_per_p, double first_sample,
+                        double zero, double per_texel);
+/* A table that shows the values of a surface and what lies behind it: for culling. On the caller's entries. */
+iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12]);
+
 #endif

@@ -167,7 +167,7 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", iso_brick_ranges_count(&r));
     } else {
         double occupied = iso_occupancy_compute(&r, tf, distance);
-        t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || occupied <= ISO_GL_SKIP_OCCUPIED;
+        t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || occupied <= ISO_GL_SKIP_OCCUPIED;
     }
     /* A segment whose middle is in one brick may begin and end this many further. */
     const size_t reach = opt->preintegrated ? (size_t)ceil(0.5 * opt->step_voxels / (double)opt->brick_voxels) : 0;
@@ -258,8 +258,10 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     if (status == ISO_OK && is_from_palette(source))
         status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
+    float entries[12];
+    iso_tf_table below = opt->surface ? iso_gl_surface_tf(opt->surface, level->min, level->max, entries) : *tf;
     if (status == ISO_OK && !view->classes)
-        status = upload_occupancy(gl, level, opt, tf, t, err);
+        status = upload_occupancy(gl, level, opt, &below, t, err);
     if (status != ISO_OK)
         destroy_textures(t);
     return status;
@@ -286,6 +288,9 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
              iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
     double min_spacing_mm = iso_geometry_min_spacing_mm(g);
     iso_gl_set_tf(program, tf, level->min, t->value_per_texel);
+    if (opt->surface)
+        iso_gl_set_surface(program, opt->surface, iso_v3((double)g->size[0], (double)g->size[1], (double)g->size[2]), 0.5,
+                           level->min, t->value_per_texel);
     iso_gl_set_float(program, "direction_scale", t->direction_scale);
     iso_gl_set_float(program, "direction_offset", t->direction_offset);
     /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
@@ -313,10 +318,11 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
-             "#define PREINTEGRATED %d\n",
+             "#define PREINTEGRATED %d\n#define FIRST_HIT %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated);
+             view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated,
+             opt->surface ? (int)opt->surface->output + 1 : 0);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -324,8 +330,11 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
                          const iso_gl_options *options, iso_image *image, double *seconds, iso_error *err)
 {
     iso_gl_options with_step = *options, *opt = &with_step;
-    const double step_voxels = opt->step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
+    const double step_voxels = opt->step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
     *image = (iso_image){0};
+    if (opt->surface && (view->classes || !isfinite(opt->surface->iso)))
+        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no deviation classes");
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
     if (view->classes && opt->preintegrated)

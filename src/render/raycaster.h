@@ -2,7 +2,8 @@
  *
  * Quadrature: segments [k ds, (k+1) ds] of each ray clipped to the box, one
  * sample in the middle, 1 - exp(-sigma length); or pre-integrated, the TF's means
- * between the values at both ends (tf/integral.h). Textures: scalar R16 where the
+ * between the values at both ends (tf/integral.h); or the first hit of a value, by
+ * the reference's definition (reference.h). Textures: scalar R16 where the
  * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
  * from floats, or on the fly. At start the texture filter is probed: where
  * 8-bit textures are filtered in 8 bits (llvmpipe), codes travel in 16 bits. */
@@ -48,6 +49,7 @@ typedef struct iso_gl_options {
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
     bool preintegrated;          /* not with classes */
+    const iso_surface *surface;  /* its first hit instead of the integral, or NULL; exact in each cell: no step */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

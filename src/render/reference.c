@@ -265,7 +265,7 @@ static double first_hit(const ray_state *ray, double iso, double a, double b, in
 }
 
 /* Opaque where it is hit: an infinite depth behind. */
-static stretch hit_surface(const ray_state *ray, double t0, double t1, double iso)
+static stretch hit_surface(const ray_state *ray, double t0, double t1, double iso, iso_surface_output output)
 {
     stretch s = {{0}, 0};
     double t = INFINITY;
@@ -276,12 +276,13 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
     }
     if (!isfinite(t))
         return s;
+    const iso_vec3 p = iso_madd(ray->origin, ray->direction, t);
+    const iso_vec3 normal = output == ISO_SURFACE_POSITION ? p : iso_sample_normal(ray->layer->sampler, p);
     double rgbs[4];
     iso_tf_lookup(&ray->view->tf, iso, rgbs);
-    const double light = shade(ray->view, iso_sample_normal(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t)),
-                               ray->to_viewer);
+    const double light = shade(ray->view, normal, ray->to_viewer), shown[3] = {normal.x, normal.y, normal.z};
     for (int c = 0; c < 3; ++c)
-        s.color[c] = light * rgbs[c];
+        s.color[c] = output == ISO_SURFACE_COLOR ? light * rgbs[c] : shown[c];
     s.depth = INFINITY;
     return s;
 }
@@ -348,13 +349,14 @@ static void render_pixel(const layer *l, const iso_view *view, const iso_referen
         else if (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
             s = integrate_means(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
         else if (opt->quadrature == ISO_QUADRATURE_FIRST_HIT)
-            s = hit_surface(&state, t0, t1, opt->iso);
+            s = hit_surface(&state, t0, t1, opt->iso, opt->output);
         else
             s = sum_intervals(&state, t0, t1, opt->intervals);
     }
     double t_end = exp(-s.depth);
+    const bool color = opt->quadrature != ISO_QUADRATURE_FIRST_HIT || opt->output == ISO_SURFACE_COLOR;
     for (int c = 0; c < 3; ++c)
-        rgba[c] = (float)(s.color[c] + t_end * view->background[c]);
+        rgba[c] = (float)(s.color[c] + (color ? t_end * view->background[c] : 0));
     rgba[3] = (float)(1 - t_end);
 }
 

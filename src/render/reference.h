@@ -39,6 +39,7 @@ typedef struct iso_reference_options {
     size_t intervals;   /* povray */
     double tolerance;   /* converged: of a pixel's value */
     double iso;         /* first hit: the value of the surface */
+    iso_surface_output output; /* first hit: what the image shows of it */
     int threads;
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);

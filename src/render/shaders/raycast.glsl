@@ -8,7 +8,8 @@
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
 // voxels, 4 of one), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
-// PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment).
+// PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
+// integral; else first_hit.glsl instead).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -150,14 +151,23 @@ float leave_empty_bricks(Ray ray, float k)
 }
 #endif
 
+#if BRICKS
+ivec3 brick_of(vec3 p) { return min(ivec3(clamp(p, vec3(0.0), last_node)), textureSize(layout_of_bricks, 0) - 1); }
+
+// Where the cache holds p as a brick has it, whose closed box p is in; w is 0 where it is left out.
+vec4 address_in(ivec3 brick, vec3 p)
+{
+    vec4 place = texelFetch(layout_of_bricks, brick, 0);
+    vec3 in_brick = clamp(clamp(p, vec3(0.0), last_node) - vec3(brick), 0.0, 1.0);
+    return vec4(place.xyz + in_brick * place.w * brick_in_cache, place.w);
+}
+#endif
+
 // Where the textures hold p; w is 0 where they do not.
 vec4 address(vec3 p)
 {
 #if BRICKS
-    p = clamp(p, vec3(0.0), last_node);
-    ivec3 brick = min(ivec3(p), textureSize(layout_of_bricks, 0) - 1);
-    vec4 place = texelFetch(layout_of_bricks, brick, 0);
-    return vec4(place.xyz + (p - vec3(brick)) * place.w * brick_in_cache, place.w);
+    return address_in(brick_of(p), p);
 #else
     return vec4(p, 1.0);
 #endif
@@ -296,15 +306,26 @@ float opacity_of(float x)
     return x < 0.03 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0)))) : 1.0 - exp(-x);
 }
 
+vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
+{
+    vec3 halfway[LIGHT_COUNT + 1];
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        vec3 sum_of_both = light_direction[i] - ray_direction;
+        halfway[i] = sum_of_both / max(length(sum_of_both), 1e-30);
+    }
+    return halfway;
+}
+
+#ifndef FIRST_HIT
+#define FIRST_HIT 0
+#endif
+#if FIRST_HIT
+#include "first_hit.glsl"
+#else
 void main()
 {
     Ray ray = pixel_ray();
-    vec3 halfway[LIGHT_COUNT + 1];
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
-        vec3 sum_of_both = light_direction[i] - ray.world;
-        halfway[i] = sum_of_both / max(length(sum_of_both), 1e-30);
-    }
-
+    vec3 halfway[LIGHT_COUNT + 1] = halfway_to(ray.world);
     vec3 sum = vec3(0.0);
     float transmittance = 1.0, segment_mm = float(step_mm);
 #if SKIP_EMPTY
@@ -343,3 +364,4 @@ void main()
 #endif
     color = vec4(sum + transmittance * background, 1.0 - transmittance);
 }
+#endif
