@@ -11,8 +11,8 @@
  * N is at most 255. planes = 0 is lock-step with ISO_QUADRATURE_POVRAY. The
  * error is of second order in ds, so that extrapolation removes most of it.
  *
- * Scalars of 8 and 16 bits and snorm direction codes are stored exactly (8 or
- * 16 bits); what is float is stored in df3_bits over its range. POV-Ray
+ * Scalars of 8 and 16 bits and linear direction codes (fit, snorm) are stored
+ * exactly (8 or 16 bits); what is float is stored in df3_bits over its range. POV-Ray
  * computes colours in float and writes 16 bits: half a step is 7.6e-6 of the
  * brightest possible colour. Alpha comes from a second pass without emission
  * over white.

@@ -372,7 +372,7 @@ const iso_atlas_case iso_atlas_cases[] = {
     {"brick-seams", "Seams between bricks", "A fine and a coarse brick interpolate different nodes on their common face.", "largest step over the face, of the range",
      "each brick its own nodes", "nodes on the face baked from the coarser brick", 0.1, 1e-5, brick_seams},
     {"code-folds", "Codes that fold", "The octahedral map is folded along its edges: a filter between codes on two sides of a fold meets a third direction.",
-     IMAGE_NORMALS, "oct24, filtered", "snorm, filtered: linear", 0.012, 0.001, code_folds},
+     IMAGE_NORMALS, "oct24, filtered", "fit, filtered: linear", 0.012, 0.001, code_folds},
 };
 const size_t iso_atlas_case_count = sizeof iso_atlas_cases / sizeof *iso_atlas_cases;
 

@@ -155,7 +155,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners or fourth", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1, naive or tensor", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: snorm (default), region48, ...", "NAME"},
+        {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: fit (default), snorm, region48, ...", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "of gauss and eq1", "VOXELS"},

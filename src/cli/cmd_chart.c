@@ -177,7 +177,7 @@ static void name_gradients(const chart_case *c, char *text, size_t size)
         snprintf(text, size, "%s", iso_direction_source_name(c->source));
 }
 
-/* "gl; level 1 adapted TF; snorm moments; step 0.5"; the estimator is named where it is not the usual one. */
+/* "gl; level 1 adapted TF; fit moments; step 0.5"; the estimator is named where it is not the usual one. */
 static void describe(const chart_case *c, char *text, size_t size)
 {
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
@@ -227,15 +227,15 @@ static int cheapest_first(const void *a, const void *b)
 static bool is_distinct(const chart_run *run, const chart_case *c)
 {
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY;
-    if (c->renderer == ISO_WITH_CYCLES && (c->source != ISO_FROM_CODES || c->code != ISO_CODE_SNORM))
-        return false; /* it gets decoded directions */
+    if (c->renderer == ISO_WITH_CYCLES && (c->source != ISO_FROM_CODES || !iso_code_describe(c->code)->is_linear))
+        return false; /* it gets decoded directions, and filters those */
     if ((c->level == 0 || on_the_fly) && c->filter != run->first_filter)
         return false;
     if (on_the_fly && c->estimator != run->first_estimator)
         return false;
     if (c->level == 0 && c->adapted)
         return false;
-    return c->source == ISO_FROM_CODES || c->code == ISO_CODE_SNORM;
+    return c->source == ISO_FROM_CODES || c->code == 0;
 }
 
 static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)

@@ -183,7 +183,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, "renderers to compare with the reference (gl,cycles,povray)", "LIST"},
-        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (snorm)", "CODE"},
+        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,

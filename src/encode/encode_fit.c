@@ -1,13 +1,9 @@
-/* encode_fit.c - best fit: in place of the nearest lattice point one whose
- * direction is nearer, among those whose length is about right.
- *
- * Along the direction u, one candidate for each whole number of the largest
- * component: the other two rounded. With r = candidate - aim u and
- * along = r . u the fit takes the least
- *     |r|^2 - along^2 + mu^2 along^2,
- * the distance to the wanted vector with lengths counted 1/mu times less. */
+/* encode_fit.c - best fits: in place of the nearest lattice point one whose
+ * direction is nearer, among those whose length will do. Along the direction, one
+ * candidate for each whole number of the largest component: the other two rounded. */
 #include "encode/encode_kernel.h"
 #include "encode/fit.h"
+#include "encode/fit_rows.h"
 #include "encode/simd.h"
 
 typedef struct ray {
@@ -53,25 +49,33 @@ ISO_INLINE void store_rounded(const ray *r, float *px, float *py, float *pz)
     v8_store(pz, v8_round(r->at * r->z));
 }
 
-/* ---- fit: aims at |d|; the shorter, the less its direction is worth, since
- * neighbours then differ: mu grows (fit.h) ---- */
+/* ---- fit: the block's rows ---- */
 
-ISO_INLINE void fit_lanes(float *px, float *py, float *pz)
+ISO_INLINE void fit_triples(const float *restrict directions, uint8_t *restrict bytes, size_t count,
+                            void (*rows)(const float *restrict, const float *restrict, const float *restrict, size_t,
+                                         uint32_t *restrict))
 {
-    ray r = ray_through(px, py, pz);
-    v8f mu = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * v8_max(1.0f - r.aim * (1 / 127.0f), v8_set(0));
-    v8f weight = mu * mu, step = 1.0f / r.largest;
-    v8f first = v8_min(v8_round(r.aim * r.largest), v8_set(127 - ISO_FIT_WINDOW)) - (float)ISO_FIT_WINDOW;
-    for (int k = 0; k <= 2 * ISO_FIT_WINDOW; ++k) {
-        v8f at = (first + (float)k) * step, along;
-        v8f cost = off_ray(&r, at, &along);
-        v8f radial = at + along - r.aim;
-        take_better(&r, cost + weight * (radial * radial), at);
+    for (size_t start = 0; start < count; start += ISO_BLOCK) {
+        const size_t n = count - start < ISO_BLOCK ? count - start : ISO_BLOCK;
+        uint32_t words[ISO_BLOCK];
+        iso_block b;
+        iso_block_load(&b, directions + 3 * start, n);
+        rows(b.x, b.y, b.z, ISO_BLOCK, words);
+        for (size_t i = 0; i < n; ++i)
+            for (size_t a = 0; a < 3; ++a)
+                bytes[3 * (start + i) + a] = (uint8_t)(words[i] >> 8 * a);
     }
-    store_rounded(&r, px, py, pz);
 }
 
-ISO_SIMD_ENCODER(iso_encode_fit, fit_lanes)
+void iso_encode_fit(const float *restrict directions, uint8_t *restrict bytes, size_t count)
+{
+    fit_triples(directions, bytes, count, iso_fit_rows);
+}
+
+void iso_encode_fit_baseline(const float *restrict directions, uint8_t *restrict bytes, size_t count)
+{
+    fit_triples(directions, bytes, count, iso_fit_rows_baseline);
+}
 
 /* ---- shell: the nearest direction among lengths in [0.95, 1] ---- */
 

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/simd.h"
+#include "encode/fit_rows.h"
 #include "pyramid/cascade_kernel.h"
 
 /* ---- rows to what is stored ---- */
@@ -39,15 +40,27 @@ void level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size
     iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g[0], r->g[1], r->g[2]);
 }
 
-static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r,
-                        bool packed)
+/* Of the codes that most builds use, straight from the rows. */
+static bool encode_rows(iso_code code, size_t n, emit_rows *r)
+{
+    if (code == ISO_CODE_FIT)
+        iso_fit_rows(r->d[0], r->d[1], r->d[2], n, r->packed);
+    else if (code == ISO_CODE_SNORM)
+        iso_pack_snorm(r->d[0], r->d[1], r->d[2], n, r->packed);
+    else
+        return false;
+    iso_unpack_bytes(r->packed, n, r->bytes);
+    return true;
+}
+
+/* The row of directions r->d: their codes and what else is kept of them. */
+static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r)
 {
     const size_t n = c->size[k][0], at = ((z - out->first) * c->size[k][1] + y) * n;
-    if (packed)
-        iso_unpack_bytes(r->packed, n, r->bytes);
-    if (!packed || out->directions)
+    const bool from_rows = !out->codes || encode_rows(c->opt.code, n, r);
+    if (!from_rows || out->directions)
         iso_interleave_rows(r->d[0], r->d[1], r->d[2], n, r->interleaved);
-    if (!packed)
+    if (!from_rows)
         iso_code_encode(c->opt.code, r->interleaved, r->bytes, n);
     if (out->codes)
         iso_copy_streaming(out->codes + 3 * at, r->bytes, 3 * n);
@@ -59,13 +72,12 @@ static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t
     }
 }
 
-void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *r, bool packed)
+void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *r)
 {
-    if (z < out->first)
+    if (z < out->first || !(out->codes || out->directions || out->magnitude))
         return;
-    if (!packed || out->directions || out->magnitude)
-        iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2], r->magnitude);
-    store_codes(c, out, 0, y, z, r, packed);
+    iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2], out->magnitude ? r->magnitude : NULL);
+    store_codes(c, out, 0, y, z, r);
 }
 
 void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
@@ -76,9 +88,7 @@ void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, siz
     const size_t n = c->size[k][0];
     iso_direction_rows(c->opt.direction_filter, state, stride, n, r->d[0], r->d[1], r->d[2],
                        out->magnitude ? r->magnitude : NULL);
-    if (uses_packed(c))
-        iso_pack_snorm(r->d[0], r->d[1], r->d[2], n, r->packed);
-    store_codes(c, out, k, y, z, r, uses_packed(c));
+    store_codes(c, out, k, y, z, r);
 }
 
 /* ---- the tile way ---- */
@@ -98,7 +108,6 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
 {
     const iso_cascade *c = t->c;
     const size_t n = c->size[0][0], stride = row_stride(c, 0);
-    const bool packed = uses_packed(c);
     emit_rows *r = &t->rows;
     iso_scalar_row(t->in, y, z, r->row, acc + c->state_count * stride, add, &t->lo[0], &t->hi[0]);
     if (t->out[0].scalar && z >= t->out[0].first)
@@ -106,9 +115,8 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
     if (c->state_count == 0)
         return;
     level0_gradients(c, t->in, y, z, r);
-    iso_state_from_gradients(c->opt.direction_filter, 1, r->g[0], r->g[1], r->g[2], n, acc, stride, add,
-                             packed ? r->packed : NULL);
-    emit_level0(c, &t->out[0], y, z, r, packed);
+    iso_state_from_gradients(c->opt.direction_filter, 1, r->g[0], r->g[1], r->g[2], n, acc, stride, add);
+    emit_level0(c, &t->out[0], y, z, r);
 }
 
 static size_t carry_row_floats(const iso_cascade *c)

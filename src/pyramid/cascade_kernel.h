@@ -61,15 +61,11 @@ emit_rows take_emit_rows(const iso_cascade *c, scratch *s);
 
 /* The gradients of a row of level 0, to rows->g. */
 void level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
-/* Stores the row's directions, after rows->packed was filled (or is not used). */
-void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows, bool packed);
+/* Stores the directions of the row's gradients. */
+void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
 /* Stores a row of directions of a coarse level from its state. */
 void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
                  size_t stride, emit_rows *rows);
-static inline bool uses_packed(const iso_cascade *c)
-{
-    return c->opt.code == ISO_CODE_SNORM;
-}
 
 /* cascade_wide.c */
 iso_status wide_create(iso_cascade *c, iso_error *err);

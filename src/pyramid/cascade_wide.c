@@ -107,12 +107,11 @@ static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, si
         iso_planes_row(r->in, y, z, b->state);
         return b->state;
     }
-    const bool packed = uses_packed(c) && own;
     level0_gradients(c, r->in, y, z, &b->rows);
-    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0], b->state, *stride,
-                             false, packed ? b->rows.packed : NULL);
+    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0],
+                             b->state, *stride, false);
     if (own)
-        emit_level0(c, &r->out[0], y, z, &b->rows, packed);
+        emit_level0(c, &r->out[0], y, z, &b->rows);
     return b->state;
 }
 

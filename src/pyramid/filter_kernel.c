@@ -39,17 +39,6 @@ iso_taps iso_taps_gauss(size_t radius, double sigma)
 
 /* ---- level 0 ---- */
 
-/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
- * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
-static inline uint32_t snorm_byte(float d)
-{
-    union {
-        float f;
-        uint32_t u;
-    } bits = {.f = 127 * d + 12582912.0f};
-    return bits.u & 0xFF;
-}
-
 /* d = g / |g|, zero for a gradient whose square vanishes. */
 static inline float inverse_length(float m2, float m)
 {
@@ -57,44 +46,27 @@ static inline float inverse_length(float m2, float m)
     return m2 >= FLT_MIN ? inverse : 0;
 }
 
-static inline __attribute__((always_inline)) void moments_and_codes(const float *gx, const float *gy, const float *gz,
-                                                                    size_t n, float *restrict ax, float *restrict ay,
-                                                                    float *restrict az, float *restrict as, bool add,
-                                                                    uint32_t *restrict packed)
+static inline __attribute__((always_inline)) void moments_into(const float *gx, const float *gy, const float *gz, size_t n,
+                                                               float *restrict ax, float *restrict ay, float *restrict az,
+                                                               float *restrict as, bool add)
 {
     for (size_t i = 0; i < n; ++i) {
-        float x = gx[i], y = gy[i], z = gz[i];
-        float m2 = x * x + y * y + z * z, m = sqrtf(m2);
+        float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z, m = sqrtf(m2);
         ax[i] = add ? ax[i] + m * x : m * x;
         ay[i] = add ? ay[i] + m * y : m * y;
         az[i] = add ? az[i] + m * z : m * z;
         as[i] = add ? as[i] + m2 : m2;
-        if (packed) {
-            float inverse = inverse_length(m2, m);
-            packed[i] = snorm_byte(x * inverse) | snorm_byte(y * inverse) << 8 | snorm_byte(z * inverse) << 16;
-        }
     }
 }
 
 ISO_SIMD static void moments(const float *gx, const float *gy, const float *gz, size_t n, float *restrict acc,
-                             size_t stride, bool add, uint32_t *restrict packed)
+                             size_t stride, bool add)
 {
     float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride, *as = acc + 3 * stride;
-    if (packed && add)
-        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, true, packed);
-    else if (packed)
-        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, false, packed);
+    if (add)
+        moments_into(gx, gy, gz, n, ax, ay, az, as, true);
     else
-        moments_and_codes(gx, gy, gz, n, ax, ay, az, as, add, NULL);
-}
-
-ISO_SIMD static void unit_codes(const float *gx, const float *gy, const float *gz, size_t n, uint32_t *restrict packed)
-{
-    for (size_t i = 0; i < n; ++i) {
-        float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z;
-        float inverse = inverse_length(m2, sqrtf(m2));
-        packed[i] = snorm_byte(x * inverse) | snorm_byte(y * inverse) << 8 | snorm_byte(z * inverse) << 16;
-    }
+        moments_into(gx, gy, gz, n, ax, ay, az, as, false);
 }
 
 ISO_SIMD static void moment_vectors(const float *restrict gx, const float *restrict gy, const float *restrict gz, size_t n,
@@ -147,14 +119,12 @@ ISO_SIMD static void products(const float *restrict a, const float *restrict b, 
 }
 
 void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
-                              float *restrict acc, size_t stride, bool add, uint32_t *restrict packed)
+                              float *restrict acc, size_t stride, bool add)
 {
     if (f == ISO_DIRECTION_MOMENTS) {
-        moments(gx, gy, gz, n, acc, stride, add, packed);
+        moments(gx, gy, gz, n, acc, stride, add);
         return;
     }
-    if (packed)
-        unit_codes(gx, gy, gz, n, packed);
     if (f == ISO_DIRECTION_EQ1) {
         eq1_weigh(gx, gy, gz, n, eq1_exponent, acc, stride);
         return;
@@ -401,6 +371,17 @@ ISO_SIMD void iso_interleave_rows(const float *dx, const float *dy, const float 
         out[3 * i + 1] = dy[i];
         out[3 * i + 2] = dz[i];
     }
+}
+
+/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
+ * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
+static inline uint32_t snorm_byte(float d)
+{
+    union {
+        float f;
+        uint32_t u;
+    } bits = {.f = 127 * d + 12582912.0f};
+    return bits.u & 0xFF;
 }
 
 ISO_SIMD void iso_pack_snorm(const float *dx, const float *dy, const float *dz, size_t n, uint32_t *restrict packed)

@@ -37,10 +37,9 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 
 /* ---- level 0 ---- */
 
-/* States of a row of gradients, put into acc or added to it (eq1: put); where packed
- * is not NULL, the snorm codes of the unit directions too (iso_pack_snorm). */
+/* States of a row of gradients, put into acc or added to it (eq1: put). */
 void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
-                              float *restrict acc, size_t stride, bool add, uint32_t *restrict packed);
+                              float *restrict acc, size_t stride, bool add);
 /* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
 void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
                    float *restrict dz, float *restrict length);

@@ -22,7 +22,7 @@ iso_pyramid_options iso_pyramid_defaults(void)
         .scalar_filter = ISO_SCALAR_MEAN,
         .direction_filter = ISO_DIRECTION_MOMENTS,
         .gradient = iso_gradient_defaults(),
-        .code = ISO_CODE_SNORM,
+        .code = ISO_CODE_FIT,
         .gauss_sigma_voxels = 1,
         .gauss_radius = 2,
         .eq1_exponent = 1,

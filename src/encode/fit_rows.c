@@ -1,0 +1,63 @@
+/* fit_rows.c - the code "fit", over rows of components: plain C that the
+ * compiler vectorises for each instruction set, the same bytes from all. */
+#include "encode/fit_rows.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/simd.h"
+#include "encode/encode_kernel.h"
+#include "encode/fit.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* Where the ray of a direction, of which (b, c) are the smaller components of the
+ * unit vector and (b, c) / high those of the ray at largest component 1, at length
+ * step, has its best candidate: the whole number `first` .. of the largest component.
+ * With r = candidate - aim u, along = r . u, the cost is |r|^2 - along^2 + mu^2 along^2;
+ * the largest component itself is met exactly. */
+INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight, float first)
+{
+    float best = INFINITY, best_at = 0;
+    for (int k = 0; k <= 2 * ISO_FIT_WINDOW; ++k) {
+        const float at = first + (float)k, eb = at * b_step, ec = at * c_step;
+        const float rb = rintf(eb) - eb, rc = rintf(ec) - ec, along = rb * b + rc * c;
+        const float radial = (at * step - aim) + along;
+        const float cost = (rb * rb + rc * rc) + (weight * (radial * radial) - along * along);
+        best_at = cost < best ? at : best_at;
+        best = cost < best ? cost : best;
+    }
+    return best_at;
+}
+
+/* The three bytes of one direction in a word. The shorter it is, the less its
+ * direction is worth, since neighbours then differ: mu grows (fit.h). */
+INLINE uint32_t fit_word(float x, float y, float z)
+{
+    const float length = sqrtf(x * x + y * y + z * z), ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
+    const float xy = ax < ay ? ay : ax, b = ax < ay ? ax : ay; /* b and c: all but the largest, in any order */
+    const float high = xy < az ? az : xy, c = xy < az ? xy : az;
+    const float product = length * high, both = 1 / (product > 1e-30f ? product : 1e-30f);
+    const float per_length = both * high, per_high = both * length;
+    const float mu = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * (length < 1 ? 1 - length : 0);
+    const float middle = rintf(127 * high), limit = 127 - ISO_FIT_WINDOW;
+    const float first = (middle < limit ? middle : limit) - ISO_FIT_WINDOW;
+    const float s = per_high * best_candidate(b * per_length, c * per_length, b * per_high, c * per_high, length * per_high,
+                                              127 * length, mu * mu, first);
+    return ((uint32_t)(int32_t)rintf(s * x) & 0xFF) | ((uint32_t)(int32_t)rintf(s * y) & 0xFF) << 8 |
+           ((uint32_t)(int32_t)rintf(s * z) & 0xFF) << 16;
+}
+
+ISO_SIMD void iso_fit_rows(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
+                           uint32_t *restrict words)
+{
+    for (size_t i = 0; i < count; ++i)
+        words[i] = fit_word(x[i], y[i], z[i]);
+}
+
+void iso_fit_rows_baseline(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
+                           uint32_t *restrict words)
+{
+    for (size_t i = 0; i < count; ++i)
+        words[i] = fit_word(x[i], y[i], z[i]);
+}
