@@ -436,7 +436,8 @@ static void judgement_is_the_error_at_the_voxels(void **state)
     iso_joint j = make_joint(mixture, 2);
     iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     iso_geometry g = spacing_of(1);
-    iso_adapt_judgement v = iso_adapt_judge(&j, &tf, &out, &g, 1);
+    iso_adapt_judgement v;
+    assert_ok(iso_adapt_judge(&j, &tf, &out, &g, &v, &err));
     double sums[2] = {0};
     for (int i = 0; i < 2; ++i)
         for (int which = 0; which < 2; ++which) {
@@ -455,8 +456,8 @@ static void judgement_is_the_error_at_the_voxels(void **state)
     iso_joint_destroy(&j);
 }
 
-/* 12 x 8 x 8 voxels: a homogeneous block of value 50 in the planes x < 4, and a plate of 100 in x = 7 and 8. The plate
- * fills half of its coarse voxels, so at level 1 it has the value 50 too. */
+/* 12 x 8 x 8 voxels: a homogeneous block of value 50 in the planes x < 4, and a plate of 100 in x = 7 and 8, y < 4. The
+ * plate fills half of its coarse voxels, so at level 1 it has the value 50 too. */
 static iso_pyramid shared_value_pyramid(bool with_block)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){12, 8, 8}, (double[]){1, 1, 1});
@@ -468,7 +469,8 @@ static iso_pyramid shared_value_pyramid(bool with_block)
             uint8_t *row = (uint8_t *)v.data + (z * 8 + y) * 12;
             for (size_t x = 0; with_block && x < 4; ++x)
                 row[x] = 50;
-            row[7] = row[8] = 100;
+            if (y < 4)
+                row[7] = row[8] = 100;
         }
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
@@ -477,7 +479,7 @@ static iso_pyramid shared_value_pyramid(bool with_block)
     return p;
 }
 
-static void a_tissue_that_shares_a_value_keeps_the_original_tf(void **state)
+static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
 {
     (void)state;
     /* 100 is opaque, 50 is not */
@@ -487,20 +489,41 @@ static void a_tissue_that_shares_a_value_keeps_the_original_tf(void **state)
     for (int with_block = 0; with_block < 2; ++with_block) {
         iso_pyramid p = shared_value_pyramid(with_block);
         iso_adapt_options opt = iso_adapt_defaults();
-        iso_adapt_judgement v;
-        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
-        /* 2 x 4 x 4 coarse voxels of the block light up, as many as the plate has */
-        assert_within(v.false_visible, with_block, 0);
-        assert_int_equal(v.use_original, with_block);
+        /* without the block the row of 50 holds the plate's voxels alone, and shows them; with it they are its tail */
+        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, NULL, &err));
         assert_true((out.entries[4 * 50 + 3] > 0.01f) == !with_block);
         iso_tf_table_destroy(&out);
-        opt.fall_back = false;
-        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
-        assert_more_than(out.entries[4 * 50 + 3], 0.01); /* the planted fault: without the indicator the block shows */
+        opt.window = 3;
+        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, NULL, &err));
+        assert_more_than(out.entries[4 * 50 + 3], 0.01); /* the planted fault: a wide window shows the block */
         iso_tf_table_destroy(&out);
         iso_pyramid_destroy(&p);
     }
     iso_tf_table_destroy(&tf);
+}
+
+static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
+{
+    (void)state;
+    /* The window cuts off the entry at 14, three deviations away: TF_0(6) is left, and TF_0(7) at the row is closer to all. */
+    static const entry tail[] = {{7, 6, 90}, {7, 14, 10}};
+    iso_joint j = make_joint(tail, 2);
+    iso_tf_table tf = make_tf();
+    for (size_t i = 0; i < BINS; ++i)
+        memcpy(tf.entries + 4 * i, (const float[]){1, 1, 1, (float)(0.02 * (double)i)}, 4 * sizeof(float));
+    iso_adapt_options wide = iso_adapt_defaults();
+    wide.window = 4;
+    iso_tf_table narrow_tf = adapt(&j, &tf, iso_adapt_defaults(), 1, 1), wide_tf = adapt(&j, &tf, wide, 1, 1);
+    iso_geometry g = spacing_of(1);
+    iso_adapt_judgement v;
+    assert_ok(iso_adapt_judge(&j, &tf, &narrow_tf, &g, &v, &err));
+    assert_true(v.use_original && v.rms_adapted > v.rms_original);
+    assert_ok(iso_adapt_judge(&j, &tf, &wide_tf, &g, &v, &err)); /* the mean of all has the least error there is */
+    assert_true(!v.use_original && v.rms_adapted < v.rms_original);
+    iso_tf_table_destroy(&narrow_tf);
+    iso_tf_table_destroy(&wide_tf);
+    iso_tf_table_destroy(&tf);
+    iso_joint_destroy(&j);
 }
 
 static void classes_split_homogeneous_voxels_from_mixed_ones(void **state)
@@ -568,7 +591,8 @@ int main(void)
         cmocka_unit_test(options_outside_their_limits_are_refused),
         cmocka_unit_test(a_table_as_a_tf_file_gives_the_same_entries_back),
         cmocka_unit_test(judgement_is_the_error_at_the_voxels),
-        cmocka_unit_test(a_tissue_that_shares_a_value_keeps_the_original_tf),
+        cmocka_unit_test(a_tissue_that_shares_a_value_with_a_plate_stays_dark),
+        cmocka_unit_test(a_larger_error_at_the_voxels_keeps_the_original_tf),
         cmocka_unit_test(classes_split_homogeneous_voxels_from_mixed_ones),
         cmocka_unit_test(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own),
     };

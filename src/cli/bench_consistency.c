@@ -136,16 +136,14 @@ static void note_case(bench_run *run, const char *volume, const char *tf, size_t
         double above = r->ssim_dissimilarity - o->ssim_dissimilarity;
         run->worse[m] += above > 0.005;
         run->worst[m] = fmax(run->worst[m], above);
-        json_array_append_new(run->cases, json_pack("{s:s, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:b}", "volume", volume, "tf", tf,
+        json_array_append_new(run->cases, json_pack("{s:s, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "volume", volume, "tf", tf,
                                                     "level", (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
                                                     r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse, "rms_voxels_original",
                                                     r->judgement.rms_original, "rms_voxels_adapted", r->judgement.rms_adapted,
-                                                    "deep_rms_original", r->judgement.deep_rms_original, "deep_rms_adapted", r->judgement.deep_rms_adapted,
                                                     "fell_back", r->judgement.use_original));
         if (!run->cli->json)
-            printf("%-16s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f  %8.5f %8.5f%s\n", volume, tf, level, all_methods[m].name,
+            printf("%-16s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", volume, tf, level, all_methods[m].name,
                    r->ssim_dissimilarity, r->flip, r->rmse, r->judgement.rms_original, r->judgement.rms_adapted,
-                   r->judgement.deep_rms_original, r->judgement.deep_rms_adapted,
                    all_methods[m].options.fall_back && r->judgement.use_original ? "  original kept" : "");
     }
     fflush(stdout);

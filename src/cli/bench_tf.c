@@ -75,14 +75,14 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     if (status == ISO_OK)
         status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
     for (int run = 0; run < 10 * b->runs && status == ISO_OK; ++run) {
-        double start = iso_clock_seconds(), fraction;
+        iso_adapt_judgement verdict;
+        double start = iso_clock_seconds();
         status = iso_adapter_update(adapter, tf, level0, level, &table, err);
         t->adapt_seconds = fmin(t->adapt_seconds, iso_clock_seconds() - start);
         start = iso_clock_seconds();
-        if (status == ISO_OK && run < b->runs)
-            status = iso_adapt_false_visible(p, level, &joint.z, tf, &table, b->cli->threads, &fraction, err);
-        if (run < b->runs)
-            t->judge_seconds = fmin(t->judge_seconds, iso_clock_seconds() - start);
+        if (status == ISO_OK)
+            status = iso_adapt_judge(&joint, tf, &table, level0, &verdict, err);
+        t->judge_seconds = fmin(t->judge_seconds, iso_clock_seconds() - start);
     }
     t->stored_bytes = iso_joint_stored_bytes(&joint);
     t->entry_count = joint.entry_count;

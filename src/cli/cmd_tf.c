@@ -51,9 +51,8 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     if (status == ISO_OK)
         status = iso_tf_save(&file, path, err);
     if (status == ISO_OK) {
-        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
+        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
                                                 (int)table.count, "rms_original", v.rms_original, "rms_adapted", v.rms_adapted,
-                                                "deep_rms_original", v.deep_rms_original, "deep_rms_adapted", v.deep_rms_adapted,
                                                 "kept_original", v.use_original));
         if (!a->cli->json)
             printf("level %zu  %s  error at the voxels %.5f, adapted %.5f%s\n", level, path, v.rms_original, v.rms_adapted,
@@ -292,8 +291,10 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
             status = iso_adapter_create(joint, &opt, &adapter, err);
             if (status == ISO_OK)
                 status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
+            iso_adapt_judgement verdict = {0};
             if (status == ISO_OK)
-                rms[i][j] = iso_adapt_judge(joint, tf, &table, level0, level).rms_adapted;
+                status = iso_adapt_judge(joint, tf, &table, level0, &verdict, err);
+            rms[i][j] = verdict.rms_adapted;
             iso_tf_table_destroy(&table);
             iso_adapter_destroy(adapter);
         }

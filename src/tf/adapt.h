@@ -8,7 +8,7 @@
  *
  * Weights (x in deviations of the row, which are floored at half a bin):
  *     gauss      exp(-x^2 / 2) inside the window             the paper, window 3
- *     flat       1 inside the window                         default, window 3
+ *     flat       1 inside the window                         default, window 1.75
  *     triangle   .4 (1 - .4 |x|)                             sec. 5, window 2.5
  *     mixed      mix_s C + mix_t T + (1 - mix_s - mix_t) G, each of unit area
  *                over [-2.5, 2.5]                            sec. 5, window 2.5
@@ -78,32 +78,20 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 
 /* How well a TF stands for TF_0 at the voxels: root mean square over all pairs
  * of H_k of the differences of premultiplied colour and opacity, over the length
- * of one level-0 voxel (the error of Eq. 6 and Figure 7), and over that of one
- * voxel of the level. The second sees what the first does not: a faint fringe
- * that adds up along a ray to a surface which is not there. */
+ * of one level-0 voxel (the error of Eq. 6 and Figure 7). The indicator: where the
+ * adapted TF has no smaller error than the original, the original is kept. It
+ * needs H_k and the TF alone, and costs as little as adapting.
+ *
+ * The window does most of what an indicator would have to: the voxels of a tissue
+ * that shares its value with a thin structure are the bulk of their row, the
+ * structure is its tail, and a tail beyond 1.75 deviations is cut off. Over 3
+ * deviations it lights the tissue up (doc/adaptive-tf.md). */
 typedef struct iso_adapt_judgement {
-    double rms_original, rms_adapted;           /* over a level-0 voxel */
-    double deep_rms_original, deep_rms_adapted; /* over a voxel of the level */
-    double false_visible;                       /* iso_adapt_false_visible() */
+    double rms_original, rms_adapted;
     bool use_original;
 } iso_adapt_judgement;
-iso_adapt_judgement iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
-                                    const iso_geometry *level0, size_t level);
-
-/* Voxels of the level that an adapted TF shows although none of their fine
- * voxels is visible, against those that hold something visible: what a tissue
- * costs that shares its value with a thin structure. Errors of single voxels do
- * not tell (an adapted TF always has the smaller), this does: it finds where
- * something appears in front of the empty background. Visible: opacity above
- * ISO_VISIBLE_OPACITY over one voxel of the level; shown: above
- * ISO_SHOWN_OPACITY. z: bins of level 0. No rendering; one pass over level 0. */
-#define ISO_VISIBLE_OPACITY 0.002
-#define ISO_SHOWN_OPACITY 0.02
-/* Above this the original TF is kept. Between .07 and .09 nothing changed on
- * the volumes that it was chosen with (doc/adaptive-tf.md). */
-#define ISO_FALSE_VISIBLE_LIMIT 0.08
-iso_status iso_adapt_false_visible(const iso_pyramid *p, size_t level, const iso_bins *z, const iso_tf_table *tf,
-                                   const iso_tf_table *adapted, int threads, double *fraction, iso_error *err);
+iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
+                           iso_adapt_judgement *judgement, iso_error *err);
 
 /* All of it for one level of a pyramid: what renderers and exporters call. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
@@ -118,6 +106,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
  * ISO_CLASS_PSEUDO_COUNTS of its voxels. level: at least 1; bits: at most 12.
  * ISO_E_RANGE, ISO_E_MEMORY. */
 #define ISO_CLASS_PSEUDO_COUNTS 16
+#define ISO_CLASS_WINDOW 3.0 /* of the flat weight, where the options leave it open */
 iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split,
                              const iso_tf_table *tf, const iso_adapt_options *opt, iso_class_tables *out, iso_error *err);
 
