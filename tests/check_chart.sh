@@ -2,7 +2,7 @@
 # The command chart: its files, the setting it names, restyling, messages, and no half-written folder.
 . "$(dirname "$0")/lib.sh"
 cd "$top" || exit 1
-chart() { "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/marschner-lobb.scene.json --size 24 --quiet "$@"; }
+chart() { "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/marschner-lobb.scene.json --size 24 --quiet --quadratures midpoint --plans none "$@"; }
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1
 
 expect a_chart_is_drawn 0 chart --levels 2 --steps 1,0.25 --codes snorm,region48 --filters moments,naive --want 1/50 -o "$dir/c"
@@ -26,6 +26,16 @@ check a_finer_step_has_a_smaller_error finer_is_better "$dir/c/pareto.csv"
 awk -F, -v OFS=, 'NR > 1 {$5 = $5 == 1 ? 0.25 : 1} 1' "$dir/c/pareto.csv" >"$dir/swapped.csv"
 if finer_is_better "$dir/swapped.csv"; then echo "not ok swapped_steps_are_noticed: they pass"; failed=1; else echo "ok swapped_steps_are_noticed"; fi
 
+# Pre-integrated settings and plans double the two steps of level 0's codes, floats, palettes and on the fly, and add two
+# plans for each step; a plan for a larger error has fewer bytes or as many, and holds less than every voxel of level 0.
+expect pre_integration_and_plans_are_charted 0 chart --levels 1 --steps 1,0.5 --codes snorm --quadratures midpoint,preintegrated --plans 8/255,1/255 -o "$dir/c2"
+check both_quadratures_and_plans_are_there test "$(wc -l <"$dir/c2/pareto.csv")" = $((1 + 2 * 2 * 5 + 2 * 2))
+check pre_integrated_settings_are_named grep -q 'gl; level 0; snorm; step 0.5 pre-integrated' "$dir/c2/pareto.csv"
+plans_shrink() { awk -F, '/plan for/ {b[$2 ~ /0.031/ ? 1 : 0] = $7; e[$2 ~ /0.031/ ? 1 : 0] = $8} END {exit !(b[1] <= b[0] && e[0] <= e[1] && b[0] > 0)}' "$1"; }
+check a_plan_for_less_error_has_more_bytes_and_less_error plans_shrink "$dir/c2/pareto.csv"
+expect povray_is_a_setting_of_the_chart 0 chart --levels 1 --steps 1 --with povray -o "$dir/c2"
+check povray_has_one_line grep -q '^povray: [a-z]*,povray; level 0; ' "$dir/c2/pareto.csv"
+
 sed 's/#0072b2/#123456/' "$dir/c/style.gp" >"$dir/mine.gp"
 expect a_style_can_be_given 0 chart --levels 1 --steps 1 --style "$dir/mine.gp" --json -o "$dir/c"
 check the_style_is_used grep -q 'rgb( 18,  52,  86)' "$dir/c/pareto.svg"
@@ -48,7 +58,10 @@ for bad in 0 1, ,1 x 1x nan; do
 done
 expect a_code_without_a_texture_is_refused 2 chart --codes oct24 -o "$dir/n"
 expect an_unknown_filter_is_refused 2 chart --filters moments,magic -o "$dir/n"
-expect povray_is_refused 2 chart --with povray -o "$dir/n"
+expect an_unknown_quadrature_is_refused 2 chart --quadratures simpson -o "$dir/n"
+for bad in 0 2 1/0 x 1/255, none,1/255; do
+    expect "plans_$bad"_is_refused 2 chart --plans="$bad" -o "$dir/n"
+done
 expect an_output_is_needed 2 chart
 check no_folder_is_left test -z "$(find "$dir" -maxdepth 1 -name '.*-*')"
 exit $failed

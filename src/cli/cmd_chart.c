@@ -8,6 +8,7 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "cli/chart_grid.h"
 #include "cli/cli.h"
 #include "cli/palette_level.h"
 #include "cli/renderers.h"
@@ -15,285 +16,53 @@
 #include "compare/chart.h"
 #include "compare/metrics.h"
 #include "compare/pareto.h"
+#include "render/bricks_gl.h"
+#include "render/plan.h"
 #include "tf/adapt.h"
 
 ISO_EMBED(pareto_gp, "src/compare/pareto.gp");
 
 typedef struct chart_arguments {
     iso_cli_input input;
-    char *scene, *output, *size, *with, *steps, *codes, *filters, *estimators, *want_text, *style;
+    char *scene, *output, *size, *want_text, *style;
+    iso_chart_words words;
     int level_count;
     double budget_seconds;
     double want; /* 0: none */
 } chart_arguments;
 
-/* One setting of the grid, and what it gave. */
-typedef struct chart_case {
-    iso_renderer renderer;
-    size_t level;
-    iso_gradient_method estimator;
-    iso_direction_filter filter;
-    iso_direction_source source;
-    iso_code code;
-    size_t palette; /* which of chart_palettes, with ISO_FROM_PALETTE */
-    bool adapted; /* the level's own transfer function */
-    double step_voxels;
-    double relative_cost; /* samples along all rays, times the fetches of one */
-    double seconds, bytes;
-    iso_metrics metrics;
-    bool done, on_time_front, on_bytes_front;
-} chart_case;
-
-/* Palettes in the grid: one byte and ten bits an index. Each is fitted to the finest level and serves all. */
-#define CHART_PALETTES 2
-static const size_t chart_palettes[CHART_PALETTES] = {254, 1022};
-
 typedef struct chart_run {
-    iso_pyramid pyramids[ISO_GRADIENT_COUNT][ISO_DIRECTION_COUNT]; /* by estimator and filter; empty where not asked for */
+    iso_chart_pyramids pyramids; /* by estimator and filter; empty where not asked for */
     iso_gradient_method first_estimator;
     iso_direction_filter first_filter; /* of the pyramids that are there */
     iso_view view;
     iso_tf_table adapted[64]; /* one a level, from 1 on */
-    iso_palette palettes[CHART_PALETTES];
+    iso_palette palettes[ISO_CHART_PALETTES];
+    iso_node_levels nodes;       /* bricks, where the grid has plans */
+    iso_plan plan;
     iso_renderers renderers;
     iso_image reference;
-    chart_case *cases;
+    iso_chart_case *cases;
     size_t count, done_count;
     double start_seconds, reference_seconds; /* the settings start after the reference */
 } chart_run;
-
-/* "1/255" or "0.004" */
-static iso_status parse_want(const char *text, double *want, iso_error *err)
-{
-    char *end;
-    double above = strtod(text, &end), below = 1;
-    if (end != text && *end == '/') {
-        const char *rest = end + 1;
-        below = strtod(rest, &end);
-        end = end == rest ? (char *)text : end;
-    }
-    *want = above / below;
-    if (end == text || *end || !(*want > 0 && *want <= 1))
-        return iso_fail(err, ISO_E_USAGE, "--want is \"%s\", wanted an RMSE above 0 and at most 1, such as 1/255", text);
-    return ISO_OK;
-}
-
-/* "2,1,0.5": at most `room`. */
-static iso_status parse_steps(const char *text, double *steps, size_t room, size_t *count, iso_error *err)
-{
-    *count = 0;
-    for (const char *at = text;; ++at) {
-        char *end;
-        double step = strtod(at, &end);
-        if (end == at || !(step >= 1e-3 && step <= 100) || *count == room || (*end && *end != ','))
-            return iso_fail(err, ISO_E_USAGE, "--steps is \"%s\", wanted up to %zu steps of 0.001 to 100 voxels, such as 2,1,0.5",
-                            text, room);
-        steps[(*count)++] = step;
-        if (!*end)
-            return ISO_OK;
-        at = end;
-    }
-}
-
-static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
-{
-    iso_renderer r = ISO_WITH_GL;
-    iso_status status = iso_renderer_from_name(word, &r, err);
-    if (status == ISO_OK && r == ISO_WITH_POVRAY)
-        return iso_fail(err, ISO_E_USAGE, "--with povray: POV-Ray has no step to choose; wanted gl, reference or cycles");
-    flags[r] = true;
-    return status;
-}
-
-static iso_status take_code(const char *word, bool *flags, iso_error *err)
-{
-    iso_code code = ISO_CODE_SNORM;
-    iso_status status = iso_code_from_name(word, &code, err);
-    if (status == ISO_OK && !iso_code_describe(code)->is_textured)
-        return iso_fail(err, ISO_E_USAGE, "--codes: a texture cannot filter \"%s\"", word);
-    flags[code] = true;
-    return status;
-}
-
-static iso_status take_filter(const char *word, bool *flags, iso_error *err)
-{
-    iso_direction_filter filter = ISO_DIRECTION_MOMENTS;
-    iso_status status = iso_direction_filter_from_name(word, &filter, err);
-    flags[filter] = true;
-    return status;
-}
-
-static iso_status take_estimator(const char *word, bool *flags, iso_error *err)
-{
-    iso_gradient_method method = ISO_GRADIENT_CENTRAL;
-    iso_status status = iso_gradient_from_name(word, &method, err);
-    flags[method] = true;
-    return status;
-}
-
-/* "a,b,c": sets the flag of each. */
-static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
-{
-    char *copy = strdup(list), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
-        status = take(word, flags, err);
-    free(copy);
-    return status;
-}
-
-/* Which renderers, codes, filters, estimators and steps the grid has. */
-typedef struct chart_grid {
-    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
-    double steps[16];
-    size_t step_count;
-} chart_grid;
-
-static iso_status parse_grid(const chart_arguments *a, chart_grid *g, iso_error *err)
-{
-    *g = (chart_grid){.step_count = 0};
-    for (int c = 0; c < ISO_CODE_COUNT && !a->codes; ++c)
-        g->codes[c] = iso_code_describe((iso_code)c)->is_textured;
-    iso_status status = parse_list(a->with ? a->with : "gl", take_renderer, g->with, err);
-    if (status == ISO_OK && a->codes)
-        status = parse_list(a->codes, take_code, g->codes, err);
-    if (status == ISO_OK)
-        status = parse_list(a->filters ? a->filters : "moments", take_filter, g->filters, err);
-    if (status == ISO_OK)
-        status = parse_list(a->estimators ? a->estimators : "central", take_estimator, g->estimators, err);
-    if (status == ISO_OK)
-        status = parse_steps(a->steps ? a->steps : "2,1,0.5,0.25,0.125", g->steps, 16, &g->step_count, err);
-    return status;
-}
-
-/* The code, the palette or the source. */
-static void name_gradients(const chart_case *c, char *text, size_t size)
-{
-    if (c->source == ISO_FROM_CODES)
-        snprintf(text, size, "%s", iso_code_describe(c->code)->name);
-    else if (c->source == ISO_FROM_PALETTE)
-        snprintf(text, size, "palette-%zu", chart_palettes[c->palette]);
-    else
-        snprintf(text, size, "%s", iso_direction_source_name(c->source));
-}
-
-/* "gl; level 1 adapted TF; fit moments; step 0.5"; the estimator is named where it is not the usual one. */
-static void describe(const chart_case *c, char *text, size_t size)
-{
-    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
-    char gradients[64];
-    name_gradients(c, gradients, sizeof gradients);
-    snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g", iso_renderer_name(c->renderer), c->level,
-             c->adapted ? " adapted TF" : "",
-             gradients,
-             on_the_fly || c->level == 0 ? "" : " ", on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter),
-             on_the_fly || usual ? "" : " ", on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels);
-}
-
-/* What has one colour in the chart. */
-static void describe_series(const chart_case *c, char *text, size_t size)
-{
-    char gradients[64];
-    name_gradients(c, gradients, sizeof gradients);
-    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), gradients);
-}
-
-/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing. */
-static double level_bytes(const iso_level *level, const chart_case *c)
-{
-    double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
-    if (c->source == ISO_FROM_PALETTE)
-        direction = chart_palettes[c->palette] <= 255 ? 1 : 2;
-    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction);
-}
-
-/* Relative: 1 fetch of the scalar, 1 of a code, 6 more scalars on the fly; the reference is slower throughout. */
-static double relative_cost(const iso_level *level, const chart_case *c)
-{
-    const size_t *n = level->geometry.size;
-    double longest = (double)(n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]));
-    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_PALETTE ? 4 : 2;
-    return longest / c->step_voxels * fetches * (c->renderer == ISO_WITH_GL ? 1 : c->renderer == ISO_WITH_REFERENCE ? 10 : 100);
-}
-
-static int cheapest_first(const void *a, const void *b)
-{
-    double x = ((const chart_case *)a)->relative_cost, y = ((const chart_case *)b)->relative_cost;
-    return (x > y) - (x < y);
-}
-
-/* Does the setting differ from the others of the grid? Level 0 has one filter; on the fly needs neither filter,
- * estimator nor code. */
-static bool is_distinct(const chart_run *run, const chart_case *c)
-{
-    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY;
-    if (c->renderer == ISO_WITH_CYCLES && (c->source != ISO_FROM_CODES || !iso_code_describe(c->code)->is_linear))
-        return false; /* it gets decoded directions, and filters those */
-    if ((c->level == 0 || on_the_fly) && c->filter != run->first_filter)
-        return false;
-    if (on_the_fly && c->estimator != run->first_estimator)
-        return false;
-    if (c->level == 0 && c->adapted)
-        return false;
-    return c->source == ISO_FROM_CODES || c->code == 0;
-}
-
-static iso_status make_grid(chart_run *run, const chart_grid *g, iso_error *err)
-{
-    static const struct {
-        iso_direction_source source;
-        size_t palette;
-    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_ON_THE_FLY, 0}, {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
-    const size_t source_count = sizeof sources / sizeof *sources;
-    size_t levels = run->pyramids[run->first_estimator][run->first_filter].level_count;
-    size_t room = (size_t)ISO_RENDERER_COUNT * levels * 2 * ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT * source_count *
-                  ISO_CODE_COUNT * g->step_count;
-    run->cases = calloc(room, sizeof *run->cases);
-    if (!run->cases)
-        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", room);
-    for (size_t i = 0; i < room; ++i) {
-        size_t rest = i;
-        chart_case c = {.metrics = {.rmse = NAN}};
-        c.step_voxels = g->steps[rest % g->step_count], rest /= g->step_count;
-        c.code = (iso_code)(rest % ISO_CODE_COUNT), rest /= ISO_CODE_COUNT;
-        c.source = sources[rest % source_count].source, c.palette = sources[rest % source_count].palette;
-        rest /= source_count;
-        c.filter = (iso_direction_filter)(rest % ISO_DIRECTION_COUNT), rest /= ISO_DIRECTION_COUNT;
-        c.estimator = (iso_gradient_method)(rest % ISO_GRADIENT_COUNT), rest /= ISO_GRADIENT_COUNT;
-        c.adapted = rest % 2, rest /= 2;
-        c.level = rest % levels, rest /= levels;
-        c.renderer = (iso_renderer)rest;
-        const iso_pyramid *p = &run->pyramids[c.estimator][c.filter];
-        if (!g->with[c.renderer] || (c.source == ISO_FROM_CODES && !g->codes[c.code]) || c.level >= p->level_count || !is_distinct(run, &c))
-            continue;
-        if (c.source == ISO_FROM_FLOAT && !p->levels[c.level].directions)
-            continue; /* a pyramid without floats */
-        if (c.source == ISO_FROM_CODES && !p->levels[c.level].directions && c.code != p->options.code)
-            continue;
-        c.relative_cost = relative_cost(&p->levels[c.level], &c);
-        c.bytes = level_bytes(&p->levels[c.level], &c);
-        run->cases[run->count++] = c;
-    }
-    qsort(run->cases, run->count, sizeof *run->cases, cheapest_first);
-    return ISO_OK;
-}
 
 /* Fits those palettes that the grid asks for, with few swaps: a chart has no time for the last per cent. */
 static iso_status fit_palettes(chart_run *run, int threads, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t i = 0; i < run->count && status == ISO_OK; ++i) {
-        const chart_case *c = &run->cases[i];
+        const iso_chart_case *c = &run->cases[i];
         const iso_pyramid *p = &run->pyramids[c->estimator][c->filter];
         iso_palette *palette = &run->palettes[c->palette];
         if (c->source == ISO_FROM_PALETTE && !palette->xyz)
-            status = iso_cli_fit_palette(&p->levels[0], p->options.code, chart_palettes[c->palette], 2, threads, palette, err);
+            status = iso_cli_fit_palette(&p->levels[0], p->options.code, iso_chart_palettes[c->palette], 2, threads, palette, err);
     }
     return status;
 }
 
 /* The pyramid with one level's directions in the wanted code or palette; `codes` is to be freed, and is NULL where nothing changed. */
-static iso_status with_code(const iso_pyramid *p, const chart_case *c, const iso_palette *palettes, iso_level *levels,
+static iso_status with_code(const iso_pyramid *p, const iso_chart_case *c, const iso_palette *palettes, iso_level *levels,
                             iso_pyramid *out, uint8_t **codes, iso_error *err)
 {
     *out = *p;
@@ -317,27 +86,70 @@ static iso_status with_code(const iso_pyramid *p, const chart_case *c, const iso
     return ISO_OK;
 }
 
+/* Bricks of 16 voxels and three levels suit volumes from a chart's small ones on. */
+static iso_status make_plan(chart_run *run, const iso_chart_grid *g, const iso_cli *cli, iso_error *err)
+{
+    enum { brick_voxels = 16, levels = 3 };
+    iso_progress progress = iso_cli_progress(cli);
+    if (g->plan_count == 0 || !g->with[ISO_WITH_GL])
+        return ISO_OK;
+    const iso_level *level0 = &run->pyramids[run->first_estimator][run->first_filter].levels[0];
+    iso_status status = iso_node_levels_create(&run->nodes, level0, brick_voxels, levels, true, cli->threads, err);
+    if (status != ISO_OK)
+        return status;
+    iso_node_levels_round(&run->nodes);
+    return iso_plan_create(&run->plan, &run->nodes, &run->view, cli->threads, &progress, err);
+}
+
+/* Bricks by the plan for the setting's error, as `isoshade plan` first tries them. */
+static iso_status render_plan(chart_run *run, iso_chart_case *c, iso_image *image, double *seconds, iso_error *err)
+{
+    enum { bytes_a_node = 10 }; /* 16 bits of the scalar, and of a direction in four channels */
+    iso_status status = iso_renderers_need_gl(&run->renderers, err);
+    if (status != ISO_OK)
+        return status;
+    iso_plan_choose(&run->plan, &run->nodes, c->plan_error);
+    uint8_t *wanted = malloc(run->plan.brick_count);
+    if (!wanted)
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu bricks", run->plan.brick_count);
+    for (size_t i = 0; i < run->plan.brick_count; ++i)
+        wanted[i] = run->plan.footprints[i] > 0;
+    const iso_brick_field field = {.nodes = &run->nodes, .levels = run->plan.levels, .faces = ISO_FACES_BAKED};
+    iso_gl_brick_options opt = iso_gl_brick_defaults();
+    iso_gl_brick_stats stats;
+    opt.wanted = wanted;
+    opt.step_voxels = c->step_voxels;
+    status = iso_gl_render_bricks(run->renderers.gl, &field, &run->view, &opt, image, &stats, err);
+    c->bytes = bytes_a_node * (double)stats.node_count;
+    *seconds = stats.seconds;
+    free(wanted);
+    return status;
+}
+
 /* Renders once, and again while that is short: the time is that of the fastest. */
-static iso_status measure(chart_run *run, chart_case *c, int threads, iso_error *err)
+static iso_status measure(chart_run *run, iso_chart_case *c, int threads, iso_error *err)
 {
     const iso_pyramid *base = &run->pyramids[c->estimator][c->filter];
     iso_render_options opt = iso_render_defaults(c->renderer);
     opt.source = c->source;
-    opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+    opt.quadrature = c->preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
     opt.step_voxels = c->step_voxels;
     opt.threads = threads;
     iso_level levels[64];
     iso_pyramid p;
     iso_view view = run->view; /* borrowed, but for an adapted transfer function */
-    uint8_t *codes;
+    uint8_t *codes = NULL;
     if (c->adapted)
         view.tf = run->adapted[c->level];
-    iso_status status = with_code(base, c, run->palettes, levels, &p, &codes, err);
+    iso_status status = c->plan_error > 0 ? ISO_OK : with_code(base, c, run->palettes, levels, &p, &codes, err);
     c->seconds = INFINITY;
     for (int k = 0; k < 3 && status == ISO_OK && (k == 0 || c->seconds < 0.2); ++k) {
         iso_image image;
         double seconds;
-        status = iso_render_with(&run->renderers, &p, c->level, &view, &opt, &image, &seconds, NULL, err);
+        if (c->plan_error > 0)
+            status = render_plan(run, c, &image, &seconds, err);
+        else
+            status = iso_render_with(&run->renderers, &p, c->level, &view, &opt, &image, &seconds, NULL, err);
         if (status == ISO_OK && k == 0)
             status = iso_metrics_measure(&run->reference, &image, &c->metrics, err);
         if (status == ISO_OK)
@@ -358,7 +170,7 @@ static iso_status measure_all(chart_run *run, const chart_arguments *a, const is
     double rate[ISO_RENDERER_COUNT] = {0};
     iso_status status = ISO_OK;
     for (size_t i = 0; i < run->count && status == ISO_OK; ++i) {
-        chart_case *c = &run->cases[i];
+        iso_chart_case *c = &run->cases[i];
         double start = iso_clock_seconds(), spent = start - run->start_seconds;
         iso_progress_report(&progress, "settings", fmax((double)i / (double)run->count, spent / a->budget_seconds));
         if (run->done_count > 0 && spent + rate[c->renderer] * c->relative_cost > a->budget_seconds)
@@ -406,11 +218,11 @@ static iso_status find_fronts(chart_run *run, double want, size_t chosen[2], iso
     return ISO_OK;
 }
 
-static json_t *case_json(const chart_case *c)
+static json_t *case_json(const iso_chart_case *c)
 {
     char name[160], gradients[64];
-    describe(c, name, sizeof name);
-    name_gradients(c, gradients, sizeof gradients);
+    iso_chart_describe(c, name, sizeof name);
+    iso_chart_name_gradients(c, gradients, sizeof gradients);
     json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:o, s:o, s:f, s:f, s:f}", "setting", name, "renderer",
                           iso_renderer_name(c->renderer), "level", (json_int_t)c->level, "gradients",
                           iso_direction_source_name(c->source), "code",
@@ -419,6 +231,8 @@ static json_t *case_json(const chart_case *c)
                           c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_direction_filter_name(c->filter)),
                           "step_voxels", c->step_voxels, "milliseconds", 1e3 * c->seconds, "bytes", c->bytes);
     json_object_set_new(o, "estimator", c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_gradient_name(c->estimator)));
+    json_object_set_new(o, "quadrature", json_string(c->preintegrated ? "preintegrated" : "midpoint"));
+    json_object_set_new(o, "plan_error", c->plan_error > 0 ? json_real(c->plan_error) : json_null());
     json_object_set_new(o, "tf", json_string(c->adapted ? "adapted" : "original"));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
@@ -454,16 +268,17 @@ static char *result_csv(const chart_run *run, double want, const size_t chosen[2
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return NULL;
-    fputs("series,setting,renderer,level,step_voxels,milliseconds,bytes,rmse,flip_mean,time_front,bytes_front,want,chosen\n", f);
+    fputs("series,setting,renderer,level,step_voxels,milliseconds,bytes,rmse,flip_mean,time_front,bytes_front,want,chosen,preintegrated\n", f);
     for (size_t i = 0; i < run->done_count; ++i) {
-        const chart_case *c = &run->cases[i];
+        const iso_chart_case *c = &run->cases[i];
         char series[160], setting[160];
-        describe_series(c, series, sizeof series);
-        describe(c, setting, sizeof setting);
-        fprintf(f, "%s,%s,%s,%zu,%g,%.6g,%.9g,%.6g,%.6g,%d,%d,%.6g,%d\n", series, setting,
+        iso_chart_describe_series(c, series, sizeof series);
+        iso_chart_describe(c, setting, sizeof setting);
+        fprintf(f, "%s,%s,%s,%zu,%g,%.6g,%.9g,%.6g,%.6g,%d,%d,%.6g,%d,%d\n", series, setting,
                 iso_renderer_name(c->renderer), c->level, c->step_voxels, 1e3 * c->seconds, c->bytes, c->metrics.rmse,
                 c->metrics.flip_mean, c->on_time_front, c->on_bytes_front, want,
-                (i == chosen[0] ? 1 : 0) | (i == chosen[1] ? 2 : 0));
+                (i == chosen[0] ? 1 : 0) | (i == chosen[1] ? 2 : 0),
+                c->preintegrated);
     }
     return fclose(f) == 0 ? text : NULL;
 }
@@ -504,9 +319,9 @@ static void print_front(const chart_run *run, const chart_arguments *a, const si
 {
     printf("on the front of time (t) or bytes (b)%-31s %10s %12s %10s %10s\n", "", "ms", "bytes", "rmse", "flip_mean");
     for (size_t i = 0; i < run->done_count; ++i) {
-        const chart_case *c = &run->cases[i];
+        const iso_chart_case *c = &run->cases[i];
         char name[160];
-        describe(c, name, sizeof name);
+        iso_chart_describe(c, name, sizeof name);
         if (c->on_time_front || c->on_bytes_front)
             printf("  %s%s %-63s %10.4g %12.0f %10.3g %10.3g\n", c->on_time_front ? "t" : " ", c->on_bytes_front ? "b" : " ",
                    name, 1e3 * c->seconds, c->bytes, c->metrics.rmse, c->metrics.flip_mean);
@@ -515,9 +330,9 @@ static void print_front(const chart_run *run, const chart_arguments *a, const si
         printf("%zu of %zu settings did not fit into %g s\n", run->count - run->done_count, run->count, a->budget_seconds);
     const char *const kinds[] = {"fastest", "smallest"};
     for (int k = 0; k < 2 && a->want > 0 && chosen[k] < run->done_count; ++k) {
-        const chart_case *c = &run->cases[chosen[k]];
+        const iso_chart_case *c = &run->cases[chosen[k]];
         char name[160];
-        describe(c, name, sizeof name);
+        iso_chart_describe(c, name, sizeof name);
         printf("%s with rmse <= %.4g: %s (%.4g ms, %.0f bytes, rmse %.3g)\n", kinds[k], a->want, name, 1e3 * c->seconds,
                c->bytes, c->metrics.rmse);
     }
@@ -525,7 +340,7 @@ static void print_front(const chart_run *run, const chart_arguments *a, const si
 }
 
 /* A volume gives a pyramid for each estimator and filter; a pyramid on disk is what it is. */
-static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const chart_grid *g, const iso_cli *cli,
+static iso_status load_pyramids(chart_run *run, const chart_arguments *a, const iso_chart_grid *g, const iso_cli *cli,
                                 iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -609,8 +424,8 @@ static iso_status finish(chart_run *run, const chart_arguments *a, const iso_cli
 static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error *err)
 {
     chart_run run = {.count = 0};
-    chart_grid grid;
-    iso_status status = parse_grid(a, &grid, err);
+    iso_chart_grid grid;
+    iso_status status = iso_chart_grid_parse(&a->words, &grid, err);
     if (status == ISO_OK)
         status = load_pyramids(&run, a, &grid, cli, err);
     if (status == ISO_OK)
@@ -618,9 +433,11 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     if (status == ISO_OK)
         status = adapt_levels(&run, cli, err);
     if (status == ISO_OK)
-        status = make_grid(&run, &grid, err);
+        status = iso_chart_grid_cases(&grid, run.pyramids, run.first_estimator, run.first_filter, &run.cases, &run.count, err);
     if (status == ISO_OK)
         status = fit_palettes(&run, cli->threads, err);
+    if (status == ISO_OK)
+        status = make_plan(&run, &grid, cli, err);
     if (status == ISO_OK)
         status = make_reference(&run, cli, err);
     if (status == ISO_OK)
@@ -630,8 +447,10 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     free(run.cases);
     for (size_t k = 0; k < sizeof run.adapted / sizeof *run.adapted; ++k)
         iso_tf_table_destroy(&run.adapted[k]);
-    for (size_t i = 0; i < CHART_PALETTES; ++i)
+    for (size_t i = 0; i < ISO_CHART_PALETTES; ++i)
         iso_palette_destroy(&run.palettes[i]);
+    iso_plan_destroy(&run.plan);
+    iso_node_levels_destroy(&run.nodes);
     iso_image_destroy(&run.reference);
     iso_view_destroy(&run.view);
     for (size_t i = 0; i < (size_t)ISO_GRADIENT_COUNT * ISO_DIRECTION_COUNT; ++i)
@@ -648,7 +467,7 @@ static iso_status check(chart_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_cli_check_range("--budget", a->budget_seconds, 0.001, 1e6, err);
     if (status == ISO_OK && a->want_text)
-        status = parse_want(a->want_text, &a->want, err);
+        status = iso_chart_parse_error("--want", a->want_text, &a->want, err);
     return status;
 }
 
@@ -661,11 +480,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"want", 0, POPT_ARG_STRING, &a.want_text, 0, "name the fastest and the smallest setting with this RMSE or less", "1/255"},
         {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "cheap settings first, while they fit; the reference comes on top", "SECONDS"},
-        {"with", 0, POPT_ARG_STRING, &a.with, 0, "of gl (default), reference, cycles", "LIST"},
-        {"steps", 0, POPT_ARG_STRING, &a.steps, 0, "ray steps in voxels of the level (2,1,0.5,0.25,0.125)", "LIST"},
-        {"codes", 0, POPT_ARG_STRING, &a.codes, 0, "direction codes (all that textures filter)", "LIST"},
-        {"filters", 0, POPT_ARG_STRING, &a.filters, 0, "direction filters of coarse levels (moments)", "LIST"},
-        {"estimators", 0, POPT_ARG_STRING, &a.estimators, 0, "of gradients (central); the first makes the reference's", "LIST"},
+        {"with", 0, POPT_ARG_STRING, &a.words.with, 0, "of gl (default), reference, cycles, povray", "LIST"},
+        {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0, "ray steps in voxels of the level (2,1,0.5,0.25,0.125)", "LIST"},
+        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0, "of gl and the reference: midpoint, preintegrated (both)", "LIST"},
+        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, "gl: bricks of mixed resolution, planned for these errors (4/255,1/255), or none", "LIST"},
+        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, "direction codes (all that textures filter)", "LIST"},
+        {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0, "direction filters of coarse levels (moments)", "LIST"},
+        {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0, "of gradients (central); the first makes the reference's", "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
@@ -680,9 +501,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = chart(&a, &cli, err);
     iso_cli_end(&cli);
-    char *const texts[] = {a.scene, a.output, a.size, a.with, a.steps, a.codes, a.filters, a.estimators, a.want_text, a.style};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
-        free(texts[i]);
     return status;
 }
 
@@ -691,8 +509,8 @@ const iso_command iso_command_chart = {
     .summary = "speed against accuracy: which setting is good enough for a scene",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
     .details = "Renders the scene with every renderer, level, transfer function (the scene's, and the level's own), direction\n"
-               "filter, kind of gradients, code and step, the cheap ones first, within the budget, and compares each with the\n"
-               "converged reference of level 0. A setting is on the front when no other is as fast (or as small) and as exact.\n"
+               "filter, kind of gradients, code, quadrature and step, and with planned bricks, the cheap ones first, within the\n"
+               "budget, and compares each with the converged reference of level 0. A setting is on the front when no other is as fast (or as small) and as exact.\n"
                "DIR holds pareto.svg, pareto.pdf, pareto.csv and chart.json; edit style.gp or pareto.gp and run gnuplot there to\n"
                "restyle. Exit code 1: no setting has the wanted error.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"

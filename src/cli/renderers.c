@@ -42,7 +42,7 @@ void iso_renderers_end(iso_renderers *r)
     *r = (iso_renderers){0};
 }
 
-static iso_status need_gl(iso_renderers *r, iso_error *err)
+iso_status iso_renderers_need_gl(iso_renderers *r, iso_error *err)
 {
     return r->gl ? ISO_OK : iso_gl_create(&r->gl, r->shader_dir, err);
 }
@@ -74,13 +74,14 @@ static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_vi
     return iso_cycles_render(p, level, view, &o, image, progress, err);
 }
 
-/* Pieces of 255 intervals, as many as make the longest chord's step at most step_voxels. */
+/* As few pieces of equally many intervals, at most 255, as make the longest chord's step at most step_voxels. */
 static void set_povray_step(const iso_level *level, double step_voxels, iso_povray_options *o)
 {
     double chord_voxels = 2 * iso_geometry_box_radius_mm(&level->geometry) / iso_geometry_min_spacing_mm(&level->geometry);
-    double pieces = ceil(chord_voxels / (step_voxels * ISO_POVRAY_MAX_INTERVALS));
-    o->intervals = ISO_POVRAY_MAX_INTERVALS;
-    o->planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
+    double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
+    double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
+    o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
+    o->planes = (size_t)pieces - 1;
     o->extrapolate = false;
 }
 
@@ -124,7 +125,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
         o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
         const iso_surface surface = {.iso = opt->iso};
         o.surface = opt->isosurface ? &surface : NULL;
-        status = need_gl(r, err);
+        status = iso_renderers_need_gl(r, err);
         if (status == ISO_OK)
             status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);
         break;
@@ -145,7 +146,7 @@ iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text
     text[0] = 0;
     switch (which) {
     case ISO_WITH_GL:
-        status = need_gl(r, err);
+        status = iso_renderers_need_gl(r, err);
         if (status == ISO_OK) {
             iso_gl_info info = iso_gl_describe(r->gl);
             snprintf(text, size, "%s, OpenGL %s", info.renderer, info.version);

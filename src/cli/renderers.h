@@ -51,6 +51,8 @@ typedef struct iso_renderers {
     const char *shader_dir; /* NULL: the embedded shaders */
 } iso_renderers;
 void iso_renderers_end(iso_renderers *r);
+/* Makes r->gl if it is not there. */
+iso_status iso_renderers_need_gl(iso_renderers *r, iso_error *err);
 
 /* ISO_E_MISSING when the program or device is not there. *seconds may be NULL. */
 iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,

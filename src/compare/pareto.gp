@@ -14,6 +14,8 @@ want = STATS_max
 stats data skip 1 using 8 nooutput
 best = want > 0 && want < STATS_min ? want : STATS_min > 0 ? STATS_min : 1e-9
 worst = want > STATS_max ? want : STATS_max
+stats data skip 1 using 14 nooutput
+preintegrated = STATS_max > 0
 fastest = ''
 smallest = ''
 stats data skip 1 using ((int($13) & 1) ? (fastest = strcol(2), 0) : 0) nooutput
@@ -34,6 +36,7 @@ do for [i = 1:count] {
 do for [k = 0:levels - 1] {
     set label 200 + k sprintf('level %d', k) at screen 0.09 + 0.115 * (k % 8), screen 14.0 / height left offset 1.2, -0.25 point pt shape(k) ps 0.8 lc rgb black
 }
+if (preintegrated) set label 300 'white centre: pre-integrated' at screen 0.09 + 0.115 * (levels % 8), screen 14.0 / height left offset 1.2, -0.25 point pt 6 ps 0.8 lc rgb black
 if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb vermillion dt 2 lw 1.2 back
 if (want > 0) set label 1 sprintf('wanted: %.2g', want) at graph 0.01, first want left offset 0,0.5 textcolor rgb vermillion
 set multiplot layout 1,2 margins 0.085, 0.985, (72.0 + 20 * legend_rows) / height, 1 - 30.0 / height spacing 0.075,0.1
@@ -47,8 +50,10 @@ do for [panel = 0:1] {
     set label 2 (chosen eq '' ? '' : (panel == 0 ? 'fastest: ' : 'smallest: ') . chosen) at graph 0.01, graph 0.04 left textcolor rgb vermillion noenhanced
     plot data skip 1 using (column(flag) == 1 ? column(cost) : NaN):8 smooth unique with lines lc rgb '#c4c4c4' lw 3, \
          for [i = 1:count] for [k = 0:levels - 1] data skip 1 using (of(i) && $4 == k ? column(cost) : NaN):8 with points lt i pt shape(k) ps 0.6, \
+         data skip 1 using ($14 == 1 ? column(cost) : NaN):8 with points pt 7 ps 0.18 lc rgb '#ffffff', \
          data skip 1 using (int(column(13)) & (panel + 1) ? column(cost) : NaN):8 with points pt 6 ps 1.9 lw 2 lc rgb vermillion
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
+    unset label 300
 }
 unset multiplot
