@@ -59,7 +59,7 @@ static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
 
 static iso_status take_code(const char *word, bool *flags, iso_error *err)
 {
-    iso_code code = ISO_CODE_SNORM;
+    iso_code code = ISO_CODE_FIT;
     iso_status status = iso_code_from_name(word, &code, err);
     if (status == ISO_OK && !iso_code_describe(code)->is_textured)
         return iso_fail(err, ISO_E_USAGE, "--codes: a texture cannot filter \"%s\"", word);

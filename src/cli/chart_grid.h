@@ -56,7 +56,7 @@ typedef iso_pyramid iso_chart_pyramids[ISO_GRADIENT_COUNT][ISO_DIRECTION_COUNT];
 iso_status iso_chart_grid_cases(const iso_chart_grid *g, iso_chart_pyramids pyramids, iso_gradient_method first_estimator,
                                 iso_direction_filter first_filter, iso_chart_case **cases, size_t *count, iso_error *err);
 
-/* "gl; level 1 adapted TF; snorm moments; step 0.5 pre-integrated" */
+/* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);
 /* The code, palette or source. */
 void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size);
