@@ -9,7 +9,7 @@ build := build/$(config)
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
 	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
-	blender povray gnuplot-nox python3-openvdb python3-numpy mricron-data
+	blender povray gnuplot-nox python3-openvdb python3-numpy mricron-data chromium
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# The report in a browser, as its reader uses it: failed cases, A/B flip, threshold, zoom, no network, and a screenshot.
+. "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
+# A limit that POV-Ray cannot meet, so that the page has failed cases.
+sed 's/"povray_rmse": [0-9.]*/"povray_rmse": 1e-9/; s/"tf": "/"tf": "'"$(printf %s "$top/refscenes/" | sed 's/[\/&]/\\&/g')"'/' \
+    refscenes/marschner-lobb.scene.json >"$dir/strict.scene.json"
+"$ISOSHADE" make marschner-lobb --size 20x28x17 -o "$dir/v.nrrd" --quiet >/dev/null || exit 1
+expect a_report_with_a_failed_case_is_exit_1 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene "$dir/strict.scene.json" --quick \
+    --levels 1 --size 24 --with gl,povray --quiet -o "$dir/report"
+
+browse() { # page, options: the browser keeps to a folder of its own
+    local page=$1
+    shift
+    timeout 120 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
+        --disable-component-update --user-data-dir="$dir/browser" --window-size=1200,1600 --virtual-time-budget=20000 "$@" \
+        "file://$page" 2>"$dir/browser.err"
+}
+# The page with the user's hands in it, and what they found.
+findings() { # page
+    { sed '/<\/body>/,$d' "$1" && echo '<script>' && cat tests/report_page.js && echo '</script></body></html>'; } >"$dir/driven.html"
+    browse "$dir/driven.html" --dump-dom | sed -n '/^findings$/,/^end of findings$/p' >"$dir/findings"
+}
+found() { grep -qxE "$1" "$dir/findings"; }
+page=$dir/report/index.html
+findings "$page"
+check the_page_was_used test -s "$dir/findings"
+check no_script_failed test -z "$(grep exception "$dir/findings")"
+check failed_cases_are_shown found 'failed_cases_shown [1-9]'
+check failed_cases_stand_on_top found 'failed_cases_on_top true'
+check every_comparison_has_a_row found 'rows [1-9][0-9]*'
+check the_worst_row_is_first found 'worst_row_first differ'
+check a_failed_case_says_how_to_see_it_again found 'reproduce isoshade .*'
+check images_stand_side_by_side_with_their_difference found 'panels_side_by_side 3'
+check the_threshold_slider_counts_pixels found 'threshold true'
+check all_panels_zoom_in_step found 'zoom_in_step 3'
+check a_button_shows_the_whole_again found 'whole_again true'
+check images_flip found 'flip true'
+check versions_and_machine_are_there found 'versions_and_machine true'
+check nothing_is_fetched found 'fetched 0'
+check no_picture_is_broken found 'pictures_broken 0'
+
+# The planted faults: pages without a working slider, and with pictures that zoom alone.
+sed 's/view.threshold = Number(slider.value);//' "$page" >"$dir/dead-slider.html"
+findings "$dir/dead-slider.html"
+check a_dead_slider_is_noticed found 'threshold false'
+sed "s/draw(parts.b, b.canvas/0 \&\& draw(parts.b, b.canvas/" "$page" >"$dir/dead-panel.html"
+findings "$dir/dead-panel.html"
+check a_panel_that_does_not_follow_is_noticed found 'zoom_in_step 2'
+
+browse "$page" --screenshot="$dir/report.png" >/dev/null
+# A blank page of this size packs into a few kilobytes.
+check a_screenshot_is_no_blank_page test "$(stat -c %s "$dir/report.png")" -gt 40000
+exit $failed
