@@ -11,10 +11,12 @@
 
 /* Fine voxels counted in one go by iso_joint_compute. */
 #define SLAB_VOXELS ((size_t)1 << 26)
-/* Up to this many pairs of bins each thread counts in tables of its own, then in
- * one table for all (by atomic additions of runs of equal pairs: volumes have
- * large empty parts), beyond it in hash maps. */
-#define OWN_PAIRS ((size_t)1 << 20)
+/* Up to DENSE_PAIRS pairs of bins counts stand in tables, beyond it, and for volumes that would hardly fill one, in hash
+ * maps. Each thread has tables of its own while
+ * all of them together hold OWN_PAIRS (two of up to TWIN_PAIRS pairs, see iso_count_keys()); more threads than that share
+ * one, by atomic additions of runs of equal pairs. */
+#define TWIN_PAIRS ((size_t)1 << 20)
+#define OWN_PAIRS ((size_t)1 << 26)
 #define DENSE_PAIRS ((size_t)1 << 24)
 
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s)
@@ -86,10 +88,10 @@ static void map_free(pair_map *m)
 
 /* What one thread counts in one slab. */
 typedef struct counter {
-    uint32_t *tables; /* two dense ones: neighbours fall into different ones, so that an increment need not wait for the last */
+    uint32_t *tables; /* dense, table_count of them */
     pair_map map;
-    float *blended, *expanded;
-    uint32_t *z_bins, *s_bins, *class_bins;
+    float *blended;
+    uint32_t *keys, *class_bins;
     bool failed;
 } counter;
 
@@ -98,6 +100,7 @@ struct iso_joint_builder {
     size_t classes, fine[3], coarse[3], level;
     int thread_count;
     bool dense, shared; /* shared: the threads add to `table` */
+    size_t table_count; /* of a thread: 1 or 2 */
     counter *counters; /* one a thread */
     uint64_t *table;   /* the sums so far, or */
     pair_map map;
@@ -114,21 +117,17 @@ static void free_counter(counter *c)
     free(c->tables);
     map_free(&c->map);
     free(c->blended);
-    free(c->expanded);
-    free(c->z_bins);
-    free(c->s_bins);
+    free(c->keys);
     free(c->class_bins);
 }
 
 static bool make_counter(counter *c, const iso_joint_builder *b)
 {
-    c->blended = malloc(b->coarse[0] * sizeof *c->blended);
-    c->expanded = malloc(b->fine[0] * sizeof *c->expanded);
-    c->z_bins = malloc(b->fine[0] * sizeof *c->z_bins);
-    c->s_bins = malloc(b->fine[0] * sizeof *c->s_bins);
-    c->tables = b->dense && !b->shared ? calloc(2 * pair_count(b), sizeof *c->tables) : NULL;
+    c->blended = malloc((b->coarse[0] + 2) * sizeof *c->blended);
+    c->keys = malloc(b->fine[0] * sizeof *c->keys);
+    c->tables = b->dense && !b->shared ? calloc(b->table_count * pair_count(b), sizeof *c->tables) : NULL;
     c->class_bins = malloc(b->fine[0] * sizeof *c->class_bins);
-    return c->blended && c->expanded && c->z_bins && c->s_bins && c->class_bins && (c->tables || !b->dense || b->shared);
+    return c->blended && c->keys && c->class_bins && (c->tables || !b->dense || b->shared);
 }
 
 void iso_joint_abandon(iso_joint_builder *b)
@@ -163,8 +162,9 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes,
     memcpy(b->fine, fine_size, sizeof b->fine);
     memcpy(b->coarse, coarse_size, sizeof b->coarse);
     size_t pairs = pair_count(b);
-    b->dense = pairs <= DENSE_PAIRS;
-    b->shared = b->dense && pairs > OWN_PAIRS;
+    b->dense = pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 4 <= fine_size[0] * fine_size[1] * fine_size[2]);
+    b->table_count = pairs <= TWIN_PAIRS ? 2 : 1;
+    b->shared = b->dense && pairs * b->table_count * (size_t)b->thread_count > OWN_PAIRS;
     b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
     b->table = b->dense ? calloc(pairs, sizeof *b->table) : NULL;
     bool good = b->counters && (b->table || !b->dense);
@@ -186,33 +186,24 @@ void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *f
 
 static void count_row(const iso_joint_builder *b, counter *c)
 {
-    size_t n = b->fine[0], z_count = b->z.count;
-    if (!b->dense) {
+    const uint32_t *keys = c->keys;
+    size_t n = b->fine[0];
+    if (!b->dense)
         for (size_t x = 0; x < n && !c->failed; ++x)
-            c->failed = !map_add(&c->map, (uint32_t)(c->s_bins[x] * z_count + c->z_bins[x]), 1);
-        return;
-    }
-    if (b->shared) {
+            c->failed = !map_add(&c->map, keys[x], 1);
+    else if (b->shared)
         for (size_t x = 0, end; x < n; x = end) {
-            size_t pair = c->s_bins[x] * z_count + c->z_bins[x];
-            for (end = x + 1; end < n && c->s_bins[end] * z_count + c->z_bins[end] == pair;)
+            for (end = x + 1; end < n && keys[end] == keys[x];)
                 ++end;
-            __atomic_fetch_add(&b->table[pair], end - x, __ATOMIC_RELAXED);
+            __atomic_fetch_add(&b->table[keys[x]], end - x, __ATOMIC_RELAXED);
         }
-        return;
-    }
-    uint32_t *even = c->tables, *odd = c->tables + pair_count(b);
-    size_t x = 0;
-    for (; x + 1 < n; x += 2) {
-        ++even[c->s_bins[x] * z_count + c->z_bins[x]];
-        ++odd[c->s_bins[x + 1] * z_count + c->z_bins[x + 1]];
-    }
-    if (x < n)
-        ++even[c->s_bins[x] * z_count + c->z_bins[x]];
+    else
+        iso_count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
 }
 
-/* Level k's row at the fine voxels of row (y, z). */
-static void lookup_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *coarse, size_t coarse_z0)
+/* The bins of level k's row at the fine voxels of row (y, z). */
+static void lookup_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *coarse, size_t coarse_z0,
+                       iso_row_scale scale, uint32_t *bins)
 {
     iso_phase py = iso_phase_at(y, b->level, b->coarse[1]), pz = iso_phase_at(z, b->level, b->coarse[2]);
     size_t plane = b->coarse[0] * b->coarse[1];
@@ -221,24 +212,44 @@ static void lookup_row(const iso_joint_builder *b, counter *c, size_t y, size_t 
                                   right + py.left * b->coarse[0], right + py.right * b->coarse[0]};
     const float weights[4] = {pz.weight_left * py.weight_left, pz.weight_left * py.weight_right,
                               pz.weight_right * py.weight_left, pz.weight_right * py.weight_right};
-    iso_blend_rows(rows, weights, b->coarse[0], c->blended);
-    iso_expand_row(c->blended, b->coarse[0], b->level, b->fine[0], c->expanded);
+    iso_blend_rows(rows, weights, scale, b->coarse[0], c->blended);
+    iso_expand_bins(c->blended, b->level, b->fine[0], bins);
+}
+
+static iso_row_scale scale_of(const iso_bins *bins)
+{
+    return (iso_row_scale){(float)bins->lo, (float)(1 / bins->step), (float)(bins->count - 1)};
 }
 
 static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
                     const float *coarse, const float *classes, size_t coarse_z0)
 {
     size_t n = b->fine[0];
-    lookup_row(b, c, y, z, coarse, coarse_z0);
-    iso_nearest_bins(c->expanded, n, (float)b->s.lo, (float)(1 / b->s.step), (uint32_t)b->s.count, c->s_bins);
-    iso_nearest_bins(fine_row, n, (float)b->z.lo, (float)(1 / b->z.step), (uint32_t)b->z.count, c->z_bins);
+    lookup_row(b, c, y, z, coarse, coarse_z0, scale_of(&b->s), c->keys);
     if (b->classes > 1) {
-        lookup_row(b, c, y, z, classes, coarse_z0);
-        iso_nearest_bins(c->expanded, n, 0, 1, (uint32_t)b->classes, c->class_bins);
+        const iso_row_scale whole = {0, 1, (float)(b->classes - 1)};
+        lookup_row(b, c, y, z, classes, coarse_z0, whole, c->class_bins);
         for (size_t x = 0; x < n; ++x)
-            c->s_bins[x] += c->class_bins[x] * (uint32_t)b->s.count;
+            c->keys[x] += c->class_bins[x] * (uint32_t)b->s.count;
     }
+    iso_join_bins(fine_row, n, scale_of(&b->z), (uint32_t)b->z.count, c->keys);
     count_row(b, c);
+}
+
+/* Moves counts to the sums. Most of a large table is empty: what is not touched stays without memory. */
+static void take_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
+{
+    const size_t block = 16;
+    for (size_t i = 0; i < pairs; i += block) {
+        size_t n = pairs - i < block ? pairs - i : block;
+        uint32_t any = 0;
+        for (size_t j = 0; j < n; ++j)
+            any |= counts[i + j];
+        for (size_t j = 0; any && j < n; ++j) {
+            sums[i + j] += counts[i + j];
+            counts[i + j] = 0;
+        }
+    }
 }
 
 /* The threads' counts go to the sums. */
@@ -253,10 +264,8 @@ static bool merge(iso_joint_builder *b)
             if (c->map.keys[i])
                 good = map_add(&b->map, c->map.keys[i] - 1, c->map.counts[i]);
         map_free(&c->map);
-        for (size_t i = 0; c->tables && i < pairs; ++i)
-            b->table[i] += (uint64_t)c->tables[i] + c->tables[pairs + i];
-        if (c->tables)
-            memset(c->tables, 0, 2 * pairs * sizeof *c->tables);
+        for (size_t i = 0; c->tables && i < b->table_count; ++i)
+            take_counts(c->tables + i * pairs, pairs, b->table);
     }
     return good;
 }

@@ -13,13 +13,23 @@ typedef struct iso_phase {
 
 iso_phase iso_phase_at(size_t fine, size_t level, size_t coarse_count);
 
-/* out[x] = bilinear blend of four coarse rows, x in [0, count). */
-void iso_blend_rows(const float *const rows[4], const float weights[4], size_t count, float *restrict out);
+/* A coarse row in bins: ((blend of four rows) - lo) / step + 1/2, inside [1/2, count - 1/2], so that what lies
+ * between two of its values still rounds to a bin by truncation. */
+typedef struct iso_row_scale {
+    float lo, per_step, last; /* last = count - 1 */
+} iso_row_scale;
+/* out: count + 2 floats; out[0] and out[count + 1] repeat the ends. */
+void iso_blend_rows(const float *const rows[4], const float weights[4], iso_row_scale scale, size_t count, float *restrict out);
 
-/* fine[x] = lookup of a coarse row at the fine voxels' centres. */
-void iso_expand_row(const float *coarse, size_t coarse_count, size_t level, size_t fine_count, float *restrict fine);
+/* bins[x] = that row looked up at the fine voxels' centres, truncated; row: with its repeated ends. */
+void iso_expand_bins(const float *row, size_t level, size_t fine_count, uint32_t *restrict bins);
 
-/* bins[x] = nearest bin, clamped to [0, count). */
-void iso_nearest_bins(const float *values, size_t n, float lo, float per_step, uint32_t count, uint32_t *restrict bins);
+/* keys[x] = keys[x] z_count + nearest bin of values[x]. */
+void iso_join_bins(const float *values, size_t n, iso_row_scale scale, uint32_t z_count, uint32_t *restrict keys);
+
+/* Adds 1 to the count of each key, by turns in two tables: an increment need not wait for the last one
+ * (they may be the same table). Eight equal
+ * keys are one addition: volumes have large parts of one value. */
+void iso_count_keys(const uint32_t *keys, size_t n, uint32_t *even, uint32_t *odd);
 
 #endif
