@@ -9,6 +9,7 @@ build := build/$(config)
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
 	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
+	libopenmpi-dev openmpi-bin \
 	blender povray gnuplot-nox python3-openvdb python3-numpy mricron-data chromium
 
 # ---- compilers -------------------------------------------------------------
@@ -30,6 +31,8 @@ lib_cc := $(wildcard exporters/*/*.cc)
 lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
 lib := $(build)/libisoshade.a
 program := $(build)/isoshade
+# Loaded when mpirun starts the program; left out where MPI is not installed.
+mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 embedded := src/encode/code_decode.h $(wildcard src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
@@ -37,7 +40,7 @@ embedded := src/encode/code_decode.h $(wildcard src/encode/code_decode.h src/ren
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
 
-all: $(program) ## build the program for $(config)
+all: $(program) $(mpi_door) ## build the program for $(config)
 	@ln -sfn $(program) isoshade
 
 help: ## this list
@@ -84,6 +87,9 @@ $(program): $(build)/src/cli/main.o $(lib)
 $(lib): $(lib_o)
 	@rm -f $@
 	$(call say,AR )ar rcs $@ $^
+$(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_door.h
+	@mkdir -p $(@D)
+	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
 $(build)/tests/%: $(build)/tests/%.o $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 $(build)/%.o: %.c

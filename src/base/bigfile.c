@@ -1,6 +1,7 @@
 #define _GNU_SOURCE
 #include "base/bigfile.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 #include <unistd.h>
 
 /* Blocks start and end at multiples of a page, which every disk's sectors divide. */
-enum { ALIGNMENT = 4096, BLOCK = ISO_BIGFILE_BYTES };
+enum { ALIGNMENT = ISO_BIGFILE_ALIGNMENT, BLOCK = ISO_BIGFILE_BYTES };
 
 struct iso_bigfile {
     char *path;
@@ -42,9 +43,8 @@ static iso_status keep_bytes(iso_bigfile *f, size_t keep, iso_error *err)
     return good && ftruncate(f->fd, (off_t)keep) == 0 ? ISO_OK : io_error(f, err);
 }
 
-iso_status iso_bigfile_open(const char *path, bool direct, size_t keep, iso_bigfile **file, iso_error *err)
+static iso_status open_file(const char *path, int flags, bool direct, iso_bigfile **file, iso_error *err)
 {
-    const int flags = O_WRONLY | O_CREAT | O_CLOEXEC;
     *file = NULL;
     iso_bigfile *f = calloc(1, sizeof *f);
     if (f) {
@@ -54,22 +54,36 @@ iso_status iso_bigfile_open(const char *path, bool direct, size_t keep, iso_bigf
         if (f->fd < 0)
             f->fd = open(path, flags, 0666);
     }
-    iso_status status = ISO_OK;
+    *file = f;
     if (!f || !f->path || !f->block)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    else
-        status = f->fd < 0 ? io_error(f, err) : keep_bytes(f, keep, err);
-    if (status != ISO_OK)
-        iso_bigfile_abandon(f);
-    else
-        *file = f;
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    return f->fd < 0 ? io_error(f, err) : ISO_OK;
+}
+
+static iso_status open_or_abandon(const char *path, int flags, bool direct, size_t keep, iso_bigfile **file, iso_error *err)
+{
+    iso_status status = open_file(path, flags, direct, file, err);
+    if (status == ISO_OK && (flags & O_CREAT))
+        status = keep_bytes(*file, keep, err);
+    if (status != ISO_OK) {
+        iso_bigfile_abandon(*file);
+        *file = NULL;
+    }
     return status;
 }
 
-static iso_status write_block(iso_bigfile *f, iso_error *err)
+iso_status iso_bigfile_open(const char *path, bool direct, size_t keep, iso_bigfile **file, iso_error *err)
 {
-    const size_t bytes = (f->used + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    memset(f->block + f->used, 0, bytes - f->used);
+    return open_or_abandon(path, O_WRONLY | O_CREAT | O_CLOEXEC, direct, keep, file, err);
+}
+
+iso_status iso_bigfile_join(const char *path, bool direct, iso_bigfile **file, iso_error *err)
+{
+    return open_or_abandon(path, O_WRONLY | O_CLOEXEC, direct, 0, file, err);
+}
+
+static iso_status write_bytes(iso_bigfile *f, size_t bytes, iso_error *err)
+{
     for (size_t done = 0; done < bytes;) {
         ssize_t n = pwrite(f->fd, f->block + done, bytes - done, (off_t)(f->offset + done));
         if (n < 0 && errno == EINTR)
@@ -83,6 +97,13 @@ static iso_status write_block(iso_bigfile *f, iso_error *err)
         done += (size_t)n;
     }
     return ISO_OK;
+}
+
+static iso_status write_block(iso_bigfile *f, iso_error *err)
+{
+    const size_t bytes = (f->used + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    memset(f->block + f->used, 0, bytes - f->used);
+    return write_bytes(f, bytes, err);
 }
 
 iso_status iso_bigfile_write(iso_bigfile *f, const void *data, size_t bytes, iso_error *err)
@@ -103,6 +124,40 @@ iso_status iso_bigfile_write(iso_bigfile *f, const void *data, size_t bytes, iso
         f->used = 0;
     }
     return ISO_OK;
+}
+
+iso_status iso_bigfile_flush(iso_bigfile *f, iso_error *err)
+{
+    const size_t whole = f->used / ALIGNMENT * ALIGNMENT;
+    iso_status status = whole > 0 ? write_bytes(f, whole, err) : ISO_OK;
+    memmove(f->block, f->block + whole, f->used - whole);
+    f->offset += whole;
+    f->used -= whole;
+    return status;
+}
+
+void iso_bigfile_get_tail(const iso_bigfile *f, iso_bigfile_tail *tail)
+{
+    assert(f->used < ALIGNMENT);
+    tail->end = f->offset + f->used;
+    memcpy(tail->bytes, f->block, f->used);
+}
+
+void iso_bigfile_tail_after(iso_bigfile_tail *tail, const void *data, size_t bytes)
+{
+    const size_t used = tail->end % ALIGNMENT, left = (tail->end + bytes) % ALIGNMENT;
+    if (used + bytes < ALIGNMENT)
+        memcpy(tail->bytes + used, data, bytes);
+    else
+        memcpy(tail->bytes, (const char *)data + bytes - left, left);
+    tail->end += bytes;
+}
+
+void iso_bigfile_go_on(iso_bigfile *f, const iso_bigfile_tail *tail)
+{
+    f->used = tail->end % ALIGNMENT;
+    f->offset = tail->end - f->used;
+    memcpy(f->block, tail->bytes, f->used);
 }
 
 iso_status iso_bigfile_sync(iso_bigfile *f, iso_error *err)

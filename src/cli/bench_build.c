@@ -4,14 +4,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/file.h"
 #include "base/parallel.h"
 #include "base/simd.h"
 #include "cli/bench.h"
+#include "cli/bench_files.h"
 #include "pyramid/cascade.h"
-#include "pyramid/pyramid_stream.h"
 #include "volume/synthetic.h"
 
 typedef struct build_bench {
@@ -19,7 +17,9 @@ typedef struct build_bench {
     iso_type type;
     iso_pyramid_options opt;
     int threads;
-    const char *files; /* a folder to build to files in, too; or NULL */
+    const char *files;  /* a folder to build to files in, too; or NULL */
+    const char *volume; /* the file to build there from; NULL: the volume that is built in memory */
+    double memory_mb;
 } build_bench;
 
 /* Seconds are the least of the runs; memory has been touched before. */
@@ -29,7 +29,7 @@ typedef struct build_times {
     double central, memcpy_central;             /* central differences to float triples */
     size_t bytes_read, bytes_written, central_bytes;
     size_t level_count;
-    iso_stream_report stream;                   /* of the build from a file to files, when asked for */
+    bench_files_times files;                    /* of the build from a file to files, when asked for */
 } build_times;
 
 /* A small synthetic block, repeated: any size in no time. The speed does not depend on the values. */
@@ -190,27 +190,38 @@ static iso_status time_central(const build_bench *b, const iso_volume *v, build_
     return status;
 }
 
-static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
+static double files_voxels(const build_times *t)
 {
-    return iso_source_open(user, source, err);
+    return (double)iso_geometry_voxel_count(&t->files.stream.levels[0].geometry);
 }
 
-/* Slab by slab, from a file that the system has just written to files. */
-static iso_status time_stream(const build_bench *b, const iso_volume *v, build_times *t, iso_error *err)
+/* Voxels a second from file to files, as a part of those in memory. */
+static double rate_ratio(const build_times *t, double voxels)
 {
-    char *volume = iso_path_join(b->files, "isoshade-bench.nrrd"), *pyramid = iso_path_join(b->files, "isoshade-bench.iso");
-    const iso_stream_input in = {open_path, volume, volume};
-    const iso_stream_options how = {.memory_bytes = (size_t)1 << 30};
-    iso_status status = volume && pyramid ? iso_volume_save(v, volume, false, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_pyramid_stream(&in, &b->opt, &how, pyramid, &t->stream, NULL, err);
-    if (volume)
-        unlink(volume);
-    if (status == ISO_OK)
-        iso_remove_tree(pyramid);
-    free(volume);
-    free(pyramid);
-    return status;
+    return t->total / voxels * files_voxels(t) / t->files.stream.seconds_total;
+}
+
+static void report_files(const build_bench *b, const build_times *t, double voxels)
+{
+    const iso_stream_report *r = &t->files.stream;
+    (void)b;
+    printf("to files   %8.4f s  %6.2f ns a voxel  %5.2f of the rate in memory; slabs of %zu planes\n", r->seconds_total,
+           1e9 * r->seconds_total / files_voxels(t), rate_ratio(t, voxels), r->slab_planes);
+    printf("  of it    waiting for planes %.4f, building %.4f, waiting for writers %.4f s\n", r->seconds_read, r->seconds_build,
+           r->seconds_write);
+    printf("  disk     %8.4f s to read and write the same %.0f MB and compute nothing; the build takes %.2f times that\n",
+           t->files.floor, 1e-6 * (double)t->files.bytes, r->seconds_total / t->files.floor);
+}
+
+static json_t *files_to_json(const build_times *t, double voxels)
+{
+    const iso_stream_report *r = &t->files.stream;
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f, s:I, s:f, s:f}", "seconds_read", r->seconds_read,
+                     "seconds_build", r->seconds_build, "seconds_write", r->seconds_write, "seconds_total", r->seconds_total,
+                     "seconds_reading", r->seconds_reading, "seconds_writing", r->seconds_writing, "slab_planes",
+                     (json_int_t)r->slab_planes, "buffer_bytes", (json_int_t)r->buffer_bytes, "disk_seconds_same_bytes",
+                     t->files.floor, "bytes", (json_int_t)t->files.bytes, "ratio_to_disk", r->seconds_total / t->files.floor,
+                     "rate_ratio_to_memory", rate_ratio(t, voxels));
 }
 
 static void report(const iso_cli *cli, const build_bench *b, const build_times *t)
@@ -227,10 +238,8 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
         printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode, t->pyramid);
         printf("gradients  %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
                1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central, 1e-6 * (double)t->central_bytes);
-        if (t->stream.seconds_total > 0)
-            printf("to files   %8.4f s  %6.2f ns a voxel: read %.4f, build %.4f, write %.4f s; slabs of %zu planes\n",
-                   t->stream.seconds_total, 1e9 * t->stream.seconds_total / voxels, t->stream.seconds_read,
-                   t->stream.seconds_build, t->stream.seconds_write, t->stream.slab_planes);
+        if (b->files)
+            report_files(b, t, voxels);
         return;
     }
     json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
@@ -243,15 +252,11 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
     json_object_set_new(root, "voxel_type", json_string(iso_type_name(b->type)));
     json_object_set_new(root, "levels", json_integer((json_int_t)t->level_count));
     json_object_set_new(root, "threads", json_integer(iso_threads(b->threads)));
-    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "read", t->stream.seconds_read, "gradient",
+    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "read", t->files.stream.seconds_read, "gradient",
                                                    t->gradient, "pyramid", t->pyramid, "encode", t->encode, "write",
-                                                   t->stream.seconds_write, "total", t->total));
-    if (t->stream.seconds_total > 0)
-        json_object_set_new(root, "to_files", json_pack("{s:f, s:f, s:f, s:f, s:I, s:I}", "seconds_read", t->stream.seconds_read,
-                                                        "seconds_build", t->stream.seconds_build, "seconds_write",
-                                                        t->stream.seconds_write, "seconds_total", t->stream.seconds_total,
-                                                        "slab_planes", (json_int_t)t->stream.slab_planes, "buffer_bytes",
-                                                        (json_int_t)t->stream.buffer_bytes));
+                                                   t->files.stream.seconds_write, "total", t->total));
+    if (b->files)
+        json_object_set_new(root, "to_files", files_to_json(t, voxels));
     json_object_set_new(root, "bytes_read", json_integer((json_int_t)t->bytes_read));
     json_object_set_new(root, "bytes_written", json_integer((json_int_t)t->bytes_written));
     json_object_set_new(root, "memcpy_seconds_same_bytes", json_real(t->memcpy_build));
@@ -274,8 +279,11 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
     status = time_build(b, &v, &t, err);
     if (status == ISO_OK)
         status = time_central(b, &v, &t, err);
-    if (status == ISO_OK && b->files)
-        status = time_stream(b, &v, &t, err);
+    const size_t memory = (size_t)(b->memory_mb * 1048576);
+    if (status == ISO_OK && b->volume)
+        status = bench_files_of(b->volume, &b->opt, b->files, memory, b->runs, &t.files, err);
+    else if (status == ISO_OK && b->files)
+        status = bench_files(&v, &b->opt, b->files, memory, b->runs, &t.files, err);
     if (status == ISO_OK)
         report(cli, b, &t);
     iso_volume_destroy(&v);
@@ -284,8 +292,8 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    char *size = NULL, *type = NULL, *scalar = NULL, *direction = NULL, *code = NULL, *files = NULL;
-    build_bench b = {.size = {256, 256, 256}, .type = ISO_U16, .opt = iso_pyramid_defaults()};
+    char *size = NULL, *type = NULL, *scalar = NULL, *direction = NULL, *code = NULL, *files = NULL, *volume = NULL;
+    build_bench b = {.size = {256, 256, 256}, .type = ISO_U16, .opt = iso_pyramid_defaults(), .memory_mb = 900};
     int levels = (int)b.opt.level_count, runs = 5, radius = (int)b.opt.gauss_radius;
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_STRING, &size, 0, "voxels (256)", "N or NXxNYxNZ"},
@@ -296,6 +304,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &radius, 0, "as in build", "N"},
         {"code", 0, POPT_ARG_STRING, &code, 0, "as in build", "NAME"},
         {"files", 0, POPT_ARG_STRING, &files, 0, "build from a file to files in this folder, too", "FOLDER"},
+        {"volume", 0, POPT_ARG_STRING, &volume, 0, "with --files: from this file, of any size, instead of the volume in memory",
+         "FILE"},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: of buffers, at most", "MB"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "of which the fastest counts", "N"},
         POPT_TABLEEND,
     };
@@ -322,6 +333,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     b.opt.gauss_radius = (size_t)radius;
     b.runs = (size_t)runs;
     b.files = files;
+    b.volume = volume;
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--memory", b.memory_mb, 1, 1e9, err);
+    if (status == ISO_OK && volume && !files)
+        status = iso_fail(err, ISO_E_USAGE, "--volume needs --files");
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&cli, &b, err);
     iso_cli_end(&cli);
@@ -331,6 +347,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     free(direction);
     free(code);
     free(files);
+    free(volume);
     return status;
 }
 
@@ -341,7 +358,8 @@ const iso_command iso_bench_build = {
     .details = "The build reads the samples and writes the codes of all levels and the scalars of the coarse ones.\n"
                "memcpy copies half of the sum of those bytes, with as many threads: it reads and writes each.\n"
                "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
-               "write are 0 in memory, and those of --files where that is given.",
+               "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
+               "build to files the disk reads and writes the same bytes with nothing computed.",
     .examples = "isoshade bench build --size 96 --runs 2\n",
     .run = run,
 };

@@ -3,10 +3,16 @@
  * The bytes are those of iso_pyramid_build() and iso_pyramid_save(); memory is
  * bounded. While it works the folder is .NAME.partial; it is renamed when it is
  * complete, so that a killed build never looks finished. What a killed build
- * leaves can be taken up again: progress.json says how far its files are good. */
+ * leaves can be taken up again: progress.json says how far its files are good.
+ *
+ * The next slab is read and the last one written while one is built. Ranks of an
+ * MPI job (base/ranks.h) take the slabs in turns, and write the same files. What
+ * a slab leaves to the next one, such as the checksums so far, is handed from
+ * rank to rank, so that each byte is read, hashed and written once. */
 #ifndef ISO_PYRAMID_STREAM_H
 #define ISO_PYRAMID_STREAM_H
 
+#include "base/ranks.h"
 #include "pyramid/pyramid.h"
 #include "volume/stream.h"
 
@@ -23,6 +29,7 @@ typedef struct iso_stream_options {
     bool resume;         /* take up what a killed build left, if it fits */
     bool direct;         /* files past the page cache; large ones are anyway */
     size_t stop_after;   /* planes; 0: all. Ends as a kill would, for tests */
+    iso_ranks *ranks;    /* all of them call; NULL: alone. Memory is that of each */
 } iso_stream_options;
 
 typedef struct iso_stream_report {
@@ -33,10 +40,12 @@ typedef struct iso_stream_report {
         double min, max;
     } levels[32];
     size_t slab_planes, buffer_bytes, resumed_at_plane;
-    double seconds_read, seconds_build, seconds_write, seconds_total;
+    double seconds_read, seconds_build, seconds_write, seconds_total; /* read, write: waiting for the threads that do it */
+    double seconds_reading, seconds_writing; /* of these threads, summed, with hashing */
 } iso_stream_report;
 
-/* ISO_E_MEMORY when memory_bytes is too little, with what is needed. */
+/* ISO_E_MEMORY when memory_bytes is too little, with what is needed. All ranks get the same status and message; the
+ * report is rank 0's. */
 iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt, const iso_stream_options *stream,
                               const char *dir, iso_stream_report *report, const iso_progress *progress, iso_error *err);
 

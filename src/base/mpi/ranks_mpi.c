@@ -1,0 +1,108 @@
+/* ranks_mpi.c - the door to MPI, a library of its own (base/ranks.h): linked with MPI, which the program is not. MPI's own
+ * handler ends the job on an error. */
+#include <mpi.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/ranks_door.h"
+
+/* What is on its way to each rank. */
+typedef struct sending {
+    MPI_Request request;
+    void *copy;
+} sending;
+
+static sending *under_way;
+
+static void door_open(int *index, int *count)
+{
+    int provided;
+    MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_rank(MPI_COMM_WORLD, index);
+    MPI_Comm_size(MPI_COMM_WORLD, count);
+    under_way = calloc((size_t)*count, sizeof *under_way);
+    if (!under_way)
+        MPI_Abort(MPI_COMM_WORLD, 6);
+}
+
+static void finish_sending(sending *s)
+{
+    if (s->copy)
+        MPI_Wait(&s->request, MPI_STATUS_IGNORE);
+    free(s->copy);
+    s->copy = NULL;
+}
+
+static void door_close(void)
+{
+    int count;
+    MPI_Comm_size(MPI_COMM_WORLD, &count);
+    for (int i = 0; i < count; ++i)
+        finish_sending(&under_way[i]);
+    free(under_way);
+    MPI_Finalize();
+}
+
+static void door_gather(const void *data, size_t bytes, void *all)
+{
+    MPI_Allgather(data, (int)bytes, MPI_BYTE, all, (int)bytes, MPI_BYTE, MPI_COMM_WORLD);
+}
+
+static void door_broadcast(void *data, size_t bytes)
+{
+    MPI_Bcast(data, (int)bytes, MPI_BYTE, 0, MPI_COMM_WORLD);
+}
+
+static void door_largest(double *values, size_t count)
+{
+    MPI_Allreduce(MPI_IN_PLACE, values, (int)count, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+}
+
+/* Counts are of 64 bytes, as they are of int and messages may be large; senders and receivers pad. */
+enum { UNIT = 64 };
+
+static int units(size_t bytes)
+{
+    return (int)((bytes + UNIT - 1) / UNIT);
+}
+
+static MPI_Datatype unit_type(void)
+{
+    static MPI_Datatype type = MPI_DATATYPE_NULL;
+    if (type == MPI_DATATYPE_NULL) {
+        MPI_Type_contiguous(UNIT, MPI_BYTE, &type);
+        MPI_Type_commit(&type);
+    }
+    return type;
+}
+
+static void door_send(int to, const void *data, size_t bytes)
+{
+    sending *s = &under_way[to];
+    finish_sending(s);
+    s->copy = calloc((size_t)units(bytes), UNIT);
+    if (!s->copy)
+        MPI_Abort(MPI_COMM_WORLD, 6);
+    memcpy(s->copy, data, bytes);
+    MPI_Isend(s->copy, units(bytes), unit_type(), to, 0, MPI_COMM_WORLD, &s->request);
+}
+
+static void door_receive(int from, void *data, size_t bytes)
+{
+    char *padded = calloc((size_t)units(bytes), UNIT);
+    if (!padded)
+        MPI_Abort(MPI_COMM_WORLD, 6);
+    MPI_Recv(padded, units(bytes), unit_type(), from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    memcpy(data, padded, bytes);
+    free(padded);
+}
+
+const iso_ranks_door iso_ranks_door_mpi = {
+    .open = door_open,
+    .close = door_close,
+    .gather = door_gather,
+    .broadcast = door_broadcast,
+    .largest = door_largest,
+    .send = door_send,
+    .receive = door_receive,
+};

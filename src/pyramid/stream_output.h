@@ -1,0 +1,95 @@
+/* stream_output.h - the files of all levels, written by threads of their own; private to the streaming build.
+ *
+ * Each level has two sets of buffers: one is written while the other is filled. Several ranks (base/ranks.h) write the
+ * same files in turns; whose turn it is holds the *tails*: the checksums so far, and the bytes before the next whole block
+ * of the disk. */
+#ifndef ISO_PYRAMID_STREAM_OUTPUT_H
+#define ISO_PYRAMID_STREAM_OUTPUT_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "base/bigfile.h"
+#include "pyramid/cascade.h"
+#include "pyramid/pyramid_layout.h"
+
+enum { STREAM_MAX_LEVELS = 32, STREAM_WRITERS = 2 };
+
+/* Buffers hold `capacity` planes from `first` on. */
+typedef struct stream_level {
+    iso_geometry geometry;
+    iso_type type;
+    bool converts; /* scalars come from set[].scalar, else from the input */
+    size_t capacity;
+    iso_cascade_out set[2];
+    size_t first;   /* plane of the buffers' first plane */
+    size_t written; /* planes that the last slab completed */
+    level_file files[FILE_COUNT];
+    iso_bigfile *file[FILE_COUNT]; /* NULL: not stored */
+    XXH3_state_t *hash[FILE_COUNT];
+} stream_level;
+
+/* A piece of a file. */
+typedef struct stream_item {
+    stream_level *level;
+    int file;
+    const void *data;
+    size_t bytes;
+} stream_item;
+
+typedef struct stream_output {
+    size_t level_count;
+    stream_level levels[STREAM_MAX_LEVELS];
+    bool direct;      /* files past the page cache */
+    bool in_turns;    /* with other ranks */
+    int active;       /* the set that is filled */
+    stream_item items[STREAM_MAX_LEVELS * FILE_COUNT];
+    size_t item_count;
+    atomic_size_t next_item;
+    pthread_t writers[STREAM_WRITERS];
+    int writer_count; /* that are at work */
+    pthread_mutex_t mutex; /* of status and error */
+    iso_status status;
+    iso_error error;
+    double seconds_busy;
+} stream_output;
+
+/* Levels as the options and the size give them; no memory yet. */
+void stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input, const iso_pyramid_options *opt);
+/* Of one plane of level k in each set, and of one plane of a file. */
+size_t stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
+size_t stream_file_plane_bytes(const stream_level *l, int file);
+
+/* Memory for slabs of this many planes. False when there is none. */
+bool stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);
+void stream_output_destroy(stream_output *o); /* waits; leaves the files as they are */
+
+/* Opens the files in the folder, each at its level's plane `first`: new with their headers, or what an earlier build left. */
+iso_status stream_output_open(stream_output *o, const char *dir, iso_error *err);
+/* Opens what another rank has opened. */
+iso_status stream_output_join(stream_output *o, const char *dir, iso_error *err);
+
+/* What the last slab began and did not complete goes on in the active set. */
+void stream_output_copy_begun(stream_output *o);
+/* Where the slab's planes go. */
+void stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
+/* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's planes. */
+void stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first);
+/* Begins to write what is listed; the other set becomes active. */
+void stream_output_start(stream_output *o);
+iso_status stream_output_wait(stream_output *o, iso_error *err);
+/* What has been written is in the files. */
+iso_status stream_output_sync(stream_output *o, iso_error *err);
+/* Cuts and closes; levels[].files have their sizes and checksums. */
+iso_status stream_output_close(stream_output *o, iso_error *err);
+
+/* In turns. Tails are bytes, aligned to 64, that any rank understands. */
+size_t stream_tails_bytes(const stream_output *o);
+/* Where the files stand that stream_output_open() has opened. */
+void stream_tails_get(const stream_output *o, void *tails);
+/* Goes on from there. Nothing is being written. */
+void stream_tails_set(stream_output *o, const void *tails);
+/* From the tails before the items to those after them; hashes the items. The tails have been set. */
+void stream_tails_advance(stream_output *o, void *tails);
+
+#endif
