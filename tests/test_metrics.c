@@ -264,6 +264,34 @@ static void ssim_is_the_mean_of_its_definition(void **state)
     iso_image_destroy(&b);
 }
 
+static void ssim_of_the_foreground_leaves_out_what_both_images_leave_empty(void **state)
+{
+    (void)state;
+    iso_image a = textured(23, 17, 3), b = textured(23, 17, 99);
+    double mean, sum = 0, all;
+    size_t count = 0;
+    for (size_t i = 0; i < 23 * 17; ++i) {
+        a.rgba[4 * i + 3] = i % 3 == 0 ? 1 : 0.003f; /* below 1/255 */
+        b.rgba[4 * i + 3] = i % 4 == 0 ? 0.004f : 0;
+    }
+    assert_ok(iso_ssim_foreground(&a, &b, &mean, &err));
+    for (size_t y = 5; y < 12; ++y)
+        for (size_t x = 5; x < 18; ++x)
+            if ((y * 23 + x) % 3 == 0 || (y * 23 + x) % 4 == 0) {
+                sum += direct_ssim(&a, &b, x, y);
+                ++count;
+            }
+    assert_within(mean, sum / (double)count, 1e-10);
+    assert_ok(iso_ssim_mean(&a, &b, &all, &err));
+    assert_more_than(fabs(all - mean), 1e-4); /* the mean over all windows is another */
+    for (size_t i = 0; i < 23 * 17; ++i)
+        a.rgba[4 * i + 3] = b.rgba[4 * i + 3] = 0;
+    assert_ok(iso_ssim_foreground(&a, &b, &mean, &err));
+    assert_within(mean, 1, 0);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
 static const double to_xyz[3][3] = {{0.41239080, 0.35758434, 0.18048079},
                                     {0.21263901, 0.71516868, 0.07219232},
                                     {0.01933082, 0.11919478, 0.95053215}};
@@ -586,6 +614,7 @@ int main(void)
         cmocka_unit_test(ssim_of_uniform_images_is_the_luminance_term),
         cmocka_unit_test(ssim_of_an_inverted_pattern_is_negative),
         cmocka_unit_test(ssim_is_the_mean_of_its_definition),
+        cmocka_unit_test(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty),
         cmocka_unit_test(flip_of_green_and_blue_is_one),
         cmocka_unit_test(flip_of_uniform_greys_is_the_closed_form),
         cmocka_unit_test(flip_equals_a_direct_sum_over_its_filters),

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "cli/bench.h"
+#include "cli/bench_shading.h"
 #include "cli/input.h"
 #include "cli/subject.h"
 #include "cli/views.h"
@@ -298,21 +299,26 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
+    for (int i = 1; i < argc; ++i)
+        if (strcmp(argv[i], "--shading") == 0)
+            return iso_bench_shading(argc, argv, err);
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 64, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
+    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0;
     b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
+    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
         status = run_all(&b, methods, err);
     iso_cli_end(&cli);
-    return status;
+    return no_volume ? iso_bench_shading(argc, argv, err) : status;
 }
 
 const iso_command iso_bench_consistency = {
     .name = "bench consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
-    .usage = "VOLUME... [options]",
-    .details = "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
+    .usage = "VOLUME... [options], or --shading [VOLUME...] [options]",
+    .details = "With --shading, or without a volume, directions are judged: isoshade bench consistency --shading --help.\n"
+               "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
                "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade bench consistency shells.nrrd --views 3 --size 64 --levels 3\n",

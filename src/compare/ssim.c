@@ -43,7 +43,12 @@ static double window(const double *restrict a, const double *restrict b, size_t 
     return (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2));
 }
 
-iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, iso_error *err)
+static bool is_foreground(const iso_image *a, const iso_image *b, size_t pixel)
+{
+    return a->rgba[4 * pixel + 3] >= ISO_SSIM_FOREGROUND || b->rgba[4 * pixel + 3] >= ISO_SSIM_FOREGROUND;
+}
+
+static iso_status mean_of_windows(const iso_image *a, const iso_image *b, bool foreground, double *mean, iso_error *err)
 {
     size_t width = a->width, height = a->height;
     if (width == 0 || height == 0 || width != b->width || height != b->height)
@@ -52,20 +57,25 @@ iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, i
     double taps[TAPS];
     for (int i = 0; i < TAPS; ++i)
         taps[i] = exp(-(i - TAPS / 2) * (i - TAPS / 2) / (2 * 1.5 * 1.5));
-    double *la = luma(a), *lb = luma(b), *rows = calloc(height, sizeof *rows);
+    double *la = luma(a), *lb = luma(b), *rows = calloc(2 * height, sizeof *rows);
     iso_status status = ISO_OK;
     if (la && lb && rows) {
         const int threads = width * height < 40000 ? 1 : iso_threads(0);
         bool inside = width >= TAPS && height >= TAPS;
         size_t margin = inside ? TAPS / 2 : 0;
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(dynamic, 8) num_threads(threads)
         for (size_t y = margin; y < height - margin; ++y)
             for (size_t x = margin; x < width - margin; ++x)
-                rows[y] += window(la, lb, width, height, x, y, taps);
-        double sum = 0; /* in the order of the rows, so that threads do not show */
-        for (size_t y = 0; y < height; ++y)
-            sum += rows[y];
-        *mean = sum / (double)((width - 2 * margin) * (height - 2 * margin));
+                if (!foreground || is_foreground(a, b, y * width + x)) {
+                    rows[2 * y] += window(la, lb, width, height, x, y, taps);
+                    rows[2 * y + 1] += 1;
+                }
+        double sum = 0, count = 0; /* in the order of the rows, so that threads do not show */
+        for (size_t y = 0; y < height; ++y) {
+            sum += rows[2 * y];
+            count += rows[2 * y + 1];
+        }
+        *mean = count > 0 ? sum / count : 1;
     } else {
         status = iso_fail(err, ISO_E_MEMORY, "SSIM: no memory for %zux%zu pixels", width, height);
     }
@@ -73,4 +83,14 @@ iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, i
     free(lb);
     free(rows);
     return status;
+}
+
+iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, iso_error *err)
+{
+    return mean_of_windows(a, b, false, mean, err);
+}
+
+iso_status iso_ssim_foreground(const iso_image *a, const iso_image *b, double *mean, iso_error *err)
+{
+    return mean_of_windows(a, b, true, mean, err);
 }

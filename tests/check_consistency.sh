@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# bench consistency --shading: the whole table as a command, its keys, and bad usage.
+. "$(dirname "$0")/lib.sh"
+"$ISOSHADE" make shells --size 24 --type uint8 -o shells.nrrd -q || exit 1
+quick=(bench consistency --shading --quick --analytic 24 --views 1 --size 40 --levels 3 -q)
+
+expect the_table_runs 0 "$ISOSHADE" "${quick[@]}" shells.nrrd --csv table.csv
+check it_has_each_block grep -q 'held back' out
+check and_each_method grep -q '^tensor' out
+check the_csv_has_a_line_a_case test "$(wc -l <table.csv)" = $((1 + 10 * 2 * $(sed 1d table.csv | cut -d, -f4 | sort -u | wc -l)))
+expect json_runs 0 "$ISOSHADE" "${quick[@]}" --held shells.nrrd --json
+check its_keys python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+assert {c['block'] for c in r['cases']} == {'analytic volumes of the set', 'held back'}
+for c in r['cases']:
+    assert 0 <= c['dssim_mean'] <= 1 and len(c['dssim']) == 1
+    assert 0 <= c['gradient_angle_mean_deg'] <= 90
+ratio = {(s['block'], s['method'], s['level']): s['dssim_ratio'] for s in r['summary']}
+for (block, method, level), value in ratio.items():
+    if method == 'on-the-fly':
+        assert value == 1
+assert ratio['analytic volumes of the set', 'default', 2] < 1
+assert ratio['analytic volumes of the set', 'default', 2] < ratio['analytic volumes of the set', 'unit', 2]
+for e in r['exceptions']:
+    assert e['dssim'] >= e['dssim_on_the_fly'] and e['cause']
+PY
+expect no_volume_means_shading 0 "$ISOSHADE" bench consistency --size 16 --views 1 --levels 2 --help
+refuse too_many_views 2 --views "$ISOSHADE" bench consistency --shading --views 7 -q
+refuse a_surface_beyond_the_range 2 --surface "$ISOSHADE" bench consistency --shading --surface 1.5 -q
+expect a_missing_volume 3 "$ISOSHADE" "${quick[@]}" missing.nrrd
+exit $failed
