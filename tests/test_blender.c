@@ -324,9 +324,11 @@ static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
     char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
     iso_tf_table tables[2];
     make_tables(&s.view.tf, tables);
+    iso_view views[2] = {s.view, s.view};
+    views[0].tf = tables[0], views[1].tf = tables[1];
     assert_int_equal(mkdir(made, 0777), 0);
     iso_blender_options opt = iso_blender_defaults();
-    assert_ok(iso_blender_export_levels(&s.pyramid, 0, 2, &s.view, tables, first, &opt, NULL, &err));
+    assert_ok(iso_blender_export_levels(&s.pyramid, 0, 2, views, first, &opt, NULL, &err));
     assert_int_equal(rename(made, moved), 0);
     run_script(blend, user_script);
 

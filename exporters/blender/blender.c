@@ -152,16 +152,26 @@ static json_t *describe_ramp(const iso_tf_table *t, double units)
                      ramp.max_extinction / units, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
 }
 
-static json_t *describe_tf(const iso_tf_table *tables, size_t count, double units)
+static void append_entries(json_t *to, const iso_tf_table *t, double units)
+{
+    for (size_t i = 0; i < 4 * t->count; ++i)
+        json_array_append_new(to, json_real((double)t->entries[i] / (i % 4 == 3 ? units : 1)));
+}
+
+/* A table a view: its entries, row by row where it has classes. */
+static json_t *describe_tf(const iso_view *views, size_t count, double units)
 {
     json_t *all = json_array();
     for (size_t k = 0; k < count; ++k) {
+        const iso_class_tables *classes = views[k].classes;
+        const iso_tf_table *t = classes ? classes->tables : &views[k].tf;
+        const int rows = classes ? ISO_CLASSES : 1;
         json_t *entries = json_array();
-        for (size_t i = 0; i < 4 * tables[k].count; ++i)
-            json_array_append_new(entries, json_real((double)tables[k].entries[i] / (i % 4 == 3 ? units : 1)));
-        json_array_append_new(all, json_pack("{sf sf so}", "lo", tables[k].lo, "hi", tables[k].hi, "entries", entries));
+        for (int r = 0; r < rows; ++r)
+            append_entries(entries, &t[r], units);
+        json_array_append_new(all, json_pack("{sf sf si so}", "lo", t->lo, "hi", t->hi, "rows", rows, "entries", entries));
     }
-    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&tables[0], units));
+    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&views[0].tf, units));
 }
 
 static json_t *describe_lights(const iso_view *view)
@@ -174,19 +184,17 @@ static json_t *describe_lights(const iso_view *view)
 }
 
 /* vdb is the path that Blender sees: absolute, or relative to the .blend by a leading "//". */
-static json_t *describe_level(const iso_level *level, size_t k, size_t row, const char *vdb,
+static json_t *describe_level(const iso_level *level, size_t k, size_t table, const char *vdb,
                               const iso_blender_options *opt)
 {
-    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "row", (json_int_t)row, "vdb", vdb, "step",
+    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step",
                      opt->step_voxels * iso_geometry_min_spacing_mm(&level->geometry), "voxel_diagonal",
                      vec_json(iso_mul(level->geometry.index_to_world, iso_v3(1, 1, 1))));
 }
 
-static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_view *view, const iso_blender_options *opt,
+static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_blender_options *opt,
                                 iso_error *err)
 {
-    if (view->classes)
-        return iso_fail(err, ISO_E_RANGE, "blender: a table over two values is not written");
     if (count == 0 || level >= p->level_count || count > p->level_count - level)
         return iso_fail(err, ISO_E_RANGE, "blender: levels %zu to %zu, the pyramid has levels 0 to %zu", level,
                         level + count - 1, p->level_count - 1);
@@ -329,7 +337,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture is asked for");
     memset(pictures, 0, count * sizeof *pictures);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = check_options(p, level, 1, view, &frames[i], err);
+        status = check_options(p, level, 1, &frames[i], err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
@@ -339,6 +347,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     char *vdb = iso_path_join(folder, "volume.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
+    vdb_options.classes = view->classes ? view->classes->bytes : NULL;
     status = in_units(p, units, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
@@ -346,7 +355,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         const iso_level *l = &scaled.levels[level];
         json_t *about = describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, &frames[0])));
-        json_object_set_new(about, "tf", describe_tf(&view->tf, 1, units));
+        json_object_set_new(about, "tf", describe_tf(view, 1, units));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "frames", describe_frames(&l->geometry, folder, frames, count));
         status = run_blender(about, folder, &frames[0], progress, err);
@@ -380,45 +389,46 @@ static char *vdb_path(const char *blend_path, size_t k, size_t count)
     return path;
 }
 
-static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const char *blend_path, iso_output *out,
+static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const iso_view *view, const char *blend_path, iso_output *out,
                              const iso_progress *progress, iso_error *err)
 {
     char *path = vdb_path(blend_path, k, count);
     iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
+    options.classes = view->classes ? view->classes->bytes : NULL;
     if (status == ISO_OK)
         status = iso_vdb_save(p, k, 1, out->temp_path, &options, progress, err);
     free(path);
     return status;
 }
 
-static json_t *describe_export(const iso_pyramid *p, double units, size_t first, size_t count, const iso_view *view,
-                               const iso_tf_table *tables, const char *blend_path, const iso_blender_options *opt)
+static json_t *describe_export(const iso_pyramid *p, double units, size_t first, size_t count, const iso_view *views,
+                               const char *blend_path, const iso_blender_options *opt)
 {
     const char *base = iso_path_base(blend_path);
     char name[NAME_MAX + 1];
     snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-    json_t *about = describe_scene(view, units, &p->levels[first].geometry, name, opt);
+    json_t *about = describe_scene(&views[0], units, &p->levels[first].geometry, name, opt);
     json_t *levels = json_array();
     for (size_t k = first; k < first + count; ++k) {
         char *path = vdb_path(blend_path, k, count), relative[NAME_MAX + 40];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
-        json_array_append_new(levels, describe_level(&p->levels[k], k, tables ? k - first : 0, relative, opt));
+        json_array_append_new(levels, describe_level(&p->levels[k], k, k - first, relative, opt));
         free(path);
     }
     json_object_set_new(about, "levels", levels);
-    json_object_set_new(about, "tf", tables ? describe_tf(tables, count, units) : describe_tf(&view->tf, 1, units));
+    json_object_set_new(about, "tf", describe_tf(views, count, units));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", text_json(p->source ? p->source : "", 1000));
     return about;
 }
 
-iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
-                                     const iso_tf_table *tables, const char *blend_path,
-                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *views,
+                                     const char *blend_path, const iso_blender_options *opt,
+                                     const iso_progress *progress, iso_error *err)
 {
-    iso_status status = check_options(p, first, count, view, opt, err);
+    iso_status status = check_options(p, first, count, opt, err);
     if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
         status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
     json_t *probe = json_string(blend_path);
@@ -436,14 +446,14 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
     if (status == ISO_OK)
         status = in_units(p, units, &scaled, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = write_grid(&scaled, first + i, count, blend_path, &outs[i], progress, err);
+        status = write_grid(&scaled, first + i, count, &views[i], blend_path, &outs[i], progress, err);
     if (status == ISO_OK)
         status = iso_output_begin(&outs[count], blend_path, err);
     char *target = status == ISO_OK ? realpath(outs[count].temp_path, NULL) : NULL;
     if (status == ISO_OK && !target)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
     if (status == ISO_OK) {
-        json_t *about = describe_export(&scaled, units, first, count, view, tables, blend_path, opt);
+        json_t *about = describe_export(&scaled, units, first, count, views, blend_path, opt);
         json_object_set_new(about, "save", json_string(target));
         status = run_blender(about, folder, opt, progress, err);
     }
@@ -463,5 +473,5 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    return iso_blender_export_levels(p, level, 1, view, NULL, blend_path, opt, progress, err);
+    return iso_blender_export_levels(p, level, 1, view, blend_path, opt, progress, err);
 }

@@ -37,11 +37,10 @@ iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view
 
 /* Levels [first, first + count) in one NAME.blend, with a NAME_level_K.vdb each.
  * A property "level" of the object NAME chooses the one that is seen; material,
- * shading and lights are shared, and the colour map has a row a level: tables
- * holds `count`, adapted to their levels, or is NULL (the view's for all). */
-iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *view,
-                                     const iso_tf_table *tables, const char *blend_path,
-                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+ * shading and lights are shared, and the colour map has the rows of each level: views
+ * holds `count`, which differ in their transfer functions alone. */
+iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *views,
+                                     const char *blend_path, const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,

@@ -89,10 +89,11 @@ class Group:
 
 
 def color_table(tf):
-    """The colour maps as an image: one row a level, one column an entry; packed, exact in 32-bit float.
+    """The colour maps as an image: one row a level, or one a class of it, one column an entry; packed, exact in 32-bit float.
 
     Where rows have fewer entries than columns the last one is repeated."""
-    rows = [numpy.array(table["entries"], numpy.float32).reshape(-1, 4) for table in tf["tables"]]
+    rows = [row for table in tf["tables"]
+            for row in numpy.array(table["entries"], numpy.float32).reshape(table["rows"], -1, 4)]
     width = max(len(row) for row in rows)
     pixels = numpy.stack([numpy.concatenate([row, numpy.repeat(row[-1:], width - len(row), axis=0)]) for row in rows])
     image = bpy.data.images.new("isoshade transfer function", width, len(rows), alpha=True, float_buffer=True,
@@ -108,7 +109,7 @@ def color_table(tf):
 
 def table_properties(table):
     """What a level's object tells the shader: value of entry 0, entries per value, number of the last entry."""
-    last = len(table["entries"]) // 4 - 1
+    last = len(table["entries"]) // (4 * table["rows"]) - 1
     return [table["lo"], last / (table["hi"] - table["lo"]), float(last)]
 
 
@@ -125,7 +126,7 @@ def transfer_function_group(tf):
     entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, table[1]), 0.0)
     entry = group.math('MINIMUM', entry, table[2], label="entry")
     x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centres")
-    y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="a row a level")
+    y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="the level's row")
     where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
     texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Linear', extension='EXTEND',
                        projection='FLAT').outputs
@@ -235,8 +236,13 @@ def isoshade_group(about, frame):
     travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
     ray = group.vector('NORMALIZE', travel)
 
+    where = row.outputs["Fac"]
+    if any(table["rows"] > 1 for table in about["tf"]["tables"]):
+        part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="class")
+        last = group.node('ShaderNodeAttribute', "last class", {}, attribute_type='OBJECT', attribute_name="isoshade_last_class")
+        where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the class")
     exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
-                       Table=table.outputs["Vector"], Row=row.outputs["Fac"])
+                       Table=table.outputs["Vector"], Row=where)
     ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar.outputs["Fac"])
     use_ramp = group.given["Use Ramp"]
     color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
@@ -465,8 +471,10 @@ def add_levels(about, shift, frame, look, collection):
         thing.data.render.step_size = level["step"]
         thing.data.materials.append(look)
         thing["isoshade_level"] = level["level"]
-        thing["isoshade_table"] = table_properties(about["tf"]["tables"][level["row"]])
-        thing["isoshade_row"] = float(level["row"])
+        tables = about["tf"]["tables"]
+        thing["isoshade_table"] = table_properties(tables[level["table"]])
+        thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
+        thing["isoshade_last_class"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
         for hidden in ("hide_render", "hide_viewport") if len(levels) > 1 else ():
             drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})

@@ -82,9 +82,9 @@ iso_status iso_df3_write(const char *path, const size_t size[3], const float *va
     return write_file(path, size, values + channel, stride, 1, coding, err);
 }
 
-iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t stride, size_t channel,
+iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t rows, size_t stride, size_t channel,
                                const iso_df3_coding *coding, iso_error *err)
 {
-    const size_t size[3] = {count, 1, 1};
+    const size_t size[3] = {count, rows, 1};
     return write_file(path, size, values + channel, stride, 0, coding, err);
 }

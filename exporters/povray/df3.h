@@ -27,8 +27,8 @@ typedef struct iso_df3_coding {
 iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,
                          const iso_df3_coding *coding, iso_error *err);
 
-/* A table as a density of count x 1 x 1 samples, without a rim: entry i is at x = i / count. */
-iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t stride, size_t channel,
+/* A table as a density of count x rows x 1 samples, without a rim: entry i of row r is at x = i / count, y = r / rows. */
+iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t rows, size_t stride, size_t channel,
                                const iso_df3_coding *coding, iso_error *err);
 
 #endif

@@ -71,8 +71,6 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_vi
         return iso_fail(err, ISO_E_RANGE, "povray: DF3 files of %u bits, must be 16 or 32", opt->df3_bits);
     if (opt->isosurface && !isfinite(opt->iso))
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
-    if (view->classes)
-        return iso_fail(err, ISO_E_RANGE, "povray: a table over two values is not written");
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
     if (view->tf.count < 2 || !(view->tf.hi > view->tf.lo))
@@ -186,20 +184,51 @@ static iso_status write_directions(const iso_level *level, iso_code code, const 
     return status;
 }
 
+/* The entries of all classes, row by row; to be freed. */
+static float *class_rows(const iso_class_tables *classes)
+{
+    const size_t row = 4 * classes->tables[0].count;
+    float *rows = malloc(ISO_CLASSES * row * sizeof *rows);
+    for (size_t c = 0; rows && c < ISO_CLASSES; ++c)
+        memcpy(rows + c * row, classes->tables[c].entries, row * sizeof *rows);
+    return rows;
+}
+
+static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(s->geometry);
+    const iso_df3_coding coding = {8, 0, 255};
+    float *values = malloc(count * sizeof *values);
+    char *path = file_path(dir, s->name, "_class.df3");
+    iso_status status = values && path ? ISO_OK : no_memory(err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        values[i] = s->classes->bytes[i];
+    if (status == ISO_OK)
+        status = iso_df3_write(path, s->geometry->size, values, 1, 0, &coding, err);
+    free(path);
+    free(values);
+    return status;
+}
+
 static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, iso_error *err)
 {
     static const char *const suffix[4] = {"_tf_red.df3", "_tf_green.df3", "_tf_blue.df3", "_tf_extinction.df3"};
-    const iso_tf_table *tf = &s->view->tf;
+    const iso_class_tables *classes = s->classes;
+    float *rows = classes ? class_rows(classes) : NULL;
+    if (classes && !rows)
+        return no_memory(err);
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
-    iso_status status = ISO_OK;
+    iso_status status = classes ? write_class_bytes(s, dir, err) : ISO_OK;
     for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
         if (!iso_povray_needs_tables(s, c < 3))
             continue;
         const iso_df3_coding coding = {32, 0, most[c]};
         char *path = file_path(dir, s->name, suffix[c]);
-        status = path ? iso_df3_write_table(path, tf->entries, tf->count, 4, c, &coding, err) : no_memory(err);
+        status = path ? iso_df3_write_table(path, rows ? rows : s->tf->entries, s->tf->count, rows ? ISO_CLASSES : 1, 4, c, &coding, err)
+                      : no_memory(err);
         free(path);
     }
+    free(rows);
     return status;
 }
 
@@ -221,12 +250,14 @@ static iso_status write_text(const iso_povray_scene *s, const char *dir, const c
     return status;
 }
 
-static iso_povray_scene describe(const iso_pyramid *p, size_t level, const iso_view *view, const char *name,
+/* tf: what bounds the transfer function (bounding_tf). */
+static iso_povray_scene describe(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *tf, const char *name,
                                  const iso_povray_options *opt)
 {
     const iso_level *l = &p->levels[level];
     iso_povray_scene s = {.name = name, .source = p->source ? iso_path_base(p->source) : "a volume", .level = level,
-                          .geometry = &l->geometry, .view = view, .options = opt};
+                          .geometry = &l->geometry, .view = view,
+                          .classes = opt->isosurface ? NULL : view->classes, .tf = tf, .options = opt};
     s.scalar = scalar_coding(l, opt->df3_bits);
     s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
     s.center_mm = iso_geometry_box_center_mm(&l->geometry);
@@ -236,6 +267,15 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t level, const iso_v
     if (opt->isosurface)
         s.max_gradient = fmax(1.01 * steepest(l) / (s.scalar.hi - s.scalar.lo), 1e-6);
     return s;
+}
+
+/* The view's table; over two values their envelope, which is created in *own. A surface takes its colour from the view's. */
+static iso_status bounding_tf(const iso_view *view, const iso_povray_options *opt, iso_tf_table *own, const iso_tf_table **tf,
+                              iso_error *err)
+{
+    *own = (iso_tf_table){0};
+    *tf = view->classes && !opt->isosurface ? own : &view->tf;
+    return *tf == own ? iso_class_envelope(view->classes, own, err) : ISO_OK;
 }
 
 /* All files of a scene into a folder that exists. */
@@ -273,14 +313,19 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
         return no_memory(err);
     }
     iso_output out = {0};
-    status = iso_output_begin_dir(&out, dir, marker + 1, err);
+    iso_tf_table own = {0};
+    const iso_tf_table *tf;
+    status = bounding_tf(view, opt, &own, &tf, err);
+    if (status == ISO_OK)
+        status = iso_output_begin_dir(&out, dir, marker + 1, err);
     if (status == ISO_OK) {
-        const iso_povray_scene s = describe(p, level, view, name, opt);
+        const iso_povray_scene s = describe(p, level, view, tf, name, opt);
         status = write_all(p, &s, out.temp_path, progress, err);
         if (status == ISO_OK)
             status = iso_output_commit(&out, err);
     }
     iso_output_abandon(&out);
+    iso_tf_table_destroy(&own);
     free(marker);
     free(name);
     return status;
@@ -399,14 +444,19 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
         status = find_povray(&program, err);
     if (status == ISO_OK && !(dir = iso_make_temp_dir()))
         status = iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
+    iso_tf_table own = {0};
+    const iso_tf_table *tf;
+    if (status == ISO_OK)
+        status = bounding_tf(view, opt, &own, &tf, err);
     if (status == ISO_OK) {
-        const iso_povray_scene s = describe(p, level, view, "scene", opt);
+        const iso_povray_scene s = describe(p, level, view, tf, "scene", opt);
         status = write_all(p, &s, dir, progress, err);
         if (status == ISO_OK)
             status = render_scene(program, dir, &s, progress, image, err);
     }
     if (dir)
         iso_remove_tree(dir);
+    iso_tf_table_destroy(&own);
     free(dir);
     free(program);
     return status;

@@ -19,7 +19,7 @@ static double specular_sum(const iso_view *view)
 /* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
 {
-    const iso_tf_table *tf = &s->view->tf;
+    const iso_tf_table *tf = s->tf;
     double extinction = 0, color = 1;
     for (size_t i = 0; i < tf->count; ++i) {
         const float *e = tf->entries + 4 * i;
@@ -91,7 +91,7 @@ static void write_placement(FILE *f, const iso_povray_scene *s)
 
 static void write_fields(FILE *f, const iso_povray_scene *s)
 {
-    const iso_tf_table *tf = &s->view->tf;
+    const iso_tf_table *tf = s->tf;
     const double steps = s->direction.bits == 8 ? 255 : s->direction.bits == 16 ? 65535 : 4294967295.0;
     fprintf(f, "// ---- the data -------------------------------------------------------------\n"
                "// Each file has a rim of one voxel, against the wrap-around of `interpolate`.\n");
@@ -102,6 +102,11 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
                "#declare Iso_TF_Position = function (x, y, z) { min(1, max(0, %.17g + %.17g * Iso_Stored(x, y, z))) }\n\n",
             s->scalar.lo, s->scalar.hi - s->scalar.lo, (s->scalar.lo - tf->lo) / (tf->hi - tf->lo),
             (s->scalar.hi - s->scalar.lo) / (tf->hi - tf->lo));
+    if (s->classes) {
+        fprintf(f, "// The second value of the transfer function, a byte a voxel: 0 in its first row, 1 in its last.\n");
+        write_lookup(f, s, "Iso_Class", "class");
+        fprintf(f, "\n");
+    }
     fprintf(f, "// Shading directions in world axes; their length says how sure they are.\n");
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; ++a) {
@@ -161,8 +166,8 @@ enum { max_color_map_table = 1024 };
 /* NULL when the table does not fit a color_map; else which entries it needs, to be freed. */
 static bool *color_map_entries(const iso_povray_scene *s, map_source source)
 {
-    const iso_tf_table *tf = &s->view->tf;
-    bool *keep = tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
+    const iso_tf_table *tf = s->tf;
+    bool *keep = !s->classes && tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
     if (keep && mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) > ISO_POVRAY_COLOR_MAP_ENTRIES) {
         free(keep);
         keep = NULL;
@@ -194,20 +199,23 @@ static void write_color_map(FILE *f, const char *identifier, const iso_tf_table 
     fprintf(f, "} }\n");
 }
 
-/* One-dimensional DF3 tables, linear between entries as a
+/* DF3 tables of one row, or of a row a class, linear between entries as a
  * color_map is. `average` of three densities is a third of their sum. */
 static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
 {
-    const size_t count = s->view->tf.count;
+    const size_t count = s->tf->count;
     const double scale = (double)(count - 1) / (double)count;
+    char row[64] = "0";
+    if (s->classes)
+        snprintf(row, sizeof row, "Iso_Class(x, y, z) * %.17g", (ISO_CLASSES - 1.0) / ISO_CLASSES);
     static const char *const channel[4] = {"red", "green", "blue", "extinction"};
     static const char *const unit[4] = {"<3, 0, 0>", "<0, 3, 0>", "<0, 0, 3>", "1"};
     for (int c = color ? 0 : 3; c < (color ? 3 : 4); ++c) {
         fprintf(f, "#declare Iso_Table_%s = function { pattern { density_file df3 \"%s_tf_%s.df3\" interpolate 1 } }\n",
                 channel[c], s->name, channel[c]);
-        fprintf(f, "#declare %s%s = density { function { Iso_Table_%s(Iso_TF_Position(x, y, z) * %.17g, 0, 0) }\n"
+        fprintf(f, "#declare %s%s = density { function { Iso_Table_%s(Iso_TF_Position(x, y, z) * %.17g, %s, 0) }\n"
                    "    color_map { [0 rgb 0] [1 rgb %s] } }\n", color ? "Iso_TF_" : "Iso_TF_Extinction",
-                color ? channel[c] : "", channel[c], scale, unit[c]);
+                color ? channel[c] : "", channel[c], scale, row, unit[c]);
     }
     if (color)
         fprintf(f, "#declare Iso_TF_Color = density { average density_map {\n"
@@ -219,7 +227,7 @@ static void write_map(FILE *f, const iso_povray_scene *s, bool color)
     const map_source source = color ? color_source(s) : extinction_source(s);
     bool *keep = color_map_entries(s, source);
     if (keep)
-        write_color_map(f, color ? "Iso_TF_Color" : "Iso_TF_Extinction", &s->view->tf, source, keep);
+        write_color_map(f, color ? "Iso_TF_Color" : "Iso_TF_Extinction", s->tf, source, keep);
     else
         write_table_lookup(f, s, color);
     free(keep);
@@ -227,7 +235,7 @@ static void write_map(FILE *f, const iso_povray_scene *s, bool color)
 
 static void write_transfer_function(FILE *f, const iso_povray_scene *s)
 {
-    const iso_tf_table *tf = &s->view->tf;
+    const iso_tf_table *tf = s->tf;
     fprintf(f, "// ---- the transfer function ------------------------------------------------\n"
                "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
                "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
@@ -242,8 +250,8 @@ static void write_transfer_function(FILE *f, const iso_povray_scene *s)
 static const char *lazily(const iso_povray_scene *s, const char *select)
 {
     size_t zeros = 0;
-    for (size_t i = 0; i + 1 < s->view->tf.count; ++i)
-        zeros += s->view->tf.entries[4 * i + 3] == 0 && s->view->tf.entries[4 * i + 7] == 0;
+    for (size_t i = 0; i + 1 < s->tf->count; ++i)
+        zeros += s->tf->entries[4 * i + 3] == 0 && s->tf->entries[4 * i + 7] == 0;
     return zeros > 0 ? select : "";
 }
 
@@ -251,7 +259,7 @@ static const char *lazily(const iso_povray_scene *s, const char *select)
 static void write_opaque(FILE *f, const iso_povray_scene *s)
 {
     enum { most_ranges = 8 }; /* leaving some out is slower, not wrong */
-    const iso_tf_table *tf = &s->view->tf;
+    const iso_tf_table *tf = s->tf;
     const double last = (double)(tf->count - 1);
     int ranges = 0;
     if (!*lazily(s, "yes"))

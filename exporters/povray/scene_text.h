@@ -19,6 +19,8 @@ typedef struct iso_povray_scene {
     size_t level;
     const iso_geometry *geometry; /* of the level */
     const iso_view *view;
+    const iso_class_tables *classes; /* the view's; NULL for a surface */
+    const iso_tf_table *tf;          /* the view's, or the envelope of the classes */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
     double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
@@ -28,12 +30,13 @@ typedef struct iso_povray_scene {
     double peak;         /* no pixel can be brighter */
 } iso_povray_scene;
 
-/* Fills the peaks from the view. */
+/* Fills the peaks from the TF. */
 void iso_povray_measure_peaks(iso_povray_scene *s);
 
 #define ISO_POVRAY_COLOR_MAP_ENTRIES 256
 
-/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue. */
+/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; those over
+ * two values always, with a row a class, and NAME_class.df3 is the second value. */
 bool iso_povray_needs_tables(const iso_povray_scene *s, bool color);
 
 /* Declared on the command line to choose what is rendered. */

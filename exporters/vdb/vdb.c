@@ -17,6 +17,7 @@ const char *iso_vdb_version(void) { return iso_vdb_door_version(); }
 typedef struct level_source {
     const iso_level *level;
     iso_code code;
+    const uint8_t *classes;
 } level_source;
 
 static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
@@ -34,6 +35,14 @@ static void read_directions(const void *user, size_t x, size_t y, size_t z, size
 {
     const level_source *s = user;
     iso_code_decode_all(s->code, s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z), out, count);
+}
+
+static void read_classes(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const level_source *s = user;
+    const uint8_t *from = s->classes + voxel_at(&s->level->geometry, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = (float)(from[i] / 255.0);
 }
 
 /* World of a voxel's centre: origin + index_to_world (ijk + 1/2). */
@@ -58,12 +67,12 @@ static iso_status fail_by_door(int code, const char *path, const iso_vdb_message
     return iso_fail(err, statuses[code], "%s: OpenVDB: %s", path, message->text);
 }
 
-/* The level's two grids, or the one that is asked for. */
+/* The level's grids that are asked for. */
 static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, bool plain_names, const char *path,
                             const iso_vdb_options *opt, iso_error *err)
 {
     const iso_level *level = &p->levels[k];
-    const level_source user = {level, p->options.code};
+    const level_source user = {level, p->options.code, opt->classes};
     char name[40];
     iso_vdb_source source = {.channels = 1,
                              .pad = opt->pad_voxels,
@@ -80,13 +89,21 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
     memcpy(source.box_index, level->geometry.box_index, sizeof source.box_index);
     iso_geometry_spacing_mm(&level->geometry, source.spacing_mm);
     centre_transform(&level->geometry, source.index_to_world);
-    for (int c = 0; c < (opt->gradient ? 2 : 1); ++c) {
-        const char *base = c == 0 ? "density" : "gradient";
+    for (int c = 0; c < 3; ++c) {
+        const char *base = c == 0 ? "density" : c == 1 ? "gradient" : "class";
+        if ((c == 1 && !opt->gradient) || (c == 2 && !opt->classes))
+            continue;
+        source.channels = 1;
         snprintf(name, sizeof name, plain_names ? "%s" : "%s_level_%zu", base, k);
         if (c == 1) {
             source.channels = 3;
             source.read = read_directions;
             source.meaning = "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none";
+            source.value_min = 0;
+            source.value_max = 1;
+        } else if (c == 2) {
+            source.read = read_classes;
+            source.meaning = "second value of the transfer function: 0 in its first row, 1 in its last";
             source.value_min = 0;
             source.value_max = 1;
         } else {
@@ -106,6 +123,8 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
     if (count == 0 || first >= p->level_count || count > p->level_count - first)
         return iso_fail(err, ISO_E_RANGE, "%s: levels %zu to %zu, the pyramid has levels 0 to %zu", path, first,
                         first + count - 1, p->level_count - 1);
+    if (opt->classes && count != 1)
+        return iso_fail(err, ISO_E_RANGE, "%s: classes of %zu levels, they belong to one", path, count);
     const size_t limit = 64;
     if (opt->pad_voxels > limit)
         return iso_fail(err, ISO_E_RANGE, "%s: a rim of %zu voxels, at most %zu", path, opt->pad_voxels, limit);

@@ -1,7 +1,8 @@
 /* vdb.h - the door to OpenVDB: C outside, C++ inside, no exception passes.
  *
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
- * (decoded shading directions, world axes) of one level. The transform puts the
+ * (decoded shading directions, world axes) of one level, and where asked for a
+ * float grid "class" (tf/class_tables.h). The transform puts the
  * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
  * = origin + index_to_world (ijk + 1/2). All voxels are active and there are no
  * active tiles (Cycles misreads them). Metadata: name, level, value range,
@@ -9,6 +10,8 @@
  * density_level_N, gradient_level_N, as OpenVDB's vdb_lod does. */
 #ifndef ISO_EXPORT_VDB_H
 #define ISO_EXPORT_VDB_H
+
+#include <stdint.h>
 
 #include "base/progress.h"
 #include "pyramid/pyramid.h"
@@ -20,6 +23,7 @@ extern "C" {
 typedef struct iso_vdb_options {
     bool half_float;      /* store as half: loses precision */
     bool gradient;        /* write the gradient grid */
+    const uint8_t *classes; /* of one level, a byte a voxel: a float grid "class" of byte / 255 as well; or NULL */
     size_t pad_voxels;    /* rim of edge values around the level: renderers that fade at the border need one */
     const char *creator;  /* metadata */
 } iso_vdb_options;

@@ -36,20 +36,19 @@ static iso_status to_vdb(const export_job *job, iso_error *err)
                         job->arguments->output, &o, job->progress, err);
 }
 
-/* The table of level k: a copy of the scene's, adapted where that is asked for. */
-static iso_status level_table(const export_job *job, size_t k, iso_tf_table *table, iso_error *err)
+/* The view of level k: the scene's with a copy of its table, adapted where that is asked for. Destroy it. */
+static iso_status level_view(const export_job *job, size_t k, iso_view *view, iso_error *err)
 {
     const export_arguments *a = job->arguments;
-    iso_view view = *job->view;
-    size_t bytes = 4 * view.tf.count * sizeof *view.tf.entries;
-    view.tf.entries = malloc(bytes);
-    if (!view.tf.entries)
+    *view = *job->view;
+    size_t bytes = 4 * view->tf.count * sizeof *view->tf.entries;
+    view->tf.entries = malloc(bytes);
+    if (!view->tf.entries) {
+        *view = (iso_view){0};
         return iso_fail(err, ISO_E_MEMORY, "export: out of memory");
-    memcpy(view.tf.entries, job->view->tf.entries, bytes);
-    iso_status status =
-        iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, &view, a->cli->threads, err);
-    *table = view.tf;
-    return status;
+    }
+    memcpy(view->tf.entries, job->view->tf.entries, bytes);
+    return iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
 }
 
 static void tell_ramp(const export_job *job, const iso_tf_table *table)
@@ -72,17 +71,17 @@ static iso_status to_blender(const export_job *job, iso_error *err)
     iso_blender_options o = iso_blender_defaults();
     o.step_voxels = a->step > 0 ? a->step : job->view->step_voxels;
     o.threads = a->cli->threads;
-    iso_tf_table *tables = calloc(count, sizeof *tables);
-    iso_status status = tables ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    iso_view *views = calloc(count, sizeof *views);
+    iso_status status = views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     for (size_t k = 0; k < count && status == ISO_OK; ++k)
-        status = level_table(job, first + k, &tables[k], err);
+        status = level_view(job, first + k, &views[k], err);
     if (status == ISO_OK)
-        status = iso_blender_export_levels(job->pyramid, first, count, job->view, tables, a->output, &o, job->progress, err);
+        status = iso_blender_export_levels(job->pyramid, first, count, views, a->output, &o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramp(job, &tables[0]);
-    for (size_t k = 0; tables && k < count; ++k)
-        iso_tf_table_destroy(&tables[k]);
-    free(tables);
+        tell_ramp(job, &views[0].tf);
+    for (size_t k = 0; views && k < count; ++k)
+        iso_view_destroy(&views[k]);
+    free(views);
     return status;
 }
 
