@@ -1,0 +1,257 @@
+/* Transfer functions over two values: what the second value is, and that every renderer looks up one table. Sizes and
+ * spacings are unequal, the grid is rotated. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/renderers.h"
+#include "compare/metrics.h"
+#include "render/scene.h"
+#include "tf/adapt.h"
+#include "volume/synthetic.h"
+
+/* The ray caster: samples in float, some 100 a ray. POV-Ray: 16 bits a channel, half a step is 7.6e-6 of the brightest
+ * colour. Cycles: the error of a step of an eighth of a voxel, of second order; the sixteenth has a quarter of it. */
+#define GL_MAX_ABS 2e-5
+#define GL_RMSE 1e-6
+#define POVRAY_MAX_ABS 2e-5
+#define CYCLES_RMSE 4e-4
+
+static iso_renderers renderers;
+
+static iso_geometry rotated_geometry(void)
+{
+    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
+    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
+    iso_geometry g = {.size = {22, 27, 17}, .origin_mm = {-17, 5, 40}, .box_index = {22, 27, 17}};
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            g.index_to_world.m[row][column] = rotation[row][column] * h[column];
+    return g;
+}
+
+static iso_pyramid noise_pyramid(void)
+{
+    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(), .seed = 3};
+    iso_volume v;
+    iso_pyramid p;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    assert_ok(iso_field_sample(&field, ISO_U8, &v, &err));
+    assert_ok(iso_pyramid_build(&v, "noise", &opt, &p, NULL, &err));
+    iso_volume_destroy(&v);
+    return p;
+}
+
+/* Soft, in colours that differ; a second light and highlights, so that nothing is left out. */
+static iso_view make_view(const iso_pyramid *p)
+{
+    static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0}, {0.3, {0.9, 0.3, 0.2}, 0}, {0.55, {0.9, 0.8, 0.3}, 0.2}, {0.7, {0.2, 0.5, 0.9}, 0.02},
+                                    {1, {0.3, 0.9, 0.5}, 0.3}};
+    const iso_scene scene = {.path = "test", .width = 32, .height = 26, .camera_fit = true, .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
+                             .camera_up = {0, 0, 1}, .margin = 1.05, .fov_y_deg = 30, .light_count = 2,
+                             .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.8}, {.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 0.2}},
+                             .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12}, .background = {0.1, 0.2, 0.05},
+                             .step_voxels = 0.5,
+                             .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 5, .points = points}};
+    iso_view view;
+    assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
+    return view;
+}
+
+static iso_class_tables adapt(const iso_pyramid *p, iso_joint_split split, const iso_view *view)
+{
+    const iso_adapt_options opt = iso_adapt_defaults();
+    iso_class_tables t;
+    assert_ok(iso_adapt_classes(p, NULL, 1, split, &view->tf, &opt, &t, &err));
+    return t;
+}
+
+/* ---- planted faults -------------------------------------------------------------------- */
+
+typedef enum fault { SWAPPED_AXES, HALF_A_CLASS_OFF, NO_CLASSES, FAULT_COUNT } fault;
+
+static size_t voxel_count(const iso_pyramid *p) { return iso_geometry_voxel_count(&p->levels[1].geometry); }
+
+static iso_class_tables with_fault(const iso_class_tables *t, const iso_pyramid *p, fault which)
+{
+    iso_class_tables bad = *t;
+    const size_t count = t->tables[0].count, last = count - 1;
+    bad.bytes = malloc(voxel_count(p));
+    for (size_t i = 0; i < voxel_count(p); ++i) {
+        int byte = t->bytes[i] + (which == HALF_A_CLASS_OFF ? 255 / (2 * (ISO_CLASSES - 1)) : 0);
+        bad.bytes[i] = (uint8_t)(which == NO_CLASSES ? 0 : byte < 255 ? byte : 255);
+    }
+    for (size_t c = 0; c < ISO_CLASSES; ++c) {
+        bad.tables[c].entries = malloc(4 * count * sizeof(float));
+        memcpy(bad.tables[c].entries, t->tables[c].entries, 4 * count * sizeof(float));
+        for (size_t i = 0; i < count && which == SWAPPED_AXES; ++i) {
+            double rgbs[4], value = t->tables[0].lo + (t->tables[0].hi - t->tables[0].lo) * (double)c / (ISO_CLASSES - 1);
+            iso_class_lookup(t, value, (double)i / (double)last * (ISO_CLASSES - 1), rgbs);
+            for (size_t k = 0; k < 4; ++k)
+                bad.tables[c].entries[4 * i + k] = (float)rgbs[k];
+        }
+    }
+    return bad;
+}
+
+/* ---- renderers ------------------------------------------------------------------------- */
+
+static iso_image render(const iso_pyramid *p, const iso_view *own, iso_class_tables *classes, const iso_render_options *opt)
+{
+    iso_view view = *own; /* lent */
+    iso_image image;
+    view.classes = classes;
+    assert_ok(iso_render_with(&renderers, p, 1, &view, opt, &image, NULL, NULL, &err));
+    return image;
+}
+
+static iso_metrics compare(const iso_image *a, const iso_image *b)
+{
+    iso_metrics m;
+    assert_ok(iso_metrics_measure(a, b, &m, &err));
+    return m;
+}
+
+/* The renderer meets the reference on both tables, and no faulty table of the reference would have passed. */
+static void check_renderer(const iso_render_options *with, const iso_render_options *reference, double max_abs, double rmse)
+{
+    iso_pyramid p = noise_pyramid();
+    iso_view view = make_view(&p);
+    for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT; ++split) {
+        iso_class_tables t = adapt(&p, (iso_joint_split)split, &view);
+        iso_image have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
+        iso_metrics m = compare(&have, &want);
+        print_message("%s, split %d: rmse %.3g, max %.3g\n", iso_renderer_name(with->renderer), split, m.rmse, m.max_abs);
+        assert_at_most(m.max_abs, max_abs);
+        assert_at_most(m.rmse, rmse);
+        for (int f = 0; f < FAULT_COUNT; ++f) {
+            iso_class_tables bad = with_fault(&t, &p, (fault)f);
+            iso_image wrong = render(&p, &view, &bad, reference);
+            iso_metrics e = compare(&have, &wrong);
+            assert_true(e.max_abs > max_abs || e.rmse > rmse);
+            assert_more_than(e.rmse, 2.5 * rmse); /* with a margin */
+            iso_image_destroy(&wrong);
+            iso_class_tables_destroy(&bad);
+        }
+        iso_image_destroy(&have);
+        iso_image_destroy(&want);
+        iso_class_tables_destroy(&t);
+    }
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static void the_ray_caster_looks_up_the_same_tables(void **state)
+{
+    (void)state;
+    iso_render_options gl = iso_render_defaults(ISO_WITH_GL), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    reference.quadrature = ISO_QUADRATURE_MIDPOINT;
+    check_renderer(&gl, &reference, GL_MAX_ABS, GL_RMSE);
+}
+
+static void povray_looks_up_the_same_tables(void **state)
+{
+    (void)state;
+    iso_render_options povray = iso_render_defaults(ISO_WITH_POVRAY), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    reference.quadrature = ISO_QUADRATURE_POVRAY;
+    povray.intervals = reference.intervals = 60;
+    check_renderer(&povray, &reference, POVRAY_MAX_ABS, 1e-5);
+}
+
+static void cycles_looks_up_the_same_tables(void **state)
+{
+    (void)state;
+    iso_render_options cycles = iso_render_defaults(ISO_WITH_CYCLES), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    cycles.step_voxels = 0.125;
+    check_renderer(&cycles, &reference, 1, CYCLES_RMSE);
+}
+
+/* ---- the table ------------------------------------------------------------------------- */
+
+static void lookups_are_bilinear_and_clamped(void **state)
+{
+    (void)state;
+    float entries[ISO_CLASSES][12];
+    iso_class_tables t = {.bytes = NULL};
+    for (int c = 0; c < ISO_CLASSES; ++c) {
+        for (int i = 0; i < 12; ++i) /* bilinear in (entry, class), differently in each component */
+            entries[c][i] = (float)(i % 4 + (1 + 0.5 * c) * (i / 4) + 0.25 * c * (i % 4));
+        t.tables[c] = (iso_tf_table){.count = 3, .lo = 10, .hi = 20, .entries = entries[c]};
+    }
+    const double values[] = {8, 10, 12.5, 19, 25}, coordinates[] = {-1, 0, 0.3, 3, 6.75, 7, 9};
+    for (int v = 0; v < 5; ++v)
+        for (int k = 0; k < 7; ++k) {
+            double rgbs[4], x = fmin(fmax((values[v] - 10) / 5, 0), 2), c = fmin(fmax(coordinates[k], 0), 7);
+            iso_class_lookup(&t, values[v], coordinates[k], rgbs);
+            for (int i = 0; i < 4; ++i)
+                assert_within(rgbs[i], i + (1 + 0.5 * c) * x + 0.25 * c * i, 1e-12);
+        }
+    assert_within(iso_class_coordinate(255), ISO_CLASSES - 1, 0);
+}
+
+/* A ramp: a gradient of 3 a voxel along x, so 6 a voxel at level 1, on a range of 3 (n - 1). */
+static void the_gradient_of_a_ramp_has_one_class(void **state)
+{
+    (void)state;
+    iso_geometry g = iso_geometry_axis_aligned((const size_t[]){16, 6, 4}, (const double[]){2, 1, 5});
+    iso_volume v;
+    iso_pyramid p;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "ramp", &err));
+    for (size_t i = 0; i < 16 * 6 * 4; ++i)
+        ((uint8_t *)v.data)[i] = (uint8_t)(3 * (i % 16));
+    assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
+    float classes[8 * 3 * 2];
+    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SPLIT_GRADIENT, 2, classes, &err));
+    for (int i = 0; i < 48; ++i)
+        assert_within(classes[i], 7 * sqrt(6 / 22.5), 1e-6); /* in float */
+    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SPLIT_DEVIATION, 2, classes, &err));
+    for (int i = 0; i < 48; ++i)
+        assert_within(classes[i], 7 * sqrt(1.5 / 22.5), 1e-6); /* two values 3 apart */
+    iso_volume_destroy(&v);
+    iso_pyramid_destroy(&p);
+}
+
+static void the_envelope_bounds_every_class(void **state)
+{
+    (void)state;
+    iso_pyramid p = noise_pyramid();
+    iso_view view = make_view(&p);
+    iso_class_tables t = adapt(&p, ISO_SPLIT_DEVIATION, &view);
+    iso_tf_table envelope;
+    assert_ok(iso_class_envelope(&t, &envelope, &err));
+    for (size_t i = 0; i < 4 * envelope.count; ++i) {
+        float largest = 0;
+        for (size_t c = 0; c < ISO_CLASSES; ++c)
+            largest = fmaxf(largest, t.tables[c].entries[i]);
+        assert_true(envelope.entries[i] == largest);
+    }
+    iso_tf_table_destroy(&envelope);
+    iso_class_tables_destroy(&t);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+static int end_renderers(void **state)
+{
+    (void)state;
+    iso_renderers_end(&renderers);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lookups_are_bilinear_and_clamped),
+        cmocka_unit_test(the_gradient_of_a_ramp_has_one_class),
+        cmocka_unit_test(the_envelope_bounds_every_class),
+        cmocka_unit_test(the_ray_caster_looks_up_the_same_tables),
+        cmocka_unit_test(povray_looks_up_the_same_tables),
+        cmocka_unit_test(cycles_looks_up_the_same_tables),
+    };
+    return cmocka_run_group_tests(tests, NULL, end_renderers);
+}
