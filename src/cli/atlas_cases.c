@@ -169,6 +169,32 @@ static iso_status wide_filter(iso_atlas_result *out, iso_error *err)
     return two_builds(balls, &wide, &small, &c, out, err);
 }
 
+/* Without the magnitude, the directions of noise count as much as those of the surface beside them. */
+static iso_status no_weight(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options plain = iso_atlas_defaults(), weighted;
+    plain.noise = 0.02;
+    plain.build.direction_filter = ISO_DIRECTION_EQ1;
+    plain.build.eq1_exponent = 0;
+    weighted = plain;
+    weighted.build.eq1_exponent = 1;
+    const comparison c = {.level = 2, .lo = 0.2, .hi = 0.8, .extinction = 60};
+    return two_builds(solid_ball, &plain, &weighted, &c, out, err);
+}
+
+/* With a high power of it, the strongest voxel decides alone, and that is the noisiest one. */
+static iso_status high_exponent(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_options high = iso_atlas_defaults(), weighted;
+    high.noise = 0.06;
+    high.build.direction_filter = ISO_DIRECTION_EQ1;
+    high.build.eq1_exponent = 4;
+    weighted = high;
+    weighted.build.eq1_exponent = 1;
+    const comparison c = {.level = 1, .lo = 0.25, .hi = 0.35, .extinction = 40};
+    return two_builds(ball, &high, &weighted, &c, out, err);
+}
+
 /* The failure forgets that gradients are covariant: it takes the index gradient for the world's. */
 static iso_status spacing(iso_atlas_result *out, iso_error *err)
 {
@@ -292,6 +318,64 @@ static iso_status code_folds(iso_atlas_result *out, iso_error *err)
     return status;
 }
 
+/* Azimuth and cosine of the polar angle, filtered as numbers and then decoded. */
+static iso_vec3 from_angles(double azimuth, double z)
+{
+    double r = sqrt(fmax(1 - z * z, 0));
+    return iso_v3(r * cos(azimuth), r * sin(azimuth), z);
+}
+
+/* The direction at p from the eight stored ones round it: vectors, or angles. The stored grid is four times as coarse. */
+static iso_vec3 filtered_direction(const iso_level *level, size_t voxel, bool angles)
+{
+    enum { coarse = 4 };
+    const iso_geometry *g = &level->geometry;
+    const size_t at[3] = {voxel % g->size[0], voxel / g->size[0] % g->size[1], voxel / (g->size[0] * g->size[1])};
+    iso_vec3 vector = {0, 0, 0};
+    double azimuth = 0, cosine = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        double weight = 1, q[3];
+        for (int a = 0; a < 3; ++a) {
+            double x = ((double)at[a] + 0.5) / coarse - 0.5, f = x - floor(x);
+            q[a] = (floor(x) + (corner >> a & 1) + 0.5) * coarse;
+            weight *= corner >> a & 1 ? f : 1 - f;
+        }
+        iso_vec3 n;
+        ball(iso_geometry_to_world(g, iso_v3(q[0], q[1], q[2])), &n);
+        vector = iso_madd(vector, n, weight);
+        azimuth += weight * atan2(n.y, n.x);
+        cosine += weight * n.z;
+    }
+    return angles ? from_angles(azimuth, cosine) : iso_normalize(vector);
+}
+
+/* Two angles have poles, and a seam where the azimuth turns over: no code here is made of them, so the failure is
+ * planted. The ball's directions are read from a grid four times as coarse, by filtering angles or vectors. */
+static iso_status code_poles(iso_atlas_result *out, iso_error *err)
+{
+    iso_atlas_stage s;
+    iso_atlas_options opt = iso_atlas_defaults();
+    opt.build.level_count = 1;
+    iso_status status = iso_atlas_stage_create(&s, ball, &opt, err);
+    if (status == ISO_OK)
+        status = iso_atlas_show_above(&s, 0.25, 0.35, 40, err);
+    if (status == ISO_OK)
+        status = iso_atlas_render_truth(&s, 0, &out->truth, err);
+    for (int angles = 0; angles < 2 && status == ISO_OK; ++angles) {
+        iso_level *level = &s.pyramid.levels[0];
+        for (size_t i = 0; i < iso_geometry_voxel_count(&level->geometry); ++i) {
+            iso_vec3 n = filtered_direction(level, i, angles);
+            float *d = level->directions + 3 * i;
+            d[0] = (float)n.x, d[1] = (float)n.y, d[2] = (float)n.z;
+        }
+        status = iso_atlas_render(&s, 0, ISO_FROM_FLOAT, 0.25, angles ? &out->failure : &out->mended, err);
+    }
+    if (status == ISO_OK)
+        status = judge_pictures(out, err);
+    iso_atlas_stage_destroy(&s);
+    return status;
+}
+
 /* A cut through a fine and a coarse brick, as grey values; the largest step over the common face. */
 static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *jump, iso_error *err)
 {
@@ -361,6 +445,10 @@ const iso_atlas_case iso_atlas_cases[] = {
     {"noise", "Noise", "Noise of 4 % of the range outweighs the slope over two voxels.", ANGLE, "central differences", "Sobel, which averages across", 23, 13, noise},
     {"wide-filter", "A filter that is too wide", "Eq. 1 with a radius of four voxels mixes the directions of neighbouring balls.",
      IMAGE_NORMALS, "Eq. 1, radius 4, sigma 3", "moments of the own eight children", 0.03, 0.02, wide_filter},
+    {"no-weight", "Eq. 1 without the magnitude", "With an exponent of 0 the noise inside and outside of a solid ball has as much say in a coarse voxel as its surface.",
+     ANGLE, "Eq. 1, exponent 0", "Eq. 1, exponent 1", 9.8, 9.5, no_weight},
+    {"high-exponent", "Eq. 1 with a high power of the magnitude", "The longest gradient of the neighbourhood decides alone, and where there is noise that is the noisiest.",
+     ANGLE, "Eq. 1, exponent 4", "Eq. 1, exponent 1", 6.9, 6.7, high_exponent},
     {"spacing", "Gradients are covariant", "Slices three times as thick as their pixels: an index gradient taken for the world's leans towards the plane of the slices.",
      IMAGE_NORMALS, "index gradient, as it is", "by the inverse transpose", 0.035, 0.001, spacing},
     {"large-steps", "Ray steps that miss a shell", "A band of values thinner than a voxel is met or missed by chance.", "RMSE to the converged picture",
@@ -373,6 +461,8 @@ const iso_atlas_case iso_atlas_cases[] = {
      "each brick its own nodes", "nodes on the face baked from the coarser brick", 0.1, 1e-5, brick_seams},
     {"code-folds", "Codes that fold", "The octahedral map is folded along its edges: a filter between codes on two sides of a fold meets a third direction.",
      IMAGE_NORMALS, "oct24, filtered", "fit, filtered: linear", 0.012, 0.001, code_folds},
+    {"code-poles", "Codes with poles", "Azimuth and polar angle as two numbers: a filter turns the long way round at the seam, and directions scatter at the poles.",
+     IMAGE_NORMALS, "angles, filtered", "vectors, filtered", 0.0043, 0.0003, code_poles},
 };
 const size_t iso_atlas_case_count = sizeof iso_atlas_cases / sizeof *iso_atlas_cases;
 
