@@ -202,6 +202,29 @@ static void every_source_and_code_agrees_with_the_reference_at_every_level(void 
     }
 }
 
+/* Between the faces of a plate nearly every point turns some of its eight directions. */
+static void the_flipped_fetch_of_a_plate_agrees_with_the_reference(void **state)
+{
+    (void)state;
+    iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry()};
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_volume v;
+    iso_pyramid p;
+    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
+    assert_ok(iso_pyramid_build(&v, "plate", &opt, &p, NULL, &err));
+    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+    for (size_t k = 0; k < 2; ++k)
+        check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_FLIPPED, k ? "plate, level 1" : "plate");
+    iso_image flipped = render_gl(&p.levels[0], opt.code, &view, ISO_FROM_FLIPPED);
+    iso_image plain = render_reference(&p.levels[0], opt.code, &view, ISO_FROM_CODES);
+    assert_more_than(compare(&flipped, &plain).rmse, 100 * RMSE); /* the planted fault: the plain fetch */
+    iso_image_destroy(&flipped);
+    iso_image_destroy(&plain);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
 static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
 {
     (void)state;
@@ -481,6 +504,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_of_floats_is_probed_finer_than_8_bits_in_software),
         cmocka_unit_test(every_source_and_code_agrees_with_the_reference_at_every_level),
+        cmocka_unit_test(the_flipped_fetch_of_a_plate_agrees_with_the_reference),
         cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
         cmocka_unit_test(every_reference_scene_agrees_at_every_level),
         cmocka_unit_test(degenerate_volumes_and_cameras_agree),

@@ -219,7 +219,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
+        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},

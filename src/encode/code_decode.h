@@ -204,6 +204,20 @@ ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
                                            : e;
 }
 
+/* The flipped fetch. Light is two-sided, so d and -d shade alike, but they cancel
+ * where a filter mixes them: between the faces of a thin plate. So of the eight
+ * voxels round a point the one that counts most (weight times |d|, the first of
+ * equals) is the pivot, and those that oppose it by more than this cosine count as
+ * -d: opposite faces do; at 0 the sides of a vessel would, at -0.8 noisy faces
+ * would not. */
+#define ISO_FLIP_COSINE (-0.5)
+
+ISO_FUNCTION ISO_REAL iso_flip_sign(ISO_VEC3 d, ISO_VEC3 pivot)
+{
+    ISO_REAL cosine = d.x * pivot.x + d.y * pivot.y + d.z * pivot.z;
+    return cosine < ISO_FLIP_COSINE * iso_decode_length(d) * iso_decode_length(pivot) ? -1.0 : 1.0;
+}
+
 ISO_FUNCTION ISO_VEC3 iso_shading_normal(ISO_VEC3 d)
 {
     ISO_REAL length = ISO_SQRT(d.x * d.x + d.y * d.y + d.z * d.z + ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);

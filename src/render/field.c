@@ -6,6 +6,7 @@ static const char *const source_names[ISO_SOURCE_COUNT] = {
     [ISO_FROM_CODES] = "codes",
     [ISO_FROM_DECODED] = "decoded",
     [ISO_FROM_FLOAT] = "float",
+    [ISO_FROM_FLIPPED] = "flipped",
     [ISO_FROM_ON_THE_FLY] = "on-the-fly",
     [ISO_FROM_PALETTE] = "palette",
     [ISO_FROM_PALETTE_NEAREST] = "palette-nearest",
@@ -23,5 +24,5 @@ iso_status iso_direction_source_from_name(const char *name, iso_direction_source
             *s = (iso_direction_source)i;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "direction source '%s', must be codes, decoded, float, on-the-fly, palette or palette-nearest", name);
+    return iso_fail(err, ISO_E_USAGE, "direction source '%s', must be codes, decoded, float, flipped, on-the-fly, palette or palette-nearest", name);
 }

@@ -8,13 +8,14 @@ typedef enum iso_direction_source {
     ISO_FROM_CODES,      /* fetch codes, filter, decode: what a GPU does */
     ISO_FROM_DECODED,    /* decode at the voxels, then filter: what exports carry; the same for linear codes */
     ISO_FROM_FLOAT,      /* iso_level.directions */
+    ISO_FROM_FLIPPED,    /* decode at the voxels, turn them to one side (code_decode.h), then filter */
     ISO_FROM_ON_THE_FLY, /* central differences of the filtered scalar, one voxel apart */
     ISO_FROM_PALETTE,         /* iso_level.palette: the eight voxels' entries, filtered */
     ISO_FROM_PALETTE_NEAREST, /* the entry of the voxel that holds the point */
     ISO_SOURCE_COUNT
 } iso_direction_source;
 
-const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, on-the-fly, palette, palette-nearest */
+const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, flipped, on-the-fly, palette, palette-nearest */
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
 
 /* What an image of a first-hit isosurface shows. */

@@ -116,10 +116,10 @@ static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
     if (!plane)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);
     for (size_t z = 0; z < size[2]; ++z) {
-        if (source == ISO_FROM_DECODED)
+        if (source != ISO_FROM_FLOAT)
             iso_code_decode_all(code, level->codes + 3 * z * plane_count, plane, plane_count);
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, GL_FLOAT,
-                        source == ISO_FROM_DECODED ? plane : level->directions + 3 * z * plane_count);
+                        source != ISO_FROM_FLOAT ? plane : level->directions + 3 * z * plane_count);
     }
     free(plane);
     t->direction_scale = 1;
@@ -313,7 +313,7 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
 {
     static const int shader_sources[ISO_SOURCE_COUNT] = {
         [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
-        [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4};
+        [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4, [ISO_FROM_FLIPPED] = 5};
     char defines[320];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"

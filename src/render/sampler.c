@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "encode/decode_double.h"
+
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err)
 {
@@ -29,7 +31,7 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
         iso_palette_decode(level->palette, level->palette_index, s->owned, count);
         return ISO_OK;
     }
-    if (source == ISO_FROM_DECODED) {
+    if (source == ISO_FROM_DECODED || source == ISO_FROM_FLIPPED) {
         iso_code_decode_all(code, level->codes, s->owned, count);
         return ISO_OK;
     }
@@ -139,6 +141,25 @@ static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)
     return iso_v3(n[0], n[1], n[2]);
 }
 
+/* Directions that oppose the one that counts most are turned. */
+static iso_vec3 flipped_direction(const iso_sampler *s, const stencil *at)
+{
+    iso_vec3 d[8], pivot = {0, 0, 0}, sum = {0, 0, 0};
+    double most = 0;
+    for (int c = 0; c < 8; ++c) {
+        const float *v = s->vectors + 3 * at->voxel[c];
+        d[c] = iso_v3((double)v[0], (double)v[1], (double)v[2]);
+        const double count = at->weight[c] * iso_norm(d[c]);
+        if (count > most) {
+            most = count;
+            pivot = d[c];
+        }
+    }
+    for (int c = 0; c < 8; ++c)
+        sum = iso_madd(sum, d[c], at->weight[c] * iso_flip_sign(d[c], pivot));
+    return sum;
+}
+
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
 {
     if (s->bricks) {
@@ -152,6 +173,8 @@ iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
     if (s->source == ISO_FROM_PALETTE_NEAREST)
         return normal_of_voxel(s, voxel_at(&s->level->geometry, index));
     stencil at = stencil_at(&s->level->geometry, index);
+    if (s->source == ISO_FROM_FLIPPED)
+        return iso_shading_normal(flipped_direction(s, &at));
     double e[3] = {0}, n[3];
     for (int c = 0; c < 8; ++c)
         for (size_t a = 0; a < 3; ++a)

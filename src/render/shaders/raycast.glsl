@@ -6,7 +6,7 @@
 // show in the image. Its samples are floats, from the middle of the first segment.
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
-// voxels, 4 of one), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
+// voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
 // integral; else first_hit.glsl instead).
@@ -51,7 +51,7 @@ uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinate
 uniform vec3 last_node;             // p of the volume's last node
 #endif
 
-#if DIRECTION_SOURCE >= 3
+#if DIRECTION_SOURCE == 3 || DIRECTION_SOURCE == 4
 uniform usampler3D palette_index;
 uniform sampler2D palette;        // an entry: its direction, and its shade under the lights
 #endif
@@ -238,7 +238,7 @@ vec4 classify(Segment at, vec4 where)
 #endif
 }
 
-#if DIRECTION_SOURCE >= 3
+#if DIRECTION_SOURCE == 3 || DIRECTION_SOURCE == 4
 vec4 entry_of(ivec3 i)
 {
     i = clamp(i, ivec3(0), textureSize(palette_index, 0) - 1);
@@ -262,11 +262,37 @@ vec4 entry_at(vec3 p)
 }
 #endif
 
+#if DIRECTION_SOURCE == 5
+// Eight exact fetches; those that oppose the one that counts most are turned (code_decode.h).
+vec3 flipped_at(vec3 p)
+{
+    ivec3 last = textureSize(directions, 0) - 1;
+    vec3 q = clamp(p * vec3(last + 1) - 0.5, vec3(0.0), vec3(last)), lo = floor(q), f = q - lo;
+    vec3 d[8], pivot = vec3(0.0), sum = vec3(0.0);
+    float weight[8], most = 0.0;
+    for (int c = 0; c < 8; ++c) {
+        ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
+        vec3 w = mix(1.0 - f, f, vec3(corner));
+        weight[c] = w.x * w.y * w.z;
+        d[c] = texelFetch(directions, min(ivec3(lo) + corner, last), 0).rgb;
+        if (weight[c] * length(d[c]) > most) {
+            most = weight[c] * length(d[c]);
+            pivot = d[c];
+        }
+    }
+    for (int c = 0; c < 8; ++c)
+        sum += weight[c] * iso_flip_sign(d[c], pivot) * d[c];
+    return sum;
+}
+#endif
+
 vec3 normal_at(vec3 p)
 {
 #if DIRECTION_SOURCE == 0
     vec3 e = textureLod(directions, p, 0.0).rgb * direction_scale + direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
+#elif DIRECTION_SOURCE == 5
+    return iso_shading_normal(flipped_at(p));
 #elif DIRECTION_SOURCE >= 3
     return iso_shading_normal(entry_at(p).xyz);
 #elif DIRECTION_SOURCE == 1
