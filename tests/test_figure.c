@@ -8,30 +8,14 @@
 #include "compare/figure.h"
 #include "compare/report.h"
 #include "render/scene.h"
+#include "tests/folder.h"
 #include "tests/test.h"
 
 enum { width = 40, height = 30 };
 
-static char *scratch;
-
-static int make_scratch(void **state)
-{
-    (void)state;
-    scratch = iso_make_temp_dir();
-    return scratch ? 0 : -1;
-}
-
-static int drop_scratch(void **state)
-{
-    (void)state;
-    iso_remove_tree(scratch);
-    free(scratch);
-    return 0;
-}
-
 static char *inside(const char *name)
 {
-    char *path = iso_path_join(scratch, name);
+    char *path = iso_path_join(folder, name);
     assert_non_null(path);
     return path;
 }
@@ -258,5 +242,5 @@ int main(void)
         cmocka_unit_test(bad_requests_are_refused_and_leave_nothing),
         cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_centre),
     };
-    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

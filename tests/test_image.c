@@ -7,24 +7,8 @@
 
 #include "base/file.h"
 #include "image/image.h"
+#include "folder.h"
 #include "test.h"
-
-static char *folder;
-
-static int make_folder(void **state)
-{
-    (void)state;
-    folder = iso_make_temp_dir();
-    return folder ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    iso_remove_tree(folder);
-    free(folder);
-    return 0;
-}
 
 /* 37 x 53: neither a multiple of a chunk's lines, nor square. */
 static iso_image pattern(void)

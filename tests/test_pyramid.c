@@ -1,4 +1,5 @@
 /* The pyramid against direct sums in double precision, its structural promises, and its files. */
+#include "folder.h"
 #include "test.h"
 
 #include <math.h>
@@ -680,23 +681,6 @@ static void bad_options_and_voxels_are_refused(void **state)
 }
 
 /* ---- files ---- */
-
-static char *folder;
-
-static int make_folder(void **state)
-{
-    (void)state;
-    folder = iso_make_temp_dir();
-    return folder ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    iso_remove_tree(folder);
-    free(folder);
-    return 0;
-}
 
 static void a_saved_pyramid_is_loaded_as_it_was(void **state)
 {

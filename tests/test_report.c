@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "compare/report.h"
+#include "tests/folder.h"
 #include "tests/test.h"
 
 static size_t example_size = 48; /* pixels; larger for a look */
@@ -111,26 +112,9 @@ static iso_report *example(const char *dir)
     return r;
 }
 
-static char *scratch;
-
-static int make_scratch(void **state)
-{
-    (void)state;
-    scratch = iso_make_temp_dir();
-    return scratch ? 0 : -1;
-}
-
-static int drop_scratch(void **state)
-{
-    (void)state;
-    iso_remove_tree(scratch);
-    free(scratch);
-    return 0;
-}
-
 static char *inside(const char *name)
 {
-    char *path = iso_path_join(scratch, name);
+    char *path = iso_path_join(folder, name);
     assert_non_null(path);
     return path;
 }
@@ -404,5 +388,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(without_gnuplot_there_are_no_charts_and_it_says_so),
         cmocka_unit_test(a_restyled_chart_keeps_its_style),
     };
-    return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

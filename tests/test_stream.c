@@ -1,4 +1,5 @@
 /* The build in slabs: the bytes of the build in memory, whatever the memory and the threads, and across a kill. */
+#include "folder.h"
 #include "test.h"
 
 #include <dirent.h>
@@ -8,23 +9,6 @@
 
 #include "base/file.h"
 #include "pyramid/pyramid_stream.h"
-
-static char *folder;
-
-static int make_folder(void **state)
-{
-    (void)state;
-    folder = iso_make_temp_dir();
-    return folder ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    iso_remove_tree(folder);
-    free(folder);
-    return 0;
-}
 
 static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
 {

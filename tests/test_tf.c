@@ -5,24 +5,8 @@
 
 #include "base/file.h"
 #include "render/scene.h"
+#include "folder.h"
 #include "test.h"
-
-static char *folder;
-
-static int make_folder(void **state)
-{
-    (void)state;
-    folder = iso_make_temp_dir();
-    return folder ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    iso_remove_tree(folder);
-    free(folder);
-    return 0;
-}
 
 static char *write_text(const char *name, const char *text)
 {

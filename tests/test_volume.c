@@ -1,3 +1,4 @@
+#include "folder.h"
 #include "test.h"
 
 #include <math.h>
@@ -11,28 +12,11 @@
 #include "base/file.h"
 #include "volume/stream.h"
 
-static char *dir;
-
-static int make_dir(void **state)
-{
-    (void)state;
-    dir = iso_make_temp_dir();
-    return dir ? 0 : -1;
-}
-
-static int drop_dir(void **state)
-{
-    (void)state;
-    iso_remove_tree(dir);
-    free(dir);
-    return 0;
-}
-
 /* A path in the test's folder; one at a time. */
 static const char *in_dir(const char *name)
 {
     static char path[512];
-    snprintf(path, sizeof path, "%s/%s", dir, name);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
     return path;
 }
 
@@ -420,7 +404,7 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
     }
     iso_volume v;
     assert_status(iso_volume_load(in_dir("absent.nrrd"), &v, &err), ISO_E_IO);
-    assert_status(iso_volume_load(dir, &v, &err), ISO_E_IO);
+    assert_status(iso_volume_load(folder, &v, &err), ISO_E_IO);
 }
 
 static void bad_nifti_files_are_refused_with_the_reason(void **state)
@@ -595,5 +579,5 @@ int main(void)
         cmocka_unit_test(statistics_are_those_of_the_samples),
         cmocka_unit_test(damaged_files_never_crash_the_readers),
     };
-    return cmocka_run_group_tests(tests, make_dir, drop_dir);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
