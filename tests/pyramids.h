@@ -1,0 +1,56 @@
+/* pyramids.h - small volumes and their pyramids, for tests. */
+#ifndef ISO_TEST_PYRAMIDS_H
+#define ISO_TEST_PYRAMIDS_H
+
+#include "test.h"
+
+#include "pyramid/pyramid.h"
+
+static inline iso_geometry plain(size_t nx, size_t ny, size_t nz)
+{
+    const size_t size[3] = {nx, ny, nz};
+    const double spacing[3] = {1, 0.75, 2.5};
+    return iso_geometry_axis_aligned(size, spacing);
+}
+
+static inline double noise_at(size_t i)
+{
+    uint64_t h = (i + 1) * 0x9E3779B97F4A7C15u;
+    h = (h ^ (h >> 29)) * 0xBF58476D1CE4E5B9u;
+    return (double)((h ^ (h >> 32)) & 0xFFFF) / 65536;
+}
+
+static inline iso_volume noise(size_t nx, size_t ny, size_t nz)
+{
+    iso_geometry g = plain(nx, ny, nz);
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
+    for (size_t i = 0; i < nx * ny * nz; ++i)
+        ((float *)v.data)[i] = (float)noise_at(i);
+    return v;
+}
+
+static inline iso_pyramid_options keeping(iso_direction_filter filter)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.direction_filter = filter;
+    opt.keep_float = opt.keep_magnitude = true;
+    opt.threads = 2;
+    return opt;
+}
+
+static inline iso_pyramid build(const iso_volume *v, const iso_pyramid_options *opt)
+{
+    iso_pyramid p;
+    assert_ok(iso_pyramid_build(v, "test", opt, &p, NULL, &err));
+    return p;
+}
+
+static inline void place(const iso_geometry *g, size_t i, size_t at[3])
+{
+    at[0] = i % g->size[0];
+    at[1] = i / g->size[0] % g->size[1];
+    at[2] = i / g->size[0] / g->size[1];
+}
+
+#endif
