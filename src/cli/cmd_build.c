@@ -116,7 +116,7 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_cli_open_source(u->path, u->input, source, err);
 }
 
-static iso_status build(const iso_cli *cli, const iso_cli_input *input, const build_options *in, iso_error *err)
+static iso_status build(const iso_cli *cli, const iso_cli_input *input, const build_options *in, iso_ranks *ranks, iso_error *err)
 {
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
@@ -124,7 +124,8 @@ static iso_status build(const iso_cli *cli, const iso_cli_input *input, const bu
     iso_progress progress = iso_cli_progress(cli);
     open_user user = {path, input};
     const iso_stream_input source = {open_input, &user, path};
-    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576), .resume = in->resume};
+    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576), .resume = in->resume,
+                                       .ranks = ranks};
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
@@ -139,7 +140,15 @@ static iso_status build(const iso_cli *cli, const iso_cli_input *input, const bu
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+/* One rank speaks, for all: results, help and messages are the same in each. */
+static iso_status silence_others(iso_error *err)
+{
+    if (iso_ranks_is_other() && !freopen("/dev/null", "w", stdout))
+        return iso_fail(err, ISO_E_IO, "/dev/null: cannot be opened");
+    return ISO_OK;
+}
+
+static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_ranks *ranks, iso_error *err)
 {
     const iso_pyramid_options defaults = iso_pyramid_defaults();
     build_options in = {.levels = (int)defaults.level_count,
@@ -171,8 +180,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    cli.quiet = cli.quiet || iso_ranks_is_other();
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = build(&cli, &input, &in, err);
+        status = build(&cli, &input, &in, ranks, err);
     iso_cli_end(&cli);
     free(in.output);
     free(in.gradient);
@@ -182,6 +192,19 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     return status;
 }
 
+/* mpirun ends all ranks when one exits with an error, perhaps before rank 0 has said why: so rank 0 alone does. */
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    iso_ranks *ranks = NULL;
+    iso_status status = silence_others(err);
+    if (status == ISO_OK)
+        status = iso_ranks_open(&ranks, err);
+    if (status == ISO_OK)
+        status = run_alone_or_as_rank(self, argc, argv, ranks, err);
+    iso_ranks_close(ranks);
+    return iso_ranks_is_other() ? ISO_OK : status;
+}
+
 const iso_command iso_command_build = {
     .name = "build",
     .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
@@ -189,7 +212,9 @@ const iso_command iso_command_build = {
     .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. Directions come from the\n"
                "gradients of the finest level, whatever the level. The volume is read in slabs, so it may be larger\n"
                "than memory. Until it is complete the folder is called .NAME.iso.partial. Levels are made of cells: their\n"
-               "images are nearer to level 0 than those of nodes, from which isoshade plan makes its bricks in memory.",
+               "images are nearer to level 0 than those of nodes, from which isoshade plan makes its bricks in memory.\n"
+               "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write one\n"
+               "pyramid, with the same bytes; --memory is that of each, --resume takes up what any number of ranks left.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",

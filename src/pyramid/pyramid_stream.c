@@ -24,7 +24,7 @@
 #define FAST_BYTES ((size_t)160 << 20)
 
 /* Input between two notes of progress; and from which on files bypass the page cache. */
-#define PROGRESS_BYTES ((size_t)256 << 20)
+#define PROGRESS_BYTES ((size_t)128 << 20)
 #define DIRECT_BYTES ((size_t)256 << 20)
 
 /* What goes from rank to rank with the turn: this, the files' tails, and the last planes of the cascade's carry. */
@@ -156,15 +156,23 @@ static size_t longest_warm_up(const stream *s)
     return longest;
 }
 
+/* Of several ranks each has several slabs, so that none waits long for the last ones. */
+static size_t longest_slab(const stream *s)
+{
+    const size_t nz = s->header.geometry.size[2], step = iso_cascade_step(s->cascade);
+    const size_t longest = s->how->max_slab > 0 && s->how->max_slab < nz ? s->how->max_slab : nz;
+    const size_t share = is_alone(s) ? nz : nz / (4 * (size_t)iso_ranks_count(s->how->ranks)) / step * step;
+    return share < longest ? share : longest;
+}
+
 static iso_status choose_slab(stream *s, iso_error *err)
 {
-    const size_t step = iso_cascade_step(s->cascade), limit = s->how->memory_bytes, nz = s->header.geometry.size[2];
+    const size_t step = iso_cascade_step(s->cascade), limit = s->how->memory_bytes, longest = longest_slab(s);
     size_t slab = step;
     if (limit > 0 && buffer_bytes(s, step) > limit)
         return iso_fail(err, ISO_E_MEMORY, "%s: slabs of %zu planes need %zu MB of memory, %zu MB are allowed", s->in->path,
                         step, buffer_bytes(s, step) >> 20, limit >> 20);
     const size_t enough = buffer_bytes(s, step) > FAST_BYTES ? buffer_bytes(s, step) : FAST_BYTES;
-    const size_t longest = s->how->max_slab > 0 && s->how->max_slab < nz ? s->how->max_slab : nz;
     while (slab < longest && (limit == 0 || buffer_bytes(s, slab + step) <= limit) &&
            (buffer_bytes(s, slab + step) <= enough || slab < 4 * s->overlap))
         slab += step;

@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# build under mpirun: the bytes of the build without, whatever the number of ranks; a bad input or a rank that dies gives
+# one message, the exit code, and nothing that looks finished.
+. "$(dirname "$0")/lib.sh"
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_base_warn_component_unused=0
+export OMP_NUM_THREADS=1
+# MPI keeps what it allocates at start until the end, and the leak checker is for our own.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
+command -v mpirun >/dev/null || { not_ok mpirun "not found: install openmpi-bin"; exit 1; }
+ranks() { timeout 60 mpirun -q -n "$1" --oversubscribe "$ISOSHADE" build "${@:2}"; }
+same() { diff -rq "$1" "$2"; }
+# The one message of the program's own; mpirun adds its own lines.
+one_message() { [ "$(grep -c '^isoshade build:' err)" = 1 ]; }
+nothing_left() { [ -z "$(ls -A | grep -E 'no\.iso')" ]; }
+
+check the_program_alone_is_not_linked_with_mpi bash -c '! ldd "$0" | grep -q libmpi' "$ISOSHADE"
+
+"$ISOSHADE" make marschner-lobb --size 21x16x75 --spacing 1x1x2.5 --rotate 1,2,3,40 -o v.nrrd -q || exit 1
+"$ISOSHADE" make noise --size 13x18x67 --type float -o f.nrrd -q || exit 1
+"$ISOSHADE" make noise --size 10x11x53 --gzip -o z.nrrd -q || exit 1
+try() { # NAME RANKS VOLUME OPTIONS
+    local name=$1 n=$2 volume=$3 pids
+    shift 3
+    rm -rf one.iso many.iso
+    "$ISOSHADE" build "$volume" -o one.iso -q "$@" >one.txt && ranks "$n" "$volume" -o many.iso -q "$@" >many.txt 2>err ||
+        { not_ok "$name" "$(tail -n 2 err)"; return; }
+    check "$name" same one.iso many.iso
+}
+try two_ranks_write_the_same_bytes 2 v.nrrd --levels 4
+check and_speak_once diff <(sed s/one/many/ one.txt) many.txt
+try three_ranks_do 3 v.nrrd --levels 4 --keep-float --keep-magnitude
+try five_ranks_do 5 v.nrrd --levels 3 --gradient fourth
+try one_rank_does 1 v.nrrd
+try levels_above_the_carried_one_too 3 v.nrrd --levels 7
+try floats_are_measured_in_shares 3 f.nrrd --levels 6 --direction-filter tensor
+try eq1_goes_on_from_rank_to_rank 2 v.nrrd --direction-filter eq1 --levels 4
+try wide_filters_of_everything 3 f.nrrd --direction-filter eq1 --scalar-filter gauss --gauss-radius 3 --levels 3 --code region48
+try means_beside_gaussians 2 f.nrrd --direction-filter naive --scalar-filter gauss --levels 6 --keep-magnitude
+try compressed_volumes 3 z.nrrd --levels 3
+try more_ranks_than_slabs 4 z.nrrd --levels 7 --memory 40
+
+expect help_is_printed_once 0 ranks 3 --help
+check and_only_once test "$(grep -c '^usage' out)" = 1
+expect a_missing_volume_is_an_error 3 ranks 3 none.nrrd -o no.iso
+check said_once one_message
+expect a_wrong_option_is 2 ranks 2 v.nrrd -o no.iso --levels 0
+check said_once_too one_message
+head -c 30000 v.nrrd >short.nrrd
+expect a_truncated_volume_is 4 ranks 2 short.nrrd -o no.iso
+head -c 8000 z.nrrd >damaged.nrrd
+expect a_volume_that_breaks_off_amid_the_slabs_is 4 ranks 3 damaged.nrrd -o no.iso --levels 3
+check said_once_again one_message
+head -c $((4 * 40 * 9 * 8)) /dev/zero >nan.raw
+printf '\x00\x00\xc0\x7f' | dd of=nan.raw bs=1 seek=$((4 * 72 * 30)) conv=notrunc 2>/dev/null
+expect a_nan_in_one_share_is 5 ranks 3 nan.raw --raw-size 9x8x40 --raw-type float -o no.iso
+check with_its_plane grep -q 'plane 30' err
+check nothing_half_written_is_left nothing_left
+expect a_foreign_folder_is_kept 3 ranks 2 v.nrrd -o "$dir"
+
+# Killed amid the work: a rank dies, the rest ends with it; what was left is taken up by another number of ranks.
+head -c $((2 * 320 * 320 * 1400)) /dev/zero >big.raw
+big="big.raw --raw-size 320x320x1400 --raw-type uint16 --memory 30 -q"
+ranks 3 $big -o no.iso >/dev/null 2>err &
+for ((i = 0; i < 600; ++i)); do [ -e .no.iso.partial/progress.json ] && break; sleep 0.02; done
+pids=$(pgrep -f "build big.raw .*-o no.iso" | while read -r p; do [ "$(cat /proc/$p/comm)" = isoshade ] && [ "$(readlink /proc/$p/cwd)" = "$dir" ] && echo "$p"; done)
+kill -9 $(echo "$pids" | tail -n 1)
+wait $!
+code=$?
+if [ $code != 0 ] && [ ! -e no.iso ] && [ -e .no.iso.partial/progress.json ]; then ok a_rank_that_is_killed_leaves_nothing_that_looks_finished
+else not_ok a_rank_that_is_killed_leaves_nothing_that_looks_finished "code $code, $(ls -A | tr '\n' ' ')"; fi
+expect two_ranks_take_up_what_three_left 0 ranks 2 $big -o no.iso --resume --json
+check from_where_they_stood grep -qE '"resumed_at_plane": [1-9]' out
+"$ISOSHADE" build $big -o one.iso >/dev/null
+check to_the_same_bytes same one.iso no.iso
+# Planted: a file that differs in one byte is told from the same.
+printf 'x' | dd of=no.iso/level_1_dir.nrrd bs=1 seek=5000 conv=notrunc 2>/dev/null
+check one_byte_would_be_seen bash -c '! diff -rq one.iso no.iso >/dev/null'
+exit $failed
