@@ -69,11 +69,11 @@ static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
 }
 
 /* One thread reads, two write, as the build's own do. */
-static iso_status copy_bytes(const char *volume, const char *pyramid, const char *folder, bench_files_times *t, iso_error *err)
+static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t count, const char *folder, bench_files_times *t,
+                             iso_error *err)
 {
-    size_t sizes[MAX_FILES], read_bytes = 0;
+    size_t read_bytes = 0;
     struct stat st;
-    const size_t count = list_sizes(pyramid, sizes);
     char *dir = iso_path_join(folder, "isoshade-bench.copy");
     iso_status results[MAX_FILES + 1] = {ISO_OK}, status = ISO_OK;
     iso_error errors[MAX_FILES + 1];
@@ -121,9 +121,11 @@ iso_status bench_files_of(const char *volume, const iso_pyramid_options *opt, co
         status = iso_pyramid_stream(&in, opt, &how, pyramid, &r, NULL, err);
         if (status == ISO_OK && r.seconds_total < t->stream.seconds_total)
             t->stream = r;
+        size_t sizes[MAX_FILES];
+        const size_t count = list_sizes(pyramid, sizes);
+        iso_remove_tree(pyramid); /* before as much is written again */
         if (status == ISO_OK)
-            status = copy_bytes(volume, pyramid, folder, t, err);
-        iso_remove_tree(pyramid);
+            status = copy_bytes(volume, sizes, count, folder, t, err);
     }
     free(pyramid);
     return status;
