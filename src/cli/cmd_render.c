@@ -4,15 +4,16 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "cli/adapted.h"
 #include "cli/cli.h"
 #include "cli/palette_level.h"
 #include "cli/renderers.h"
+#include "cli/roi.h"
 #include "cli/subject.h"
 
 typedef struct render_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
+    iso_cli_roi roi;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, shade_table;
     double step;
@@ -36,6 +37,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         {"--samples", "cycles", a->samples != 0, cycles},
         {"--seed", "cycles", a->seed != 0, cycles},
         {"--shader-dir", "gl", a->shader_dir != NULL, gl},
+        {"--roi", "reference and gl", a->roi.box != NULL, reference | gl},
         {"--shade-table", "gl", a->shade_table != 0, gl},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
@@ -188,6 +190,8 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
+        status = iso_cli_roi_view(&a->roi, &a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
+    if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
         status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
@@ -212,6 +216,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     render_arguments a = {.with = "gl"};
     iso_cli_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
+    iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
@@ -231,6 +236,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
+        ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };

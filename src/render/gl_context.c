@@ -14,6 +14,7 @@
 
 ISO_EMBED(iso_code_decode_glsl, "src/encode/code_decode.h");
 ISO_EMBED(iso_first_hit_glsl, "src/render/shaders/first_hit.glsl");
+ISO_EMBED(iso_focus_glsl, "src/render/shaders/focus.glsl");
 ISO_EMBED(iso_raycast_glsl, "src/render/shaders/raycast.glsl");
 ISO_EMBED(iso_probe_glsl, "src/render/shaders/probe.glsl");
 ISO_EMBED(iso_fullscreen_glsl, "src/render/shaders/fullscreen.glsl");
@@ -23,6 +24,7 @@ static const struct {
 } shader_files[] = {
     {"code_decode.h", iso_code_decode_glsl},
     {"first_hit.glsl", iso_first_hit_glsl},
+    {"focus.glsl", iso_focus_glsl},
     {"fullscreen.glsl", iso_fullscreen_glsl},
     {"probe.glsl", iso_probe_glsl},
     {"raycast.glsl", iso_raycast_glsl},

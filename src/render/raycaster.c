@@ -6,13 +6,14 @@
 #include <string.h>
 
 #include "brick/occupancy.h"
+#include "render/focus.h"
 #include "render/gl_palette.h"
 #include "render/gl_context.h"
 #include "render/gl_uniforms.h"
 #include "render/sampler.h"
 #include "tf/integral.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS, UNIT_FOCUS_SCALAR, UNIT_FOCUS_TF, UNIT_FOCUS_DIRECTIONS };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
@@ -231,6 +232,25 @@ static bool is_from_palette(iso_direction_source source)
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
 }
 
+/* The finer level of a region of interest. */
+static iso_status upload_focus(const iso_gl *gl, const iso_focus *f, iso_code code, iso_direction_source source, level_textures *t,
+                               iso_error *err)
+{
+    *t = (level_textures){0};
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_SCALAR);
+    iso_status status = upload_scalar(gl, &f->level, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_TF);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_DIRECTIONS);
+    if (status == ISO_OK)
+        status = source == ISO_FROM_CODES ? upload_codes(gl, &f->level, code, t, err)
+                                          : upload_vectors(gl, &f->level, code, source, t, err);
+    if (status != ISO_OK)
+        destroy_textures(t);
+    return status;
+}
+
 static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, const iso_gl_options *opt,
                          const iso_view *view, level_textures *t, iso_error *err)
 {
@@ -306,6 +326,29 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
 }
 
+static void set_focus(GLuint program, const iso_focus *f, const iso_geometry *around, const level_textures *t)
+{
+    const size_t *size = around->size, *own = f->level.geometry.size;
+    double scale[3], offset[3];
+    for (int a = 0; a < 3; ++a) {
+        scale[a] = f->scale * (double)size[a] / (double)own[a];
+        offset[a] = -f->offset[a] / (double)own[a];
+    }
+    iso_gl_set_int(program, "focus_scalar", UNIT_FOCUS_SCALAR);
+    iso_gl_set_int(program, "focus_tf", UNIT_FOCUS_TF);
+    iso_gl_set_int(program, "focus_directions", UNIT_FOCUS_DIRECTIONS);
+    double entries = (double)(f->tf.count - 1) / (f->tf.hi - f->tf.lo);
+    iso_gl_set_float(program, "focus_tf_scale", t->value_per_texel * entries);
+    iso_gl_set_float(program, "focus_tf_offset", (f->level.min - f->tf.lo) * entries);
+    iso_gl_set_int(program, "focus_tf_count", (int)f->tf.count);
+    iso_gl_set_vec3(program, "focus_place_scale", iso_v3(scale[0], scale[1], scale[2]));
+    iso_gl_set_vec3(program, "focus_place_offset", iso_v3(offset[0], offset[1], offset[2]));
+    iso_gl_set_vec3(program, "focus_lo", iso_v3(f->lo[0], f->lo[1], f->lo[2]));
+    iso_gl_set_vec3(program, "focus_hi", iso_v3(f->hi[0], f->hi[1], f->hi[2]));
+    iso_gl_set_float(program, "focus_band", f->band);
+    iso_gl_set_vec3(program, "index_per_p", iso_v3((double)size[0], (double)size[1], (double)size[2]));
+}
+
 /* ---- rendering -------------------------------------------------------------- */
 
 static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
@@ -314,15 +357,15 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     static const int shader_sources[ISO_SOURCE_COUNT] = {
         [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
         [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4, [ISO_FROM_FLIPPED] = 5};
-    char defines[320];
+    char defines[400];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
-             "#define PREINTEGRATED %d\n#define FIRST_HIT %d\n",
+             "#define PREINTEGRATED %d\n#define FIRST_HIT %d\n#define FOCUS %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
              view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated,
-             opt->surface ? (int)opt->surface->output + 1 : 0);
+             opt->surface ? (int)opt->surface->output + 1 : 0, view->focus != NULL);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -339,21 +382,32 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
     if (view->classes && opt->preintegrated)
         return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
+    if (view->focus && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
+        return iso_fail(err, ISO_E_USAGE, "gl: a region of interest takes codes, decoded or float directions, and no surface or "
+                                          "pre-integration");
     GLuint program;
-    level_textures textures;
+    level_textures textures, focus_textures = {0};
+    if (view->focus)
+        with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = upload(gl, level, code, opt, view, &textures, err);
     if (status != ISO_OK)
         return status;
-    status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);
+    if (view->focus)
+        status = upload_focus(gl, view->focus, code, opt->source, &focus_textures, err);
+    if (status == ISO_OK)
+        status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK) {
         glUseProgram(program);
-        iso_gl_set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
+        iso_gl_set_camera(program, &level->geometry, view,
+                          step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry)));
         set_field(program, level, &textures, opt, view->classes ? &view->classes->tables[0] : &view->tf);
         iso_gl_set_light(program, view);
+        if (view->focus)
+            set_focus(program, view->focus, &level->geometry, &focus_textures);
     }
     double least = INFINITY;
     for (size_t i = 0; status == ISO_OK && i < (opt->repeats ? opt->repeats : 1); ++i) {
@@ -364,6 +418,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (seconds)
         *seconds = least;
     destroy_textures(&textures);
+    destroy_textures(&focus_textures);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;

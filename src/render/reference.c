@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "render/focus.h"
 #include "render/sampler.h"
 #include "tf/integral.h"
 
@@ -19,11 +20,12 @@ typedef struct layer {
     const iso_tf_table *tf;
     const iso_class_tables *classes; /* in place of tf, or NULL */
     const size_t *bends;             /* bends_create() */
+    double scale, offset[3];         /* its index = scale * index of the level that is rendered - offset */
 } layer;
 
 /* A ray in the level's index space, with what its samples need. */
 typedef struct ray_state {
-    const layer *layer;
+    const layer *layer, *inner; /* inner: the region of interest's, or NULL */
     const iso_view *view;
     const iso_tf_integral *integral; /* preintegrated */
     iso_vec3 origin, direction; /* index per mm of t */
@@ -85,11 +87,16 @@ static void classify(const layer *l, iso_vec3 p, double rgbs[4])
         iso_tf_lookup(l->tf, s, rgbs);
 }
 
-/* Emission sigma c shade and extinction sigma per mm at t. */
-static double emission(const ray_state *ray, double t, double color[3])
+static iso_vec3 layer_point(const ray_state *ray, const layer *l, double t)
 {
-    const layer *l = ray->layer;
     iso_vec3 p = iso_madd(ray->origin, ray->direction, t);
+    return iso_v3(l->scale * p.x - l->offset[0], l->scale * p.y - l->offset[1], l->scale * p.z - l->offset[2]);
+}
+
+/* Emission sigma c shade and extinction sigma per mm of one layer at t. */
+static double layer_emission(const ray_state *ray, const layer *l, double t, double color[3])
+{
+    iso_vec3 p = layer_point(ray, l, t);
     double rgbs[4];
     classify(l, p, rgbs);
     double scale = 0;
@@ -98,6 +105,19 @@ static double emission(const ray_state *ray, double t, double color[3])
     for (int c = 0; c < 3; ++c)
         color[c] = scale * rgbs[c];
     return rgbs[3];
+}
+
+/* The same of all layers: two media in one place (focus.h). */
+static double emission(const ray_state *ray, double t, double color[3])
+{
+    double w = ray->inner ? iso_focus_weight(ray->view->focus, iso_madd(ray->origin, ray->direction, t)) : 0, inner[3];
+    if (w <= 0)
+        return layer_emission(ray, ray->layer, t, color);
+    double sigma = w * layer_emission(ray, ray->inner, t, inner);
+    double outer = w < 1 ? (1 - w) * layer_emission(ray, ray->layer, t, color) : 0;
+    for (int c = 0; c < 3; ++c)
+        color[c] = w * inner[c] + (w < 1 ? (1 - w) * color[c] : 0);
+    return sigma + outer;
 }
 
 /* front over back */
@@ -143,23 +163,23 @@ static double distance(stretch a, stretch b)
     return d;
 }
 
-/* Where on the TF's table the ray is at t, in entries. */
-static double entry_at(const ray_state *ray, double t)
+/* Where on the layer's table the ray is at t, in entries. */
+static double entry_at(const ray_state *ray, const layer *l, double t)
 {
-    const iso_tf_table *tf = ray->layer->tf;
-    double s = iso_sample_scalar(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t));
+    const iso_tf_table *tf = l->tf;
+    double s = iso_sample_scalar(l->sampler, layer_point(ray, l, t));
     return (s - tf->lo) / (tf->hi - tf->lo) * (double)(tf->count - 1);
 }
 
 /* Where to cut [a, b] for a bend of the TF inside it, or a when there is none:
  * at the bend itself once it is singled out, before that in the middle. A shell
  * of opacity between the samples of a piece would leave no trace in them. */
-static double cut_at_bend(const ray_state *ray, double a, double b)
+static double cut_at_bend(const ray_state *ray, const layer *l, double a, double b)
 {
     enum { few = 4, bisections = 40 };
-    const size_t *bends = ray->layer->bends;
-    const double slack = 1e-6, last = (double)(ray->layer->tf->count - 1), middle = 0.5 * (a + b);
-    double at_a = entry_at(ray, a), at_middle = entry_at(ray, middle), at_b = entry_at(ray, b);
+    const size_t *bends = l->bends;
+    const double slack = 1e-6, last = (double)(l->tf->count - 1), middle = 0.5 * (a + b);
+    double at_a = entry_at(ray, l, a), at_middle = entry_at(ray, l, middle), at_b = entry_at(ray, l, b);
     double lo = fmin(at_a, fmin(at_middle, at_b)) + slack, hi = fmax(at_a, fmax(at_middle, at_b)) - slack;
     double first = ceil(fmax(lo, 0)), end = floor(fmin(hi, last));
     if (!(first <= end) || bends[(size_t)end + 1] == bends[(size_t)first])
@@ -171,7 +191,7 @@ static double cut_at_bend(const ray_state *ray, double a, double b)
         ++bend;
     for (int i = 0; i < bisections; ++i) {
         double t = 0.5 * (a + b);
-        if ((entry_at(ray, t) < (double)bend) == (at_a < at_b))
+        if ((entry_at(ray, l, t) < (double)bend) == (at_a < at_b))
             a = t;
         else
             b = t;
@@ -191,7 +211,9 @@ static stretch integrate_piece(const ray_state *ray, double a, double b, double 
     stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
     if (depth >= max_depth || weight <= tolerance)
         return fine;
-    double cut = cut_at_bend(ray, a, b);
+    double cut = cut_at_bend(ray, ray->layer, a, b);
+    if (!(cut > a && cut < b) && ray->inner)
+        cut = cut_at_bend(ray, ray->inner, a, b);
     if (!(cut > a && cut < b)) {
         if (weight * distance(fine, coarse) <= caution * tolerance)
             return fine;
@@ -212,12 +234,34 @@ static double to_next_plane(double p, double d)
     return (plane - q) / d;
 }
 
-/* The end of the piece of the ray that starts at a and stays in one cell. */
+/* The first face of the region of interest or of its band, likewise. */
+static double to_next_face(const iso_focus *f, iso_vec3 index, iso_vec3 direction)
+{
+    const double p[3] = {index.x, index.y, index.z}, d[3] = {direction.x, direction.y, direction.z};
+    double least = INFINITY;
+    for (int a = 0; a < 3; ++a) {
+        const double faces[4] = {f->lo[a] - f->band, f->lo[a], f->hi[a], f->hi[a] + f->band};
+        for (int i = 0; i < 4 && d[a] != 0; ++i) {
+            double t = (faces[i] - p[a]) / d[a];
+            least = t > 0 ? fmin(least, t) : least;
+        }
+    }
+    return least;
+}
+
+/* The end of the piece of the ray that starts at a and stays in one cell of each layer. */
 static double cell_end(const ray_state *ray, double a, double least, double t1)
 {
     iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
     double step = fmin(to_next_plane(p.x, ray->direction.x),
                        fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
+    if (ray->inner) {
+        const iso_focus *f = ray->view->focus;
+        const iso_vec3 q = iso_focus_inside(f, p), d = iso_scale(ray->direction, f->scale);
+        step = fmin(step, to_next_face(f, p, ray->direction));
+        if (iso_focus_weight(f, p) > 0)
+            step = fmin(step, fmin(to_next_plane(q.x, d.x), fmin(to_next_plane(q.y, d.y), to_next_plane(q.z, d.z))));
+    }
     return fmin(a + least + step, t1);
 }
 
@@ -329,13 +373,13 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
     return s;
 }
 
-static void render_pixel(const layer *l, const iso_view *view, const iso_reference_options *opt,
+static void render_pixel(const layer l[2], const iso_view *view, const iso_reference_options *opt,
                          const iso_tf_integral *integral, size_t column, size_t row, float rgba[4])
 {
-    const iso_geometry *g = &l->sampler->level->geometry;
+    const iso_geometry *g = &l->sampler->level->geometry, *finest = iso_view_step_geometry(view, g);
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.layer = l, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.layer = &l[0], .inner = view->focus ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -345,7 +389,7 @@ static void render_pixel(const layer *l, const iso_view *view, const iso_referen
         if (opt->quadrature == ISO_QUADRATURE_CONVERGED)
             s = integrate_converged(&state, t0, t1, opt->tolerance);
         else if (opt->quadrature == ISO_QUADRATURE_MIDPOINT)
-            s = integrate_midpoint(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
+            s = integrate_midpoint(&state, t0, t1, step * iso_geometry_min_spacing_mm(finest));
         else if (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
             s = integrate_means(&state, t0, t1, step * iso_geometry_min_spacing_mm(g));
         else if (opt->quadrature == ISO_QUADRATURE_FIRST_HIT)
@@ -367,18 +411,25 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
                         opt->intervals);
     if (view->classes && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
+    if (view->focus && (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED || opt->quadrature == ISO_QUADRATURE_FIRST_HIT))
+        return iso_fail(err, ISO_E_USAGE, "reference: a region of interest is neither pre-integrated nor a surface");
     return ISO_OK;
 }
 
-static iso_status render_all(const iso_sampler *sampler, const iso_view *view, const iso_reference_options *opt,
-                             iso_image *image, const iso_progress *progress, iso_error *err)
+/* inner: of the region of interest, or NULL. */
+static iso_status render_all(const iso_sampler *sampler, const iso_sampler *inner, const iso_view *view,
+                             const iso_reference_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
 {
+    const iso_focus *f = view->focus;
     /* The tables of all classes have one range and count, so the first serves for them where entries are counted. */
-    layer l = {.sampler = sampler, .tf = view->classes ? &view->classes->tables[0] : &view->tf, .classes = view->classes};
+    const iso_tf_table *tf = view->classes ? &view->classes->tables[0] : &view->tf;
+    size_t *bends = bends_create(tf, view->classes), *inner_bends = f ? bends_create(&f->tf, NULL) : NULL;
+    layer l[2] = {{.sampler = sampler, .tf = tf, .classes = view->classes, .bends = bends, .scale = 1}};
+    if (f)
+        l[1] = (layer){.sampler = inner, .tf = &f->tf, .bends = inner_bends, .scale = f->scale,
+                       .offset = {f->offset[0], f->offset[1], f->offset[2]}};
     iso_status status = iso_image_create(image, view->width, view->height, err);
-    size_t *bends = bends_create(l.tf, l.classes);
-    l.bends = bends;
-    if (status == ISO_OK && !bends)
+    if (status == ISO_OK && (!bends || (f && !inner_bends)))
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
     iso_tf_integral integral = {0};
     if (status == ISO_OK && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
@@ -389,13 +440,14 @@ static iso_status render_all(const iso_sampler *sampler, const iso_view *view, c
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t row = 0; row < view->height; ++row) {
             for (size_t column = 0; column < view->width; ++column)
-                render_pixel(&l, view, opt, &integral, column, row, image->rgba + 4 * (row * view->width + column));
+                render_pixel(l, view, opt, &integral, column, row, image->rgba + 4 * (row * view->width + column));
 #pragma omp critical(iso_reference_progress)
             iso_progress_report(progress, "reference", (double)++done / (double)view->height);
         }
     }
     iso_tf_integral_destroy(&integral);
     free(bends);
+    free(inner_bends);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
@@ -405,14 +457,16 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err)
 {
-    iso_sampler sampler;
+    iso_sampler sampler = {0}, inner = {0};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
     if (status == ISO_OK)
         status = iso_sampler_create(&sampler, level, code, opt->source, err);
-    if (status != ISO_OK)
-        return status;
-    status = render_all(&sampler, view, opt, image, progress, err);
+    if (status == ISO_OK && view->focus)
+        status = iso_sampler_create(&inner, &view->focus->level, code, opt->source, err);
+    if (status == ISO_OK)
+        status = render_all(&sampler, &inner, view, opt, image, progress, err);
+    iso_sampler_destroy(&inner);
     iso_sampler_destroy(&sampler);
     return status;
 }
@@ -425,10 +479,10 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     iso_level level;
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && view->classes)
-        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have no classes, and a table over them is asked for");
+    if (status == ISO_OK && (view->classes || view->focus))
+        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have neither classes nor a region of interest");
     if (status != ISO_OK)
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);
-    return render_all(&sampler, view, opt, image, progress, err);
+    return render_all(&sampler, NULL, view, opt, image, progress, err);
 }

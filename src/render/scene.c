@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "render/focus.h"
 
 static iso_vec3 vec3_of(const double v[3]) { return iso_v3(v[0], v[1], v[2]); }
 
@@ -231,7 +232,14 @@ void iso_view_destroy(iso_view *view)
     iso_tf_table_destroy(&view->tf);
     iso_class_tables_destroy(view->classes);
     free(view->classes);
+    iso_focus_destroy(view->focus);
+    free(view->focus);
     *view = (iso_view){0};
+}
+
+const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level)
+{
+    return view->focus ? &view->focus->level.geometry : level;
 }
 
 double iso_view_mm_per_pixel(const iso_view *view, const iso_geometry *level0)

@@ -84,12 +84,15 @@ typedef struct iso_view {
     double step_voxels;
     iso_tf_table tf;
     iso_class_tables *classes; /* of the level that is rendered, in place of tf; owned, or NULL */
+    struct iso_focus *focus;   /* a finer level inside a box (focus.h); owned, or NULL */
 } iso_view;
 
 /* value_min/max: of level 0. */
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err);
 void iso_view_destroy(iso_view *view);
+/* The geometry whose spacing a ray's step is counted in: of the finest level that is looked up. */
+const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level);
 
 /* The height of a pixel in the plane through the centre of the box, parallel to the image; for scale bars.
  * 0 when that plane is not in front of the camera. */

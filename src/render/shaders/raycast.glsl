@@ -9,7 +9,7 @@
 // voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
-// integral; else first_hit.glsl instead).
+// integral; else first_hit.glsl instead), FOCUS (0, absent or 1: focus.glsl instead).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -345,8 +345,13 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
 #ifndef FIRST_HIT
 #define FIRST_HIT 0
 #endif
+#ifndef FOCUS
+#define FOCUS 0
+#endif
 #if FIRST_HIT
 #include "first_hit.glsl"
+#elif FOCUS
+#include "focus.glsl"
 #else
 void main()
 {
