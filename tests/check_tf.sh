@@ -9,6 +9,12 @@ check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o sh
 [ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && echo "ok adapted_files_are_there" || not_ok adapted_files_are_there "$(ls)"
 [ -s shells.iso/level_1_joint8.nrrd ] && echo "ok histograms_are_kept_in_the_pyramid" || not_ok histograms_are_kept_in_the_pyramid "$(ls shells.iso)"
 check kept_histograms_give_the_same_tf bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o again.tf.json --always -q && cmp again.tf.json shells_level_1.tf.json' "$tf"
+# With its histogram a pyramid is adapted to without its samples; without it they are needed.
+cp -r shells.iso lame.iso && : >lame.iso/level_0.nrrd && rm lame.iso/level_2_joint8.nrrd
+check kept_histograms_need_no_samples bash -c '"$ISOSHADE" tf adapt lame.iso --tf "$0" --level 1 -o lame.tf.json --always -q && cmp lame.tf.json shells_level_1.tf.json' "$tf"
+refuse missing_histograms_need_samples 4 'level_0.nrrd' "$ISOSHADE" tf adapt lame.iso --tf "$tf" --level 2 -o y.tf.json -q
+refuse no_name 2 '-o is ""' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o ''
+refuse folder_for_a_name 2 'wanted the name of a file' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells.iso/
 check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
 # A scene that names the adapted file and --adapt are the same picture.

@@ -64,10 +64,28 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     return status;
 }
 
+/* A pyramid that is stored keeps its histograms: its samples are read only where one is missing. */
+static iso_status load_outline(const tf_arguments *a, const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
+{
+    const char *input = a->cli->arguments[1];
+    iso_progress progress = iso_cli_progress(a->cli);
+    if (iso_pyramid_is_one(input))
+        return iso_pyramid_load_outline(input, p, err);
+    return iso_cli_load_pyramid(input, &a->input, build, &progress, p, err);
+}
+
+/* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
+static iso_status check_output_name(const tf_arguments *a, iso_error *err)
+{
+    const char *name = iso_path_base(a->output);
+    if (*name && strcmp(name, ".tf.json") != 0)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", wanted the name of a file", a->output);
+}
+
 static iso_status adapt(const tf_arguments *a, iso_error *err)
 {
     const iso_cli *cli = a->cli;
-    iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p = {0};
     iso_tf tf = {0};
@@ -79,9 +97,11 @@ static iso_status adapt(const tf_arguments *a, iso_error *err)
     }
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
-    iso_status status = iso_tf_load(a->tf, &tf, err);
+    iso_status status = check_output_name(a, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[1], &a->input, &build, &progress, &p, err);
+        status = iso_tf_load(a->tf, &tf, err);
+    if (status == ISO_OK)
+        status = load_outline(a, &build, &p, err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1], a->level, p.level_count - 1);
     if (status == ISO_OK)
@@ -349,7 +369,6 @@ static iso_status write_triangle(const tf_arguments *a, const char *dir, const c
 
 static iso_status triangle(const tf_arguments *a, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(a->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_adapt_options opt;
     iso_pyramid p = {0};
@@ -366,7 +385,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_load(a->tf, &tf, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(input, &a->input, &build, &progress, &p, err);
+        status = load_outline(a, &build, &p, err);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)

@@ -66,8 +66,8 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
 typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type; /* of the scalar on disk */
-    float *scalar;        /* always there */
-    uint8_t *codes;       /* 3 bytes a voxel; always there */
+    float *scalar;        /* there but in an outline */
+    uint8_t *codes;       /* 3 bytes a voxel; there but in an outline */
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
@@ -92,6 +92,8 @@ void iso_pyramid_destroy(iso_pyramid *p);
 iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err);
 /* Checks sizes against pyramid.json, and checksums. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
+/* What pyramid.json says, without samples: levels' scalar, codes and the rest are NULL. */
+iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
 /* True when path is a directory with a pyramid.json. */
 bool iso_pyramid_is_one(const char *path);
 

@@ -194,6 +194,7 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"code\" is \"%s\", which no pyramid stores", r->path, code);
 }
 
+/* dir: NULL for the outline alone. */
 static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *entry, const iso_pyramid_options *opt,
                              iso_level *l, iso_error *err)
 {
@@ -214,7 +215,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *
     void *data[FILE_COUNT] = {NULL};
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
-    for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+    for (int i = 0; dir && i < FILE_COUNT && status == ISO_OK; ++i)
         if (files[i].stored)
             status = load_file(dir, &l->geometry, &files[i], r, list, &data[i], err);
     l->scalar = data[FILE_SCALAR];
@@ -242,7 +243,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
     out->levels = calloc(count, sizeof *out->levels);
     out->level_count = count;
     if (!out->source || !out->levels)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", dir, count);
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     for (size_t k = 0; k < count; ++k) {
         iso_status status = load_level(r, dir, json_array_get(levels, k), &out->options, &out->levels[k], err);
         if (status != ISO_OK)
@@ -256,7 +257,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
     return ISO_OK;
 }
 
-iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
+static iso_status load(const char *dir, bool samples, iso_pyramid *out, iso_error *err)
 {
     *out = (iso_pyramid){0};
     char *path = iso_path_join(dir, ISO_PYRAMID_MARKER);
@@ -266,13 +267,23 @@ iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
     iso_status status = iso_json_load(path, &root, err);
     if (status == ISO_OK) {
         iso_json_reader r = {.path = path, .err = err};
-        status = load_levels(&r, dir, root, out, err);
+        status = load_levels(&r, samples ? dir : NULL, root, out, err);
     }
     json_decref(root);
     free(path);
     if (status != ISO_OK)
         iso_pyramid_destroy(out);
     return status;
+}
+
+iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
+{
+    return load(dir, true, out, err);
+}
+
+iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err)
+{
+    return load(dir, false, out, err);
 }
 
 bool iso_pyramid_is_one(const char *path)

@@ -109,7 +109,8 @@ iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level,
 iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_joint_split split,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads what is stored in `dir`, else computes it and stores it there. dir may
- * be NULL; a folder that cannot be written is no failure. */
+ * be NULL; a folder that cannot be written is no failure. p may be the outline of
+ * the pyramid in `dir`: its samples are read when they are needed. */
 iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_joint_split split, int threads,
                             iso_joint *joint, iso_error *err);
 

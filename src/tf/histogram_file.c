@@ -158,7 +158,15 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level,
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
     if (dir && iso_joint_load(dir, level, bits, &z, &s, split, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
         return ISO_OK;
-    iso_status status = iso_joint_compute(p, level, bits, split, threads, j, err);
+    iso_pyramid whole = {0};
+    iso_status status = ISO_OK;
+    if (!fine->scalar && !dir)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: no samples and no folder to read them from");
+    if (!fine->scalar)
+        status = iso_pyramid_load(dir, &whole, err);
+    if (status == ISO_OK)
+        status = iso_joint_compute(fine->scalar ? p : &whole, level, bits, split, threads, j, err);
+    iso_pyramid_destroy(&whole);
     if (status == ISO_OK && dir)
         iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */
     return status;
