@@ -58,6 +58,18 @@ check table_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene ow
 refuse table_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --table deviation -o z.exr -q
 refuse table_unknown 2 "wanted value, deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table depth -o z.exr -q
 refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
+# Two blocks, each with its cases; two figures. What is adapted has to be another table: the paper's is not the original.
+few="--views 1 --size 32 --levels 2 --tfs soft -q"
+expect consistency 0 "$ISOSHADE" bench consistency shells.nrrd --held shells.nrrd --methods paper,default $few --figures figures --json
+if [ "$(grep -c '"case_count": 1' out)" = 2 ] && grep -q '"block": "held back"' out && [ -s figures/figure8.svg ] && [ -s figures/figure9.svg ]; then
+    ok consistency_has_two_blocks_and_figures
+else
+    not_ok consistency_has_two_blocks_and_figures "$(tail -n 40 out) $(ls figures)"
+fi
+[ "$(sed -n 's/.*"rms_voxels_adapted": \(.*\),/\1/p' out | sort -u | wc -l)" = 3 ] && ok methods_differ || not_ok methods_differ "$(grep rms_voxels_adapted out)"
+check consistency_with_povray "$ISOSHADE" bench consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
+refuse consistency_of_an_unknown_tf 2 '--tfs' "$ISOSHADE" bench consistency shells.nrrd --tfs hard
+refuse consistency_with_an_unknown_renderer 2 '--with' "$ISOSHADE" bench consistency shells.nrrd --with mental
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x
