@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "povray/scene_text.h"
+#include "render/focus.h"
 
 iso_povray_options iso_povray_defaults(void)
 {
@@ -71,6 +72,8 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_vi
         return iso_fail(err, ISO_E_RANGE, "povray: DF3 files of %u bits, must be 16 or 32", opt->df3_bits);
     if (opt->isosurface && !isfinite(opt->iso))
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
+    if (opt->isosurface && view->focus)
+        return iso_fail(err, ISO_E_USAGE, "povray: a region of interest is no surface");
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
     if (view->tf.count < 2 || !(view->tf.hi > view->tf.lo))
@@ -196,7 +199,7 @@ static float *class_rows(const iso_class_tables *classes)
 
 static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, iso_error *err)
 {
-    const size_t count = iso_geometry_voxel_count(s->geometry);
+    const size_t count = iso_geometry_voxel_count(&s->voxels->geometry);
     const iso_df3_coding coding = {8, 0, 255};
     float *values = malloc(count * sizeof *values);
     char *path = file_path(dir, s->name, "_class.df3");
@@ -204,7 +207,7 @@ static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, 
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         values[i] = s->classes->bytes[i];
     if (status == ISO_OK)
-        status = iso_df3_write(path, s->geometry->size, values, 1, 0, &coding, err);
+        status = iso_df3_write(path, s->voxels->geometry.size, values, 1, 0, &coding, err);
     free(path);
     free(values);
     return status;
@@ -250,47 +253,86 @@ static iso_status write_text(const iso_povray_scene *s, const char *dir, const c
     return status;
 }
 
-/* tf: what bounds the transfer function (bounding_tf). */
-static iso_povray_scene describe(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *tf, const char *name,
-                                 const iso_povray_options *opt)
+/* level: the voxels, of the pyramid's level or of a region of interest; tf: what bounds the transfer function. */
+static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_level *level, const iso_view *view,
+                                 const iso_tf_table *tf, const char *name, const iso_povray_options *opt)
 {
-    const iso_level *l = &p->levels[level];
-    iso_povray_scene s = {.name = name, .source = p->source ? iso_path_base(p->source) : "a volume", .level = level,
-                          .geometry = &l->geometry, .view = view,
-                          .classes = opt->isosurface ? NULL : view->classes, .tf = tf, .options = opt};
-    s.scalar = scalar_coding(l, opt->df3_bits);
+    const iso_geometry *g = &p->levels[number].geometry;
+    iso_povray_scene s = {.name = name, .source = p->source ? iso_path_base(p->source) : "a volume", .level = number,
+                          .geometry = g, .voxels = level, .lattice_scale = 1, .view = view, .tf = tf, .options = opt};
+    s.scalar = scalar_coding(level, opt->df3_bits);
     s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
-    s.center_mm = iso_geometry_box_center_mm(&l->geometry);
-    s.units_per_mm = 50 / iso_geometry_box_radius_mm(&l->geometry);
+    s.center_mm = iso_geometry_box_center_mm(g);
+    s.units_per_mm = 50 / iso_geometry_box_radius_mm(g);
     iso_povray_measure_peaks(&s);
     /* 1 %: the solver divides by it, and rounds. A constant field has no slope at all. */
     if (opt->isosurface)
-        s.max_gradient = fmax(1.01 * steepest(l) / (s.scalar.hi - s.scalar.lo), 1e-6);
+        s.max_gradient = fmax(1.01 * steepest(level) / (s.scalar.hi - s.scalar.lo), 1e-6);
     return s;
 }
 
-/* The view's table; over two values their envelope, which is created in *own. A surface takes its colour from the view's. */
-static iso_status bounding_tf(const iso_view *view, const iso_povray_options *opt, iso_tf_table *own, const iso_tf_table **tf,
+/* A scene with what it points to. */
+typedef struct prepared_scene {
+    iso_povray_scene scene, inner;
+    iso_tf_table envelope; /* of the view's classes */
+    char *inner_name;
+} prepared_scene;
+
+static void release(prepared_scene *s)
+{
+    iso_tf_table_destroy(&s->envelope);
+    free(s->inner_name);
+}
+
+static iso_status prepare(const iso_pyramid *p, size_t level, const iso_view *view, const char *name, const iso_povray_options *opt,
+                          prepared_scene *s, iso_error *err)
+{
+    const iso_focus *f = opt->isosurface ? NULL : view->focus;
+    *s = (prepared_scene){0};
+    const iso_class_tables *classes = opt->isosurface ? NULL : view->classes; /* a surface takes its colour from the view's TF */
+    iso_status status = classes ? iso_class_envelope(classes, &s->envelope, err) : ISO_OK;
+    if (status == ISO_OK && f && asprintf(&s->inner_name, "%s_fine", name) < 0) {
+        s->inner_name = NULL;
+        status = no_memory(err);
+    }
+    if (status != ISO_OK) {
+        release(s);
+        return status;
+    }
+    s->scene = describe(p, level, &p->levels[level], view, classes ? &s->envelope : &view->tf, name, opt);
+    s->scene.classes = classes;
+    if (f) {
+        s->inner = describe(p, level, &f->level, view, &f->tf, s->inner_name, opt);
+        s->inner.lattice_scale = f->scale;
+        memcpy(s->inner.lattice_offset, f->offset, sizeof f->offset);
+        s->scene.inner = &s->inner;
+        s->scene.peak = fmax(s->scene.peak, s->inner.peak);
+    }
+    return ISO_OK;
+}
+
+/* The data of one layer: values, directions, and tables where the TF needs them. */
+static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, const char *dir, const iso_progress *progress,
                               iso_error *err)
 {
-    *own = (iso_tf_table){0};
-    *tf = view->classes && !opt->isosurface ? own : &view->tf;
-    return *tf == own ? iso_class_envelope(view->classes, own, err) : ISO_OK;
+    char *path = file_path(dir, s->name, "_scalar.df3");
+    iso_status status = path ? iso_df3_write(path, s->voxels->geometry.size, s->voxels->scalar, 1, 0, &s->scalar, err) : no_memory(err);
+    free(path);
+    if (status == ISO_OK)
+        status = write_directions(s->voxels, p->options.code, s, dir, progress, err);
+    if (status == ISO_OK && !s->options->isosurface)
+        status = write_tf_tables(s, dir, err);
+    return status;
 }
 
 /* All files of a scene into a folder that exists. */
 static iso_status write_all(const iso_pyramid *p, const iso_povray_scene *s, const char *dir, const iso_progress *progress,
                             iso_error *err)
 {
-    const iso_level *level = &p->levels[s->level];
     iso_progress_report(progress, "povray: writing DF3", 0);
-    char *path = file_path(dir, s->name, "_scalar.df3");
-    iso_status status = path ? iso_df3_write(path, level->geometry.size, level->scalar, 1, 0, &s->scalar, err) : no_memory(err);
-    free(path);
-    if (status == ISO_OK)
-        status = write_directions(level, p->options.code, s, dir, progress, err);
-    if (status == ISO_OK && !s->options->isosurface)
-        status = write_tf_tables(s, dir, err);
+    iso_status status = write_layer(p, s, dir, progress, err);
+    if (status == ISO_OK && s->inner)
+        status = write_layer(p, s->inner, dir, progress, err);
     if (status == ISO_OK)
         status = write_text(s, dir, ".inc", iso_povray_write_include, err);
     if (status == ISO_OK)
@@ -313,19 +355,17 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
         return no_memory(err);
     }
     iso_output out = {0};
-    iso_tf_table own = {0};
-    const iso_tf_table *tf;
-    status = bounding_tf(view, opt, &own, &tf, err);
+    prepared_scene s;
+    status = prepare(p, level, view, name, opt, &s, err);
     if (status == ISO_OK)
         status = iso_output_begin_dir(&out, dir, marker + 1, err);
     if (status == ISO_OK) {
-        const iso_povray_scene s = describe(p, level, view, tf, name, opt);
-        status = write_all(p, &s, out.temp_path, progress, err);
+        status = write_all(p, &s.scene, out.temp_path, progress, err);
         if (status == ISO_OK)
             status = iso_output_commit(&out, err);
     }
     iso_output_abandon(&out);
-    iso_tf_table_destroy(&own);
+    release(&s);
     free(marker);
     free(name);
     return status;
@@ -444,19 +484,16 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
         status = find_povray(&program, err);
     if (status == ISO_OK && !(dir = iso_make_temp_dir()))
         status = iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
-    iso_tf_table own = {0};
-    const iso_tf_table *tf;
+    prepared_scene s = {0};
     if (status == ISO_OK)
-        status = bounding_tf(view, opt, &own, &tf, err);
-    if (status == ISO_OK) {
-        const iso_povray_scene s = describe(p, level, view, tf, "scene", opt);
-        status = write_all(p, &s, dir, progress, err);
-        if (status == ISO_OK)
-            status = render_scene(program, dir, &s, progress, image, err);
-    }
+        status = prepare(p, level, view, "scene", opt, &s, err);
+    if (status == ISO_OK)
+        status = write_all(p, &s.scene, dir, progress, err);
+    if (status == ISO_OK)
+        status = render_scene(program, dir, &s.scene, progress, image, err);
     if (dir)
         iso_remove_tree(dir);
-    iso_tf_table_destroy(&own);
+    release(&s);
     free(dir);
     free(program);
     return status;

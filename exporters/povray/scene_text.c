@@ -1,9 +1,12 @@
+#define _GNU_SOURCE
 #include "povray/scene_text.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "encode/decode_double.h"
+#include "render/focus.h"
 
 /* POV-Ray's colours are floats: entries this close to a line, as a part of the peak, make no difference. */
 static const double color_map_tolerance = 6e-8;
@@ -35,9 +38,12 @@ void iso_povray_measure_peaks(iso_povray_scene *s)
 /* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. */
 static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix)
 {
-    const size_t *n = s->geometry->size;
+    const size_t *n = s->voxels->geometry.size;
+    const double scale = s->lattice_scale, *offset = s->lattice_offset;
     fprintf(f, "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate 1\n"
-               "    scale <%zu, %zu, %zu> translate -0.5 } }\n", identifier, s->name, suffix, n[0] + 2, n[1] + 2, n[2] + 2);
+               "    scale <%.17g, %.17g, %.17g> translate <%.17g, %.17g, %.17g> } }\n", identifier, s->name, suffix,
+            (double)(n[0] + 2) / scale, (double)(n[1] + 2) / scale, (double)(n[2] + 2) / scale, (offset[0] - 0.5) / scale,
+            (offset[1] - 0.5) / scale, (offset[2] - 0.5) / scale);
 }
 
 static const char *object_name(const iso_povray_scene *s)
@@ -350,26 +356,36 @@ static void write_specular(FILE *f, const iso_povray_scene *s)
             lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
 
-static void write_media(FILE *f, const iso_povray_scene *s)
+/* Absorption and emission of one layer; prefix: of its declared names; weight: one more density, or "". */
+static void write_layer_media(FILE *f, const iso_povray_scene *s, const char *prefix, const char *weight)
 {
     const double color = s->peak_color, specular = specular_sum(s->view);
+    fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+               "        absorption %sExtinction\n"
+               "        density { %sTF_Extinction }%s }\n"
+               "#if (Iso_Emission > 0)\n"
+               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+               "        emission Iso_Emission * %sExtinction * %.17g\n"
+               "        density { %sTF_Extinction } density { %sTF_Color } density { %sDiffuse }%s }\n", prefix, prefix, weight,
+            prefix, color, prefix, prefix, prefix, weight);
+    if (specular > 0)
+        fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+                   "        emission Iso_Emission * %sExtinction * %.17g\n"
+                   "        density { %sTF_Extinction } density { %sTF_Color } density { %sSpecular }%s }\n", prefix,
+                color * specular, prefix, prefix, prefix, weight);
+    fprintf(f, "#end\n");
+}
+
+static void write_media(FILE *f, const iso_povray_scene *s)
+{
     fprintf(f, "// ---- the medium -----------------------------------------------------------\n"
                "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
                "// the default method 3 is not.\n"
-               "#declare Iso_Interior = interior {\n"
-               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-               "        absorption Iso_Extinction\n"
-               "        density { Iso_TF_Extinction } }\n"
-               "#if (Iso_Emission > 0)\n"
-               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-               "        emission Iso_Emission * Iso_Extinction * %.17g\n"
-               "        density { Iso_TF_Extinction } density { Iso_TF_Color } density { Iso_Diffuse } }\n", color);
-    if (specular > 0)
-        fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-                   "        emission Iso_Emission * Iso_Extinction * %.17g\n"
-                   "        density { Iso_TF_Extinction } density { Iso_TF_Color } density { Iso_Specular } }\n",
-                color * specular);
-    fprintf(f, "#end\n}\n\n"
+               "#declare Iso_Interior = interior {\n");
+    write_layer_media(f, s, "Iso_", s->inner ? " density { Iso_Outside }" : "");
+    if (s->inner)
+        write_layer_media(f, s->inner, "Iso_Fine_", " density { Iso_Inside }");
+    fprintf(f, "}\n\n"
                "#declare Iso_Volume = box { 0, Iso_Box\n"
                "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    interior { Iso_Interior } }\n");
@@ -403,10 +419,9 @@ static void write_surface(FILE *f, const iso_povray_scene *s)
             1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, rgbs[0], rgbs[1], rgbs[2], peak);
 }
 
-void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
+/* What the media of a layer are made of. */
+static void write_layer(FILE *f, const iso_povray_scene *s)
 {
-    write_header(f, s);
-    write_placement(f, s);
     write_fields(f, s);
     if (!s->options->isosurface)
         write_transfer_function(f, s);
@@ -416,6 +431,60 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
     write_diffuse(f, s);
     if (specular_sum(s->view) > 0)
         write_specular(f, s);
+}
+
+/* The weights of the two layers: render/focus.h. */
+static void write_weights(FILE *f, const iso_focus *focus)
+{
+    const double *lo = focus->lo, *hi = focus->hi;
+    fprintf(f, "// ---- the region of interest ------------------------------------------------\n"
+               "// Iso_Inside is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
+               "#declare Iso_Focus_Outside = function (x, y, z) {\n"
+               "    max(%.17g - x, x - %.17g, %.17g - y, y - %.17g, %.17g - z, z - %.17g) }\n"
+               "#declare Iso_Focus_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Focus_Outside(x, y, z) / %.17g)) }\n"
+               "#declare Iso_Focus_Weight = function (x, y, z) { pow(Iso_Focus_Part(x, y, z), 2) * (3 - 2 * Iso_Focus_Part(x, y, z)) }\n"
+               "#declare Iso_Inside = density { function { Iso_Focus_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
+               "#declare Iso_Outside = density { function { 1 - Iso_Focus_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
+            lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(focus->band, 1e-9));
+}
+
+/* The text with its declared names made those of the finer layer; what the user sets is shared. */
+static void write_renamed(FILE *f, const char *text)
+{
+    static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale"};
+    static const char from[] = "Iso_", to[] = "Iso_Fine_";
+    for (const char *at; (at = strstr(text, from)); text = at + sizeof from - 1) {
+        bool keep = false;
+        for (size_t i = 0; i < sizeof shared / sizeof *shared; ++i)
+            keep = keep || strncmp(at, shared[i], strlen(shared[i])) == 0;
+        fprintf(f, "%.*s%s", (int)(at - text), text, keep ? from : to);
+    }
+    fputs(text, f);
+}
+
+/* The finer layer. Nothing is written when memory ends: then the declared names are missing and POV-Ray says so. */
+static void write_inner(FILE *f, const iso_povray_scene *inner)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    if (!memory)
+        return;
+    write_layer(memory, inner);
+    if (fclose(memory) == 0)
+        write_renamed(f, text);
+    free(text);
+}
+
+void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
+{
+    write_header(f, s);
+    write_placement(f, s);
+    write_layer(f, s);
+    if (s->inner) {
+        write_weights(f, s->view->focus);
+        write_inner(f, s->inner);
+    }
     if (s->options->isosurface)
         write_surface(f, s);
     else

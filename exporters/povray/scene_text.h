@@ -12,12 +12,16 @@
 #include "povray/df3.h"
 #include "povray/povray.h"
 
-/* What the texts are written from. */
+/* What the texts are written from. A region of interest has a second one, whose
+ * declared names begin with Iso_Fine_ and whose files with NAME_fine. */
 typedef struct iso_povray_scene {
     const char *name;    /* of the files */
     const char *source;  /* for the comments */
     size_t level;
-    const iso_geometry *geometry; /* of the level */
+    const iso_geometry *geometry; /* of the level: what the container stands in */
+    const iso_level *voxels;      /* the level, or what a region of interest holds of a finer one */
+    double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
+    const struct iso_povray_scene *inner;    /* the region of interest's data and TF; or NULL */
     const iso_view *view;
     const iso_class_tables *classes; /* the view's; NULL for a surface */
     const iso_tf_table *tf;          /* the view's, or the envelope of the classes */

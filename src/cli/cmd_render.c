@@ -37,7 +37,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         {"--samples", "cycles", a->samples != 0, cycles},
         {"--seed", "cycles", a->seed != 0, cycles},
         {"--shader-dir", "gl", a->shader_dir != NULL, gl},
-        {"--roi", "reference and gl", a->roi.box != NULL, reference | gl},
+        {"--roi", "reference, gl and povray", a->roi.box != NULL, reference | gl | povray},
         {"--shade-table", "gl", a->shade_table != 0, gl},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)

@@ -75,9 +75,9 @@ static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_vi
 }
 
 /* As few pieces of equally many intervals, at most 255, as make the longest chord's step at most step_voxels. */
-static void set_povray_step(const iso_level *level, double step_voxels, iso_povray_options *o)
+static void set_povray_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
 {
-    double chord_voxels = 2 * iso_geometry_box_radius_mm(&level->geometry) / iso_geometry_min_spacing_mm(&level->geometry);
+    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
     double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
     double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
     o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
@@ -94,7 +94,7 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
         o.planes = opt->planes;
         o.extrapolate = opt->extrapolate;
     } else if (opt->step_voxels > 0) {
-        set_povray_step(&p->levels[level], opt->step_voxels, &o);
+        set_povray_step(&p->levels[level].geometry, view, opt->step_voxels, &o);
     }
     o.float_directions = opt->source == ISO_FROM_FLOAT;
     o.isosurface = opt->isosurface;
