@@ -13,6 +13,7 @@
     X(convergence) \
     X(encode) \
     X(palette) \
+    X(power) \
     X(seams) \
     X(render) \
     X(tf)

@@ -81,86 +81,13 @@ static void set_entry(iso_view *view, size_t i, float r, float g, float b, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
-/* ---- planted faults: what the renderer gets differs from what is expected ---- */
-
-static void swap_xy(iso_level *level)
-{
-    for (size_t i = 0; i < iso_geometry_voxel_count(&level->geometry); ++i) {
-        uint8_t *c = level->codes + 3 * i, t = c[0];
-        c[0] = c[1];
-        c[1] = t;
-    }
-}
-
-static void reverse_scalar(iso_level *level)
-{
-    for (size_t i = 0, j = iso_geometry_voxel_count(&level->geometry) - 1; i < j; ++i, --j) {
-        float t = level->scalar[i];
-        level->scalar[i] = level->scalar[j];
-        level->scalar[j] = t;
-    }
-}
-
-/* Takes every direction back to the index and out again by the wrong matrix. */
-static void send_by_the_matrix(iso_level *level, iso_code code)
-{
-    const iso_mat3 m = level->geometry.index_to_world;
-    for (size_t i = 0; i < iso_geometry_voxel_count(&level->geometry); ++i) {
-        float d[3];
-        iso_code_decode_all(code, level->codes + 3 * i, d, 1);
-        iso_vec3 index = iso_mul(iso_mat3_transpose(m), iso_v3((double)d[0], (double)d[1], (double)d[2]));
-        iso_vec3 wrong = iso_normalize(iso_mul(m, index));
-        const float out[3] = {(float)wrong.x, (float)wrong.y, (float)wrong.z};
-        iso_code_encode(code, out, level->codes + 3 * i, 1);
-    }
-}
-
-static void plant(stage *s, iso_fault fault)
-{
-    iso_level *level = &s->pyramid.levels[0];
-    iso_geometry *g = &level->geometry;
-    float *e = s->view.tf.entries;
-    switch (fault) {
-    case ISO_FAULT_HALF_VOXEL: g->origin_mm = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5)); break;
-    case ISO_FAULT_MIRRORED:
-        for (int r = 0; r < 3; ++r)
-            g->index_to_world.m[r][0] = -g->index_to_world.m[r][0];
-        break;
-    case ISO_FAULT_STALE: reverse_scalar(level); break;
-    case ISO_FAULT_UNIT:
-        for (size_t i = 3; i < tf_entries * 4; i += 4)
-            e[i] *= 1.1f;
-        break;
-    case ISO_FAULT_SRGB:
-        for (size_t i = 0; i < tf_entries * 4; ++i)
-            e[i] = i % 4 == 3 ? e[i] : powf(e[i], 2.2f);
-        break;
-    case ISO_FAULT_RANGE: s->view.tf.hi += (s->view.tf.hi - s->view.tf.lo) / (tf_entries - 1); break;
-    case ISO_FAULT_AXIS_SWAP: swap_xy(level); break;
-    case ISO_FAULT_NOT_INVERSE_TRANSPOSE: send_by_the_matrix(level, s->pyramid.options.code); break;
-    case ISO_FAULT_LIGHT: s->view.lights[0].direction.x = -s->view.lights[0].direction.x; break;
-    case ISO_FAULT_ONE_SIDED: s->view.shading.diffuse = s->view.shading.specular = 0; break; /* the gradient looks away */
-    default: break;
-    }
-}
-
-/* Faults of the picture itself. */
-static void spoil(iso_image *image, iso_fault fault)
-{
-    for (size_t i = 0; i < image->width * image->height; ++i) {
-        float *p = image->rgba + 4 * i;
-        for (int c = 0; c < 3; ++c)
-            p[c] = fault == ISO_FAULT_PREMULTIPLIED ? p[c] * p[3] : fault == ISO_FAULT_CLIPPED ? fminf(p[c], 1) : p[c];
-    }
-}
-
 static iso_status render_stage(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(which);
-    plant(s, fault);
+    iso_fault_plant(fault, &s->pyramid, 0, &s->view);
     iso_status status = iso_render_with(r, &s->pyramid, fault == ISO_FAULT_LEVEL ? 1 : 0, &s->view, &opt, &s->got, NULL, NULL, err);
     if (status == ISO_OK)
-        spoil(&s->got, fault);
+        iso_fault_spoil(fault, &s->got);
     return status;
 }
 
@@ -333,30 +260,38 @@ static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, is
     return status;
 }
 
+static const struct {
+    iso_calibration blank;
+    iso_status (*run)(stage *, iso_renderers *, iso_renderer, iso_fault, double *, iso_error *);
+} checks[ISO_CALIBRATION_COUNT] = {
+    {{.check = "placement", .unit = "pixel", .limit = 0.02,
+      .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"}, check_placement},
+    {{.check = "slab", .unit = "largest difference", .limit = 2e-4,
+      .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"}, check_slab},
+    {{.check = "transfer function", .unit = "largest difference", .limit = 5e-4,
+      .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"}, check_transfer_function},
+    {{.check = "light", .unit = "largest difference", .limit = 5e-4,
+      .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"}, check_light},
+};
+
+iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, iso_fault fault, int check, iso_calibration *out,
+                               iso_error *err)
+{
+    stage s = {0};
+    *out = checks[check].blank;
+    iso_status status = checks[check].run(&s, r, which, fault, &out->value, err);
+    out->passed = out->value <= out->limit; /* NaN does not pass */
+    clear_stage(&s);
+    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", iso_renderer_name(which));
+}
+
 iso_status iso_calibrate(iso_renderers *r, iso_renderer which, iso_fault fault, iso_calibration out[ISO_CALIBRATION_COUNT],
                          const iso_progress *progress, iso_error *err)
 {
-    static const struct {
-        iso_calibration blank;
-        iso_status (*run)(stage *, iso_renderers *, iso_renderer, iso_fault, double *, iso_error *);
-    } checks[ISO_CALIBRATION_COUNT] = {
-        {{.check = "placement", .unit = "pixel", .limit = 0.02,
-          .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"}, check_placement},
-        {{.check = "slab", .unit = "largest difference", .limit = 2e-4,
-          .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"}, check_slab},
-        {{.check = "transfer function", .unit = "largest difference", .limit = 5e-4,
-          .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"}, check_transfer_function},
-        {{.check = "light", .unit = "largest difference", .limit = 5e-4,
-          .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"}, check_light},
-    };
     iso_status status = ISO_OK;
     for (int i = 0; i < ISO_CALIBRATION_COUNT && status == ISO_OK; ++i) {
-        stage s = {0};
-        out[i] = checks[i].blank;
         iso_progress_report(progress, "calibration", (double)i / ISO_CALIBRATION_COUNT);
-        status = checks[i].run(&s, r, which, fault, &out[i].value, err);
-        out[i].passed = out[i].value <= out[i].limit; /* NaN does not pass */
-        clear_stage(&s);
+        status = iso_calibrate_check(r, which, fault, i, &out[i], err);
     }
-    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", iso_renderer_name(which));
+    return status;
 }

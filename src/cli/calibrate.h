@@ -14,6 +14,7 @@
 #ifndef ISO_CLI_CALIBRATE_H
 #define ISO_CLI_CALIBRATE_H
 
+#include "cli/faults.h"
 #include "cli/renderers.h"
 
 enum { ISO_CALIBRATION_COUNT = 4 };
@@ -26,32 +27,12 @@ typedef struct iso_calibration {
     bool passed;
 } iso_calibration;
 
-/* Planted faults, so that tests can show that each is rejected by the check made for it: enum, name, check. */
-#define ISO_FAULT_LIST(X)                                                                    \
-    X(ISO_FAULT_HALF_VOXEL, "the volume stands half a voxel off", "placement")               \
-    X(ISO_FAULT_MIRRORED, "the direction matrix is mirrored along x", "placement")           \
-    X(ISO_FAULT_STALE, "the volume is an older one", "placement")                            \
-    X(ISO_FAULT_UNIT, "extinction is for 10 % more length", "slab")                          \
-    X(ISO_FAULT_PREMULTIPLIED, "colour is multiplied by alpha twice", "slab")                \
-    X(ISO_FAULT_SRGB, "the TF's colours are taken for sRGB", "transfer function")            \
-    X(ISO_FAULT_RANGE, "the TF's range is off by one entry", "transfer function")            \
-    X(ISO_FAULT_LEVEL, "the level is off by one", "transfer function")                       \
-    X(ISO_FAULT_AXIS_SWAP, "x and y of the directions are exchanged", "light")               \
-    X(ISO_FAULT_NOT_INVERSE_TRANSPOSE, "gradients go to the world by the matrix itself", "light") \
-    X(ISO_FAULT_LIGHT, "the light comes from the mirrored side", "light")                    \
-    X(ISO_FAULT_ONE_SIDED, "the light is one-sided", "light")                                \
-    X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")
-
-typedef enum iso_fault {
-    ISO_FAULT_NONE,
-#define ISO_FAULT_ENUM(name, text, check) name,
-    ISO_FAULT_LIST(ISO_FAULT_ENUM)
-#undef ISO_FAULT_ENUM
-    ISO_FAULT_COUNT
-} iso_fault;
-
 /* ISO_OK when all checks could be made, passed or not. */
 iso_status iso_calibrate(iso_renderers *r, iso_renderer which, iso_fault fault, iso_calibration out[ISO_CALIBRATION_COUNT],
                          const iso_progress *progress, iso_error *err);
+
+/* One check alone, by its place in the list above. */
+iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, iso_fault fault, int check, iso_calibration *out,
+                               iso_error *err);
 
 #endif

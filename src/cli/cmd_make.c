@@ -13,7 +13,7 @@
 #define SLAB_BYTES ((size_t)32 << 20)
 
 typedef struct make_options {
-    char *size, *spacing, *rotate, *type, *output;
+    char *size, *spacing, *rotate, *type, *range, *output;
     long long seed;
     int gzip;
 } make_options;
@@ -81,6 +81,27 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     return iso_geometry_check(g, "--size and --rotate", err);
 }
 
+/* "LO,HI" within the type. */
+static iso_status parse_range(const char *text, iso_type type, iso_field *field, iso_error *err)
+{
+    double least = 0, most = 0;
+    char *end, *last;
+    if (!text)
+        return ISO_OK;
+    iso_field_type_range(type, &least, &most);
+    if (type == ISO_F32 || type == ISO_F64)
+        least = -1e30, most = 1e30;
+    field->range[0] = strtod(text, &end);
+    field->range[1] = *end == ',' ? strtod(end + 1, &last) : NAN;
+    bool good = end != text && *end == ',' && last != end + 1 && !*last;
+    for (int i = 0; i < 2; ++i)
+        good = good && field->range[i] >= least && field->range[i] <= most;
+    if (!good)
+        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", wanted LO,HI, each %g to %g", text, least, most);
+    field->has_range = true;
+    return ISO_OK;
+}
+
 static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso_type type, const iso_cli *cli, iso_error *err)
 {
     const size_t *n = field->geometry.size;
@@ -109,6 +130,8 @@ static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_e
     iso_status status = iso_field_from_name(cli->arguments[0], &field.kind, err);
     if (status == ISO_OK)
         status = iso_type_from_name(opt->type ? opt->type : "uint16", &like.type, err);
+    if (status == ISO_OK)
+        status = parse_range(opt->range, like.type, &field, err);
     if (status == ISO_OK)
         status = parse_geometry(opt, &field.geometry, err);
     like.geometry = field.geometry;
@@ -139,6 +162,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "mm along the axes of the grid (1)", "SXxSYxSZ"},
         {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows", "NUMBERS"},
         {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
+        {"range", 0, POPT_ARG_STRING, &opt.range, 0, "what the values 0 and 1 become (the type's whole range; 0,1 for floats)", "LO,HI"},
         {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise and vessels", "N"},
         {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress", NULL},
         POPT_TABLEEND,
@@ -153,7 +177,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             status = make_volume(&cli, &opt, err);
     }
     iso_cli_end(&cli);
-    char *texts[] = {opt.size, opt.spacing, opt.rotate, opt.type, opt.output};
+    char *texts[] = {opt.size, opt.spacing, opt.rotate, opt.type, opt.range, opt.output};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i)
         free(texts[i]);
     return status;

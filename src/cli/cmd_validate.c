@@ -12,29 +12,9 @@
 
 typedef struct validate_arguments {
     iso_cli_input input;
-    char *scene, *output, *size, *with, *code, *junit;
+    char *scene, *output, *size, *with, *code, *junit, *suite;
     int level_count, quick;
 } validate_arguments;
-
-/* "gl,povray": the reference is always there. */
-static iso_status parse_with(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err)
-{
-    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
-        wanted[i] = !list;
-    wanted[ISO_WITH_REFERENCE] = true;
-    if (!list)
-        return ISO_OK;
-    char *copy = strdup(list), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
-        iso_renderer r;
-        status = iso_renderer_from_name(name, &r, err);
-        if (status == ISO_OK)
-            wanted[r] = true;
-    }
-    free(copy);
-    return status;
-}
 
 static char *scene_name_of(const char *path)
 {
@@ -48,6 +28,8 @@ static char *scene_name_of(const char *path)
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const char *size)
 {
+    v->image_prefix = v->variant = v->build_options = v->render_options = "";
+    v->seeds = v->quick ? 3 : 4;
     v->consistency_size = v->quick ? 96 : 160;
     v->consistency_views = v->quick ? 3 : 6;
     if (v->quick && !size) {
@@ -57,35 +39,40 @@ static void scale_down(iso_validation *v, iso_scene *scene, const char *size)
     }
 }
 
-static void describe_options(const validate_arguments *a, const iso_validation *v)
+static void describe_options(const validate_arguments *a, const iso_validation *v, iso_code code)
 {
     iso_report *r = v->report;
     iso_report_put(r, "options", "quick", json_boolean(a->quick));
-    iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
-    iso_report_put(r, "options", "image", json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
-    iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
-    iso_report_put(r, "options", "code", json_string(iso_code_describe(v->pyramid->options.code)->name));
-    iso_report_put(r, "options", "direction_filter", json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
+    if (v->pyramid) {
+        iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
+        iso_report_put(r, "options", "image", json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
+        iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
+        iso_report_put(r, "options", "direction_filter", json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
+    }
+    iso_report_put(r, "options", "code", json_string(iso_code_describe(code)->name));
+    iso_report_put(r, "options", "seeds_of_cycles", json_integer((json_int_t)v->seeds));
     iso_report_put(r, "versions", "isoshade", json_string(ISO_VERSION));
     iso_report_describe_machine(r);
 }
 
-static iso_status run_stages(const validate_arguments *a, iso_validation *v, iso_error *err)
+/* A stage and the seconds that it takes. */
+static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *), iso_error *err)
 {
-    static const struct {
-        const char *name;
-        iso_status (*run)(iso_validation *, iso_error *);
-    } stages[] = {{"calibration", iso_validate_renderers}, {"agreement", iso_validate_agreement}, {"consistency", iso_validate_consistency}};
-    iso_status status = ISO_OK;
-    describe_options(a, v);
-    for (size_t i = 0; i < sizeof stages / sizeof *stages && status == ISO_OK; ++i) {
-        double start = iso_clock_seconds();
-        status = stages[i].run(v, err);
-        iso_report_put(v->report, "seconds", stages[i].name, json_real(iso_clock_seconds() - start));
-    }
-    iso_progress_report(v->progress, "report", 0);
-    if (status == ISO_OK && a->junit)
-        status = iso_report_write_junit(v->report, a->junit, err);
+    double start = iso_clock_seconds();
+    iso_status status = run(v, err);
+    iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
+    return status;
+}
+
+static iso_status run_stages(iso_validation *v, iso_error *err)
+{
+    iso_status status = run_stage(v, "calibration", iso_validate_renderers, err);
+    if (status == ISO_OK)
+        status = run_stage(v, "agreement", iso_validate_agreement, err);
+    if (status == ISO_OK)
+        status = run_stage(v, "methods", iso_validate_methods, err);
+    if (status == ISO_OK)
+        status = run_stage(v, "consistency", iso_validate_consistency, err);
     return status;
 }
 
@@ -109,6 +96,20 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
     }
 }
 
+/* Summary, charts and page; the verdict. */
+static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
+{
+    iso_report_summary summary = iso_report_summarise(v->report);
+    iso_progress_report(v->progress, "report", 0);
+    iso_status status = a->junit ? iso_report_write_junit(v->report, a->junit, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = iso_report_finish(v->report, err);
+    if (status != ISO_OK)
+        return status;
+    print_result(a, cli, v, &summary);
+    return verdict(v, &summary, err);
+}
+
 static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -120,22 +121,17 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
                                     .volume = cli->arguments[0], .scene = a->scene};
     scale_down(&v, scene, a->size);
-    iso_status status = parse_with(a->with, v.wanted, err);
+    iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
         status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max, &view, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
+    if (status == ISO_OK) {
+        describe_options(a, &v, pyramid->options.code);
+        status = run_stages(&v, err);
+    }
     if (status == ISO_OK)
-        status = run_stages(a, &v, err);
-    iso_report_summary summary = {0};
-    if (status == ISO_OK) {
-        summary = iso_report_summarise(v.report);
-        status = iso_report_finish(v.report, err);
-    }
-    if (status == ISO_OK) {
-        print_result(a, cli, &v, &summary);
-        status = verdict(&v, &summary, err);
-    }
+        status = finish(a, cli, &v, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_view_destroy(&view);
@@ -144,32 +140,78 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     return status;
 }
 
-static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_error *err)
+static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
-    iso_status status = iso_cli_check_range("--levels", a->level_count, 0, 16, err);
-    if (status == ISO_OK && !a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
-    if (status == ISO_OK && !a->scene)
+    iso_status status = ISO_OK;
+    if (!a->scene)
         status = iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    if (status == ISO_OK && a->code)
-        status = iso_code_from_name(a->code, &build.code, err);
-    build.level_count = a->level_count > 0 ? (size_t)a->level_count : a->quick ? 3 : 4;
-    build.threads = cli->threads;
+    build->level_count = a->level_count > 0 ? (size_t)a->level_count : a->quick ? 3 : 4;
     if (status == ISO_OK)
         status = iso_scene_load(a->scene, &scene, err);
     if (status == ISO_OK && a->size)
         status = iso_cli_parse_image_size(a->size, &scene.width, &scene.height, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = validate(a, cli, &pyramid, &scene, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     return status;
+}
+
+static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build, iso_error *err)
+{
+    enum { quick_pixels = 48 };
+    iso_progress progress = iso_cli_progress(cli);
+    char *line = iso_cli_command_line(cli);
+    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = a->quick ? 3 : 4, .progress = &progress};
+    iso_suite_options suite = {.folder = a->suite, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
+                               .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
+    const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
+    double start = iso_clock_seconds();
+    v.image_prefix = v.variant = v.build_options = v.render_options = "";
+    iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
+    if (status == ISO_OK && a->size)
+        status = iso_cli_parse_image_size(a->size, &suite.width, &suite.height, err);
+    if (status == ISO_OK)
+        status = iso_report_create(&v.report, a->output, &about, err);
+    if (status == ISO_OK) {
+        describe_options(a, &v, build->code);
+        status = run_stage(&v, "calibration", iso_validate_renderers, err);
+    }
+    if (status == ISO_OK)
+        status = iso_validate_suite(&v, &suite, err);
+    if (status == ISO_OK) {
+        iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
+        status = finish(a, cli, &v, err);
+    }
+    iso_report_destroy(v.report);
+    iso_renderers_end(&v.renderers);
+    free(line);
+    return status;
+}
+
+static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_status status = iso_cli_check_range("--levels", a->level_count, 0, 16, err);
+    if (status == ISO_OK && !a->output)
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
+    if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
+        status = iso_fail(err, ISO_E_USAGE, a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
+                                                     : "wanted a volume or a pyramid, or --suite",
+                          a->suite ? cli->arguments[0] : "");
+    if (status == ISO_OK && a->suite && a->scene)
+        status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other");
+    if (status == ISO_OK && a->code)
+        status = iso_code_from_name(a->code, &build.code, err);
+    build.threads = cli->threads;
+    if (status != ISO_OK)
+        return status;
+    return a->suite ? validate_suite(a, cli, &build, err) : load_and_validate(a, cli, &build, err);
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
@@ -179,6 +221,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},
+        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "the scenes of a folder, each with the volume that it says how to make", "DIR"},
         {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
@@ -190,9 +233,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = load_and_validate(&a, &cli, err);
+        status = check_and_run(&a, &cli, err);
     iso_cli_end(&cli);
     return status;
 }

@@ -1,7 +1,9 @@
+#define _GNU_SOURCE
 #include "cli/renderers.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
@@ -20,6 +22,8 @@ static const struct {
 const char *iso_renderer_name(iso_renderer r) { return renderers[r].name; }
 const char *iso_renderer_title(iso_renderer r) { return renderers[r].title; }
 
+bool iso_renderer_has_isosurfaces(iso_renderer r) { return r != ISO_WITH_CYCLES; }
+
 iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *err)
 {
     for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
@@ -28,6 +32,25 @@ iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *
             return ISO_OK;
         }
     return iso_fail(err, ISO_E_USAGE, "no renderer is called \"%s\"; wanted reference, gl, cycles or povray", name);
+}
+
+iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err)
+{
+    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+        wanted[i] = !list;
+    wanted[ISO_WITH_REFERENCE] = true;
+    if (!list)
+        return ISO_OK;
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        iso_renderer r = ISO_WITH_REFERENCE;
+        status = iso_renderer_from_name(name, &r, err);
+        if (status == ISO_OK)
+            wanted[r] = true;
+    }
+    free(copy);
+    return status;
 }
 
 iso_render_options iso_render_defaults(iso_renderer r)
@@ -61,8 +84,7 @@ static iso_status render_reference(const iso_level *level, iso_code code, const 
     return iso_reference_render(level, code, view, &o, image, progress, err);
 }
 
-static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
-                                iso_image *image, const iso_progress *progress, iso_error *err)
+static iso_blender_options blender_options(const iso_render_options *opt)
 {
     iso_blender_options o = iso_blender_defaults();
     if (opt->step_voxels > 0)
@@ -71,6 +93,13 @@ static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_vi
         o.samples = opt->samples;
     o.seed = opt->seed;
     o.threads = opt->threads;
+    return o;
+}
+
+static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
+                                iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    iso_blender_options o = blender_options(opt);
     return iso_cycles_render(p, level, view, &o, image, progress, err);
 }
 
@@ -110,7 +139,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     *image = (iso_image){0};
     if (level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
-    if (opt->isosurface && opt->renderer == ISO_WITH_CYCLES)
+    if (opt->isosurface && !iso_renderer_has_isosurfaces(opt->renderer))
         return iso_fail(err, ISO_E_USAGE, "isosurfaces are rendered by reference, gl and povray, not by %s",
                         iso_renderer_name(opt->renderer));
     const iso_level *l = &p->levels[level];
@@ -136,6 +165,34 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     }
     if (seconds)
         *seconds = drawing >= 0 ? drawing : iso_clock_seconds() - start;
+    return status;
+}
+
+static iso_status render_cycles_frames(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *frames,
+                                       size_t count, iso_image *images, const iso_progress *progress, iso_error *err)
+{
+    iso_blender_options *o = malloc(count * sizeof *o);
+    if (!o)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
+    for (size_t i = 0; i < count; ++i)
+        o[i] = blender_options(&frames[i]);
+    iso_status status = iso_cycles_render_frames(p, level, view, o, count, images, progress, err);
+    free(o);
+    return status;
+}
+
+iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                              const iso_render_options *frames, size_t count, iso_image *images,
+                              const iso_progress *progress, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    memset(images, 0, count * sizeof *images);
+    if (count > 0 && level < p->level_count && frames[0].renderer == ISO_WITH_CYCLES)
+        return render_cycles_frames(p, level, view, frames, count, images, progress, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = iso_render_with(r, p, level, view, &frames[i], &images[i], NULL, progress, err);
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
     return status;
 }
 

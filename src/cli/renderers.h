@@ -29,7 +29,12 @@ typedef enum iso_renderer {
 
 const char *iso_renderer_name(iso_renderer r);
 const char *iso_renderer_title(iso_renderer r);
+/* First hits of a value. */
+bool iso_renderer_has_isosurfaces(iso_renderer r);
 iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *err);
+
+/* "gl,povray"; NULL: all. The reference is always wanted. */
+iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err);
 
 typedef struct iso_render_options {
     iso_renderer renderer;
@@ -58,6 +63,12 @@ iso_status iso_renderers_need_gl(iso_renderers *r, iso_error *err);
 iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                            const iso_render_options *opt, iso_image *image, double *seconds,
                            const iso_progress *progress, iso_error *err);
+
+/* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of frames[i].
+ * Cycles starts once for all. All or none are created. */
+iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                              const iso_render_options *frames, size_t count, iso_image *images,
+                              const iso_progress *progress, iso_error *err);
 
 /* "Blender 3.4.1", "POV-Ray 3.7.0.10", "llvmpipe ...": what answers, or why nothing does. */
 iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text, size_t size, iso_error *err);

@@ -1,13 +1,16 @@
 /* validate.h - the parts of `isoshade validate`, the main job.
  *
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)
- *   agreement      each level: every renderer against the double-precision reference
+ *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
+ *                  samples and by the limits of halved steps (limits.h), as the scene's tier has it
+ *   methods        the same for each way to make directions, and for adapted TFs
  *   consistency    each level and each way to make directions, against level 0
  *
  * All of it goes into one report (compare/report.h). */
 #ifndef ISO_CLI_VALIDATE_H
 #define ISO_CLI_VALIDATE_H
 
+#include "cli/limits.h"
 #include "cli/renderers.h"
 #include "compare/report.h"
 
@@ -16,7 +19,13 @@ typedef struct iso_validation {
     const iso_scene *scene;
     const iso_view *view;
     const char *volume_path, *scene_path, *scene_name;
+    const char *make;         /* of a scene of a suite: what `isoshade make` makes the volume of; or NULL */
+    const char *image_prefix; /* of the report's images: "" or "NAME-" */
+    /* What sets rows of other directions or TFs apart; "" and ISO_FROM_CODES for the pyramid's own. */
+    const char *variant, *build_options, *render_options;
+    iso_direction_source source;
     bool quick;
+    size_t seeds;             /* of Cycles */
     bool wanted[ISO_RENDERER_COUNT];
     char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
     size_t consistency_size, consistency_views;
@@ -31,6 +40,38 @@ typedef struct iso_validation {
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
+
+/* One level of what v holds: the ray caster and POV-Ray by the same samples, Cycles by its limit. */
+iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
+
+/* The ways to make directions. */
+typedef struct iso_method {
+    const char *name;
+    iso_direction_filter filter;
+    iso_direction_source source;
+} iso_method;
+extern const iso_method iso_methods[];
+extern const size_t iso_method_count;
+/* Level 0's scalar, built again with another direction filter. */
+iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
+
+iso_status iso_validate_methods(iso_validation *v, iso_error *err);
+
+/* What the ray caster's lock-step is held to: the same samples in float instead of double. */
+extern const iso_limits iso_validate_gl_lock_step;
+
+/* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
+ * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
+
+/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
+typedef struct iso_suite_options {
+    const char *folder;
+    size_t width, height; /* of all images; 0: the scenes' own */
+    size_t level_count;
+    iso_code code;
+} iso_suite_options;
+iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
 
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 

@@ -1,30 +1,39 @@
-/* validate_agreement.c - every renderer against the reference, level by level. */
+/* validate_agreement.c - every renderer against the closed form or the reference, level by level. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/closed_form.h"
+#include "cli/limits.h"
 #include "cli/validate.h"
 
 /* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
 enum { lock_step_intervals = 128 };
 
-/* One comparison: what is rendered, against which image of the reference, and what is asked of it. */
-typedef struct match {
-    const char *id, *a, *b, *tier;
-    iso_render_options reference, other;
-    bool has_coarser; /* a second render at twice the step gives the error bar */
-    iso_render_options coarser;
-    iso_limits limits;
-    const char *why;
-    bool informative;
-} match;
+/* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
+static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
+/* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
+ * Bends and steps between the samples have random phases, so that there single halvings do as badly as first order. */
+static const double smooth_left = 0.354, sharp_left = 0.5;
 
-enum { match_count = 5 };
+const iso_limits iso_validate_gl_lock_step = {.rmse = 1e-6, .max_abs = 2e-5};
+/* POV-Ray writes 16 bits a channel: 7.6e-6. */
+static const iso_limits povray_lock_step = {.max_abs = 2e-5};
 
-/* What "converged" means for the two programs whose step stays in the image. */
-static const double converged_step = 1.0 / 16;
+/* What a level is compared with, rendered once. */
+typedef struct truth {
+    const char *name;     /* "closed form", "reference" */
+    char image_name[96];
+    iso_image image;
+} truth;
+
+typedef struct level_truths {
+    truth main;     /* closed form, or the reference from the codes */
+    truth exported; /* the reference from decoded directions, where that is another image */
+    bool differ;
+} level_truths;
 
 /* The exports carry decoded directions, so the reference takes the same; for linear codes nothing changes. */
 static iso_direction_source exported_source(const iso_validation *v)
@@ -32,83 +41,43 @@ static iso_direction_source exported_source(const iso_validation *v)
     return iso_code_describe(v->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;
 }
 
-static void describe_matches(const iso_validation *v, match m[match_count])
+static void name_image(const iso_validation *v, size_t level, const char *what, char name[96])
 {
-    const iso_scene_agreement *asked = &v->scene->agreement;
-    iso_direction_source exported = exported_source(v);
-    for (int i = 0; i < match_count; ++i) {
-        m[i] = (match){.reference = iso_render_defaults(ISO_WITH_REFERENCE), .other = iso_render_defaults(ISO_WITH_GL)};
-        m[i].reference.threads = m[i].other.threads = v->threads;
-    }
-    m[0].id = "gl-lockstep", m[0].a = "reference, same samples", m[0].b = "gl", m[0].tier = "lock-step";
-    m[0].reference.quadrature = ISO_QUADRATURE_MIDPOINT;
-    m[0].limits = (iso_limits){.rmse = 1e-6, .max_abs = 2e-5};
-    m[0].why = "the same samples in float instead of double";
-
-    m[1].id = "gl-converged", m[1].a = "reference", m[1].b = "gl", m[1].tier = "convergence";
-    m[1].has_coarser = true;
-    m[1].informative = true;
-    m[1].why = "what the scene's own ray step costs; reported, not asked for";
-
-    m[2].id = "povray-lockstep", m[2].a = "reference, same samples", m[2].b = "povray", m[2].tier = "lock-step";
-    m[2].reference.quadrature = ISO_QUADRATURE_POVRAY;
-    m[2].reference.intervals = m[2].other.intervals = lock_step_intervals;
-    m[2].limits = (iso_limits){.max_abs = 2e-5};
-    m[2].why = "the same samples; POV-Ray writes 16 bits a channel (7.6e-6)";
-
-    m[3].id = "povray-converged", m[3].a = "reference", m[3].b = "povray", m[3].tier = "convergence";
-    m[3].has_coarser = !v->quick; /* half of POV-Ray's time again */
-    m[3].limits = (iso_limits){.rmse = asked->povray_rmse};
-    m[3].why = asked->why;
-
-    m[4].id = "cycles", m[4].a = "reference", m[4].b = "cycles", m[4].tier = "convergence";
-    m[4].has_coarser = true;
-    m[4].limits = (iso_limits){.rmse = asked->cycles_rmse};
-    m[4].why = asked->why;
-
-    m[2].other.renderer = m[3].other.renderer = ISO_WITH_POVRAY;
-    m[4].other.renderer = ISO_WITH_CYCLES;
-    m[2].reference.source = m[3].reference.source = m[4].reference.source = exported;
-    m[3].other.step_voxels = m[4].other.step_voxels = converged_step;
-    for (int i = 0; i < match_count; ++i)
-        m[i].coarser = m[i].other;
-    m[1].coarser.step_voxels = 2 * v->view->step_voxels;
-    m[3].coarser.step_voxels = m[4].coarser.step_voxels = 2 * converged_step;
+    snprintf(name, 96, "%.50slevel-%zu-%.30s", v->image_prefix, level, what);
 }
 
-/* The converged image of a level serves several matches. */
-typedef struct kept_image {
-    bool there;
-    char name[64];
-    iso_image image;
-} kept_image;
-
-static iso_status render(iso_validation *v, size_t level, const iso_render_options *opt, const char *name,
-                         const char *caption, iso_image *image, iso_error *err)
+static iso_status add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption, iso_error *err)
 {
-    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, opt, image, NULL, v->progress, err);
-    if (status == ISO_OK && name)
-        status = iso_report_add_image(v->report, name, image, caption, NULL, err);
-    if (status == ISO_OK && name)
+    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
+    if (status == ISO_OK)
         iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
     return status;
 }
 
-/* The line that repeats the other side of a match. */
-static char *reproduce(const iso_validation *v, size_t level, const match *m)
+static void tell(const iso_validation *v, size_t level, const char *what)
 {
-    char *text = NULL, extra[96] = "";
+    char stage[160];
+    snprintf(stage, sizeof stage, "%s%slevel %zu: %s", v->variant, v->variant[0] ? ", " : "", level, what);
+    iso_progress_report(v->progress, stage, 0);
+}
+
+/* The line that repeats a row's other side. */
+static char *reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options)
+{
+    char *text = NULL;
     size_t size = 0;
-    if (m->other.intervals)
-        snprintf(extra, sizeof extra, " --intervals %zu", m->other.intervals);
-    else if (m->other.step_voxels > 0)
-        snprintf(extra, sizeof extra, " --step %g", m->other.step_voxels);
-    FILE *memory = open_memstream(&text, &size);
-    if (!memory)
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
         return NULL;
-    fprintf(memory, "isoshade render %s --scene %s --with %s --level %zu --size %zux%zu%s -o %s-level-%zu.exr", v->volume_path,
-            v->scene_path, iso_renderer_name(m->other.renderer), level, v->view->width, v->view->height, extra, m->id, level);
-    fclose(memory);
+    const bool built = v->build_options[0] != 0;
+    if (v->make)
+        fprintf(f, "isoshade make %s -o %s && ", v->make, v->volume_path);
+    if (built)
+        fprintf(f, "isoshade build %s %s --levels %zu -o variant.iso && ", v->volume_path, v->build_options, v->pyramid->level_count);
+    fprintf(f, "isoshade render %s --scene %s --with %s --level %zu --size %zux%zu%s%s -o %s-level-%zu.exr",
+            built ? "variant.iso" : v->volume_path, v->scene_path, iso_renderer_name(renderer), level, v->view->width,
+            v->view->height, v->render_options, options, iso_renderer_name(renderer), level);
+    fclose(f);
     return text;
 }
 
@@ -120,95 +89,289 @@ static bool shows_nothing(const iso_image *image)
     return true;
 }
 
-static iso_status add_row(iso_validation *v, size_t level, const match *m, const char *name_a, const char *name_b,
-                          const iso_image *a, const iso_image *b, double error_bar, iso_error *err)
+/* A row, its image b and what they have in common; *row has names, limits and gates. */
+static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a, const char *what,
+                          const iso_image *b, iso_renderer renderer, const char *options, iso_error *err)
 {
-    iso_report_agreement row = {.level = level, .scene = v->scene_name, .a = m->a, .b = m->b, .image_a = name_a,
-                                .image_b = name_b, .tier = m->tier, .error_bar = error_bar, .limits = m->limits,
-                                .why = m->why, .informative = m->informative};
-    const char *refused = v->refused[m->other.renderer];
-    iso_status status = ISO_OK;
-    if (refused[0])
-        row.refused = refused, row.image_a = row.image_b = NULL;
-    else
-        status = iso_metrics_measure(a, b, &row.metrics, err);
-    if (!refused[0] && shows_nothing(a) && shows_nothing(b)) { /* two empty images prove nothing */
-        row.informative = true;
-        row.why = "the transfer function shows nothing of this level";
-    }
-    char *command = reproduce(v, level, m);
-    row.command = command;
+    char name[96], b_name[128];
+    name_image(v, level, what, name);
+    snprintf(b_name, sizeof b_name, "%s%s%s", row->b, v->variant[0] ? ", " : "", v->variant);
+    row->b = b_name;
+    row->level = level;
+    row->scene = v->scene_name;
+    row->a = row->a ? row->a : a->name;
+    row->image_a = a->image_name;
+    row->image_b = name;
+    iso_status status = add_image(v, name, b, row->b, err);
     if (status == ISO_OK)
-        status = iso_report_add_agreement(v->report, &row, err);
+        status = iso_metrics_measure(&a->image, b, &row->metrics, err);
+    /* Two empty images prove nothing, unless emptiness is the scene's point. */
+    if (v->scene->agreement.tier != ISO_TIER_CLOSED_FORM && shows_nothing(&a->image) && shows_nothing(b)) {
+        row->informative = true;
+        row->why = "the transfer function shows nothing of this level";
+    }
+    char *command = reproduce(v, level, renderer, options);
+    row->command = command;
+    if (status == ISO_OK)
+        status = iso_report_add_agreement(v->report, row, err);
     free(command);
     return status;
 }
 
-/* RMSE between the step and its double: what the step alone explains. */
-static iso_status measure_error_bar(iso_validation *v, size_t level, const match *m, const iso_image *fine, double *bar, iso_error *err)
+static iso_status add_refusal(iso_validation *v, size_t level, const char *a, iso_renderer renderer, const char *tier,
+                              iso_error *err)
 {
-    iso_image coarse = {0};
-    iso_metrics metrics = {0};
-    iso_status status = render(v, level, &m->coarser, NULL, NULL, &coarse, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(fine, &coarse, &metrics, err);
-    iso_image_destroy(&coarse);
-    *bar = metrics.rmse;
-    return status;
+    char b_name[128];
+    snprintf(b_name, sizeof b_name, "%s%s%s", iso_renderer_name(renderer), v->variant[0] ? ", " : "", v->variant);
+    const iso_report_agreement row = {.level = level, .scene = v->scene_name, .a = a, .b = b_name, .tier = tier,
+                                      .error_bar = NAN, .refused = v->refused[renderer]};
+    return iso_report_add_agreement(v->report, &row, err);
 }
 
-static iso_status reference_image(iso_validation *v, size_t level, const match *m, kept_image *converged, kept_image *own,
-                                  const kept_image **out, iso_error *err)
+/* ---- truths ---- */
+
+static iso_status render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, iso_direction_source source,
+                                   iso_image *image, iso_error *err)
 {
-    bool shared = m->reference.quadrature == ISO_QUADRATURE_CONVERGED && m->reference.source == ISO_FROM_CODES;
-    kept_image *keep = shared ? converged : own;
-    *out = keep;
-    if (keep->there)
-        return ISO_OK;
-    snprintf(keep->name, sizeof keep->name, "level-%zu-reference%s%s", level, shared ? "" : "-for-", shared ? "" : m->id);
-    iso_status status = render(v, level, &m->reference, keep->name, m->a, &keep->image, err);
-    keep->there = status == ISO_OK;
-    return status;
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    opt.quadrature = quadrature;
+    opt.source = source;
+    opt.intervals = lock_step_intervals;
+    opt.threads = v->threads;
+    return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
 }
 
-static iso_status run_match(iso_validation *v, size_t level, const match *m, kept_image *converged, iso_error *err)
+/* The arbiter itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
+static iso_status check_reference(iso_validation *v, size_t level, const truth *formula, iso_error *err)
 {
-    char name[64];
-    kept_image own = {0};
-    const kept_image *reference = NULL;
     iso_image image = {0};
-    double bar = NAN;
-    if (v->refused[m->other.renderer][0])
-        return add_row(v, level, m, NULL, NULL, NULL, NULL, bar, err);
-    snprintf(name, sizeof name, "level-%zu-%s", level, m->id);
-    iso_status status = reference_image(v, level, m, converged, &own, &reference, err);
+    iso_report_agreement row = {.b = "reference", .tier = iso_tier_name(ISO_TIER_CLOSED_FORM), .error_bar = NAN,
+                                .limits = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
+    iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
-        status = render(v, level, &m->other, name, m->b, &image, err);
-    if (status == ISO_OK && m->has_coarser)
-        status = measure_error_bar(v, level, m, &image, &bar, err);
-    if (status == ISO_OK)
-        status = add_row(v, level, m, reference->name, name, &reference->image, &image, bar, err);
-    iso_image_destroy(&own.image);
+        status = add_row(v, level, &row, formula, "reference", &image, ISO_WITH_REFERENCE, "", err);
     iso_image_destroy(&image);
+    return status;
+}
+
+static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, iso_error *err)
+{
+    const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
+    iso_status status;
+    *t = (level_truths){.main = {.name = formula ? "closed form" : "reference"}, .exported = {.name = "reference, decoded"}};
+    t->differ = !formula && exported_source(v) != ISO_FROM_CODES;
+    tell(v, level, t->main.name);
+    name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
+    name_image(v, level, "reference-decoded", t->exported.image_name);
+    if (formula)
+        status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image, err);
+    else
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &t->main.image, err);
+    if (status == ISO_OK)
+        status = add_image(v, t->main.image_name, &t->main.image, t->main.name, err);
+    if (status == ISO_OK && t->differ)
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_DECODED, &t->exported.image, err);
+    if (status == ISO_OK && t->differ)
+        status = add_image(v, t->exported.image_name, &t->exported.image, t->exported.name, err);
+    return status == ISO_OK && formula ? check_reference(v, level, &t->main, err) : status;
+}
+
+/* ---- lock-step: the same samples ---- */
+
+static iso_status lock_step(iso_validation *v, size_t level, iso_renderer renderer, iso_error *err)
+{
+    const bool gl = renderer == ISO_WITH_GL;
+    const char *what = gl ? "gl-lockstep" : "povray-lockstep";
+    truth same = {.name = "reference, same samples"};
+    iso_image image = {0};
+    iso_render_options opt = iso_render_defaults(renderer);
+    iso_report_agreement row = {.b = iso_renderer_name(renderer), .tier = "lock-step", .error_bar = NAN,
+                                .limits = gl ? iso_validate_gl_lock_step : povray_lock_step,
+                                .why = gl ? "the same samples in float instead of double"
+                                          : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6)"};
+    if (v->refused[renderer][0])
+        return add_refusal(v, level, same.name, renderer, row.tier, err);
+    tell(v, level, what);
+    opt.threads = v->threads;
+    opt.source = gl ? v->source : ISO_FROM_CODES;
+    opt.intervals = gl ? 0 : lock_step_intervals;
+    snprintf(same.image_name, sizeof same.image_name, "%.50slevel-%zu-reference-%s", v->image_prefix, level, what);
+    iso_status status = render_reference(v, level, gl ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_POVRAY,
+                                         gl ? v->source : exported_source(v), &same.image, err);
+    if (status == ISO_OK)
+        status = add_image(v, same.image_name, &same.image, same.name, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+    if (status == ISO_OK)
+        status = add_row(v, level, &row, &same, what, &image, renderer, gl ? "" : " --intervals 128", err);
+    iso_image_destroy(&same.image);
+    iso_image_destroy(&image);
+    return status;
+}
+
+/* ---- limits ---- */
+
+static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *limit_to_json(const iso_limit *l)
+{
+    json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
+                          number(l->coarse_rmse), "rmse_at_the_step", number(l->fine_rmse), "order", number(l->order),
+                          "step_bar", number(l->step_bar), "seeds", (json_int_t)l->seeds);
+    if (l->seeds < 2)
+        return o;
+    const iso_noise_test *n = &l->noise;
+    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar", number(l->noise_bar),
+                                        "pixels_tested", (json_int_t)n->tests, "pixels_beyond_chance",
+                                        (json_int_t)n->rejected, "smallest_p", number(n->smallest_p), "sidak_significance",
+                                        number(n->pixel_significance), "signed_bias", number(n->bias),
+                                        "standard_error_of_bias", number(n->bias_error), "mean_local_error",
+                                        number(n->mean_abs)));
+    return o;
+}
+
+static void add_gate(iso_report_agreement *row, const char *name, double value, double limit)
+{
+    row->gates[row->gate_count++] = (iso_report_gate){name, value, limit};
+}
+
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l, iso_report_agreement *row)
+{
+    row->error_bar = l->bar;
+    row->limits = (iso_limits){.rmse = ISO_LIMIT_BARS * l->bar + ISO_LIMIT_ROUNDING};
+    add_gate(row, "error bar", l->bar, asked->sharp ? sharp_bar : smooth_bar);
+    add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
+    if (l->seeds > 1) {
+        add_gate(row, "pixels beyond chance", (double)l->noise.rejected, 0);
+        add_gate(row, "bias beyond chance", l->noise.biased, 0);
+    }
+    if (asked->tier == ISO_TIER_LIT) { /* below what a person sees when the images alternate */
+        row->limits.flip_mean = 0.01;
+        row->limits.ssim_dissimilarity = 0.001;
+    }
+}
+
+static iso_limit_options limit_options(const iso_validation *v, iso_renderer renderer)
+{
+    iso_limit_options o = iso_limit_defaults();
+    o.seeds = v->seeds;
+    o.threads = v->threads;
+    o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
+    if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
+        o.wanted_bar /= 4;
+    if (renderer == ISO_WITH_GL) /* costs nothing */
+        o.step_voxels = 1.0 / 16;
+    return o;
+}
+
+static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer renderer, const level_truths *t, iso_error *err)
+{
+    const truth *a = t->differ && renderer != ISO_WITH_GL ? &t->exported : &t->main;
+    const iso_scene_agreement *asked = &v->scene->agreement;
+    char what[32], options[64], b[64];
+    iso_limit limit = {0};
+    iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
+                                .why = asked->why};
+    snprintf(b, sizeof b, "%s, limit", iso_renderer_name(renderer));
+    if (v->refused[renderer][0])
+        return add_refusal(v, level, a->name, renderer, row.tier, err);
+    snprintf(what, sizeof what, "%s-limit", iso_renderer_name(renderer));
+    tell(v, level, what);
+    iso_limit_options opt = limit_options(v, renderer);
+    iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
+                                       v->progress, err);
+    if (status == ISO_OK) {
+        snprintf(options, sizeof options, " --step %g", limit.step_voxels);
+        iso_validate_limit_row(asked, &limit, &row);
+        row.statistics = limit_to_json(&limit);
+        status = add_row(v, level, &row, a, what, &limit.image, renderer, options, err);
+    }
+    json_decref(row.statistics);
+    iso_limit_destroy(&limit);
+    return status;
+}
+
+/* ---- first hits ---- */
+
+static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
+{
+    const iso_level *l0 = &v->pyramid->levels[0];
+    truth a = {.name = "reference, first hit"};
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    char options[64];
+    opt.isosurface = true;
+    opt.iso = l0->min + v->scene->suite_isosurface * (l0->max - l0->min);
+    opt.threads = v->threads;
+    opt.source = exported_source(v);
+    name_image(v, level, "reference", a.image_name);
+    tell(v, level, a.name);
+    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress, err);
+    if (status == ISO_OK)
+        status = add_image(v, a.image_name, &a.image, a.name, err);
+    snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
+    for (int i = 0; i < ISO_RENDERER_COUNT && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
+        iso_report_agreement row = {.b = iso_renderer_name((iso_renderer)i), .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
+                                    .error_bar = NAN, .limits = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
+        opt.renderer = (iso_renderer)i;
+        if (!iso_renderer_has_isosurfaces(opt.renderer) || i == ISO_WITH_REFERENCE || !v->wanted[i])
+            continue;
+        if (v->refused[i][0]) {
+            status = add_refusal(v, level, a.name, opt.renderer, row.tier, err);
+            continue;
+        }
+        tell(v, level, row.b);
+        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+        if (status == ISO_OK)
+            status = add_row(v, level, &row, &a, row.b, &image, opt.renderer, options, err);
+        iso_image_destroy(&image);
+    }
+    iso_image_destroy(&a.image);
+    return status;
+}
+
+static iso_status agree_at(iso_validation *v, size_t level, iso_error *err)
+{
+    static const iso_renderer limited[] = {ISO_WITH_GL, ISO_WITH_POVRAY, ISO_WITH_CYCLES};
+    level_truths t = {.differ = false};
+    if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
+        return first_hits(v, level, err);
+    iso_status status = find_truths(v, level, &t, err);
+    if (status == ISO_OK && v->wanted[ISO_WITH_GL])
+        status = lock_step(v, level, ISO_WITH_GL, err);
+    if (status == ISO_OK && v->wanted[ISO_WITH_POVRAY])
+        status = lock_step(v, level, ISO_WITH_POVRAY, err);
+    for (size_t i = 0; i < sizeof limited / sizeof *limited && status == ISO_OK; ++i)
+        if (v->wanted[limited[i]])
+            status = compare_limit(v, level, limited[i], &t, err);
+    iso_image_destroy(&t.main.image);
+    iso_image_destroy(&t.exported.image);
+    return status;
+}
+
+iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
+{
+    /* At level 0 all filters store the same directions. */
+    const bool exported = v->source == ISO_FROM_CODES && level > 0 && !v->quick;
+    level_truths t = {.differ = false};
+    iso_status status = v->wanted[ISO_WITH_GL] ? lock_step(v, level, ISO_WITH_GL, err) : ISO_OK;
+    if (status == ISO_OK && exported && v->wanted[ISO_WITH_POVRAY])
+        status = lock_step(v, level, ISO_WITH_POVRAY, err);
+    if (status == ISO_OK && exported && v->wanted[ISO_WITH_CYCLES]) {
+        status = find_truths(v, level, &t, err);
+        if (status == ISO_OK)
+            status = compare_limit(v, level, ISO_WITH_CYCLES, &t, err);
+    }
+    iso_image_destroy(&t.main.image);
+    iso_image_destroy(&t.exported.image);
     return status;
 }
 
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err)
 {
-    match matches[match_count];
     iso_status status = ISO_OK;
-    describe_matches(v, matches);
-    for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
-        kept_image converged = {0};
-        for (int i = 0; i < match_count && status == ISO_OK; ++i) {
-            char stage[64];
-            if (!v->wanted[matches[i].other.renderer])
-                continue;
-            snprintf(stage, sizeof stage, "level %zu: %s", level, matches[i].id);
-            iso_progress_report(v->progress, stage, 0);
-            status = run_match(v, level, &matches[i], &converged, err);
-        }
-        iso_image_destroy(&converged.image);
-    }
+    for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level)
+        status = agree_at(v, level, err);
     return status;
 }

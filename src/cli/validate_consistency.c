@@ -8,19 +8,14 @@
 #include "cli/validate.h"
 #include "render/sampler.h"
 
-typedef struct method {
-    const char *name;
-    iso_direction_filter filter;
-    iso_direction_source source;
-} method;
-
-static const method methods[] = {
+const iso_method iso_methods[] = {
     {"on-the-fly", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY},
     {"naive", ISO_DIRECTION_NAIVE, ISO_FROM_CODES},
     {"eq1", ISO_DIRECTION_EQ1, ISO_FROM_CODES},
     {"moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES},
 };
-enum { method_count = sizeof methods / sizeof *methods, max_views = 6 };
+const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
+enum { max_views = 6 };
 
 /* The six diagonals of an icosahedron: evenly spread, none along an axis. */
 static iso_vec3 view_direction(size_t i)
@@ -116,7 +111,7 @@ static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, 
     return status;
 }
 
-static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const method *m, const iso_image *finest,
+static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m, const iso_image *finest,
                                 iso_error *err)
 {
     char name[64];
@@ -143,8 +138,7 @@ static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t 
     return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
 }
 
-/* Level 0's scalar, built again with another direction filter. */
-static iso_status build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
+iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0];
     const iso_volume borrowed = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
@@ -156,13 +150,13 @@ static iso_status build_with(const iso_validation *v, iso_direction_filter filte
     return iso_pyramid_build(&borrowed, v->pyramid->source, &opt, p, NULL, err);
 }
 
-static iso_status measure_method(iso_validation *v, const method *m, const iso_image *finest, iso_error *err)
+static iso_status measure_method(iso_validation *v, const iso_method *m, const iso_image *finest, iso_error *err)
 {
     iso_pyramid own = {0};
     const iso_pyramid *p = v->pyramid;
     iso_status status = ISO_OK;
     if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
-        status = build_with(v, m->filter, &own, err);
+        status = iso_validate_build_with(v, m->filter, &own, err);
         p = &own;
     }
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
@@ -185,8 +179,8 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, i, &finest[i], err);
     if (status == ISO_OK)
         status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
-    for (int i = 0; i < method_count && status == ISO_OK; ++i)
-        status = measure_method(v, &methods[i], finest, err);
+    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
+        status = measure_method(v, &iso_methods[i], finest, err);
     for (size_t i = 0; i < max_views; ++i)
         iso_image_destroy(&finest[i]);
     return status;

@@ -166,18 +166,49 @@ static double severity(const iso_report_agreement *row)
             asked = true;
             worst = pairs[i][0] / pairs[i][1] <= worst ? worst : pairs[i][0] / pairs[i][1];
         }
-    if (!asked)
+    if (!asked && row->gate_count == 0)
         return m->max_abs > 0 ? INFINITY : 0;
+    for (size_t i = 0; i < row->gate_count; ++i) {
+        const iso_report_gate *g = &row->gates[i];
+        double ratio = g->limit > 0 ? g->value / g->limit : g->value <= 0 ? 0 : INFINITY;
+        if (isnan(ratio))
+            return INFINITY;
+        worst = fmax(worst, ratio);
+    }
     return isnan(worst) ? INFINITY : worst;
 }
 
-static const char *verdict_of(const iso_report_agreement *row)
+static bool gates_hold(const iso_report_agreement *row)
+{
+    for (size_t i = 0; i < row->gate_count; ++i)
+        if (!(row->gates[i].value <= row->gates[i].limit))
+            return false;
+    return true;
+}
+
+static bool has_limits(const iso_limits *l)
+{
+    return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
+}
+
+const char *iso_report_verdict(const iso_report_agreement *row)
 {
     if (row->refused)
         return "refused";
     if (row->informative && row->metrics.nonfinite_count == 0)
         return "reported";
-    return iso_metrics_within(&row->metrics, &row->limits) ? "agree" : "differ";
+    bool metrics = row->gate_count > 0 && !has_limits(&row->limits) ? row->metrics.nonfinite_count == 0
+                                                                    : iso_metrics_within(&row->metrics, &row->limits);
+    return metrics && gates_hold(row) ? "agree" : "differ";
+}
+
+static json_t *gates_json(const iso_report_agreement *row)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; !row->refused && i < row->gate_count; ++i)
+        json_array_append_new(list, json_pack("{s:s, s:o, s:f}", "name", row->gates[i].name, "value",
+                                              number(row->gates[i].value), "limit", row->gates[i].limit));
+    return list;
 }
 
 static json_t *limits_json(const iso_limits *l)
@@ -220,9 +251,12 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));
     }
     json_object_set_new(o, "error_bar", number(row->error_bar));
-    json_object_set_new(o, "verdict", json_string(verdict_of(row)));
+    json_object_set_new(o, "verdict", json_string(iso_report_verdict(row)));
     json_object_set_new(o, "severity", number(worst));
     json_object_set_new(o, "limits", limits_json(&row->limits));
+    json_object_set_new(o, "gates", gates_json(row));
+    if (row->statistics)
+        json_object_set(o, "statistics", row->statistics);
     json_object_set_new(o, "why", text(row->refused ? row->refused : row->why));
     json_object_set_new(o, "command", text(row->command));
     json_object_set_new(o, "image_a", text(row->image_a));
@@ -395,6 +429,21 @@ static const char *string_of(const json_t *row, const char *key)
     return s ? s : "";
 }
 
+static void put_failed_gates(FILE *f, const json_t *row)
+{
+    size_t i;
+    json_t *gate;
+    json_array_foreach(json_object_get(row, "gates"), i, gate) {
+        const json_t *value = json_object_get(gate, "value");
+        double x = json_is_number(value) ? json_number_value(value) : NAN;
+        double limit = json_number_value(json_object_get(gate, "limit"));
+        if (x <= limit)
+            continue;
+        put_xml(f, string_of(gate, "name"));
+        fprintf(f, " %.4g, at most %.4g; ", x, limit);
+    }
+}
+
 static void put_agreement_case(FILE *f, const json_t *row)
 {
     const char *verdict = string_of(row, "verdict");
@@ -410,6 +459,10 @@ static void put_agreement_case(FILE *f, const json_t *row)
     put_xml(f, string_of(row, "a"));
     fputs(" against ", f);
     put_xml(f, string_of(row, "b"));
+    if (string_of(row, "tier")[0]) {
+        fputs(", ", f);
+        put_xml(f, string_of(row, "tier"));
+    }
     fputs("\"", f);
     if (strcmp(verdict, "agree") == 0 || strcmp(verdict, "reported") == 0) {
         fputs("/>\n", f);
@@ -417,8 +470,10 @@ static void put_agreement_case(FILE *f, const json_t *row)
         fputs(">\n      <failure type=\"", f);
         put_xml(f, verdict);
         fputs("\" message=\"", f);
-        if (strcmp(verdict, "refused") != 0)
+        if (strcmp(verdict, "refused") != 0) {
             put_xml(f, metrics);
+            put_failed_gates(f, row);
+        }
         put_xml(f, string_of(row, "why"));
         fputs("\">", f);
         put_xml(f, string_of(row, "command"));

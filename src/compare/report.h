@@ -8,8 +8,8 @@
  *
  * A report is built row by row and appears when it is finished, whole or not
  * at all. Rows may come in any order: the page sorts the worst first. Strings
- * are copied. Severity of a row is its largest metric over its limit: above 1
- * it differs. */
+ * are copied. Severity of a row is its largest metric or gate over its limit:
+ * above 1 it differs. */
 #ifndef ISO_REPORT_H
 #define ISO_REPORT_H
 
@@ -45,6 +45,13 @@ iso_status iso_report_add_image(iso_report *report, const char *name, const iso_
 /* How wide a pixel of the image is, for scale bars; at the centre of the box when the camera has a perspective. */
 void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);
 
+/* What is asked of two images besides their metrics: value at most limit. NaN fails. */
+typedef struct iso_report_gate {
+    const char *name; /* "error bar", "pixels beyond chance" ... */
+    double value, limit;
+} iso_report_gate;
+enum { ISO_REPORT_MAX_GATES = 6 };
+
 /* Two images that should agree. */
 typedef struct iso_report_agreement {
     size_t level;
@@ -54,12 +61,17 @@ typedef struct iso_report_agreement {
     iso_metrics metrics;
     double error_bar;              /* RMSE that the discretisation alone explains; NaN: not measured */
     iso_limits limits;
+    size_t gate_count;
+    iso_report_gate gates[ISO_REPORT_MAX_GATES];
+    json_t *statistics;            /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */
     const char *why;               /* why these limits */
     const char *command;           /* the line that repeats this case, or NULL */
     const char *refused;           /* the calibration that failed, with its value; NULL: compared */
     bool informative;              /* reported, without a gate */
 } iso_report_agreement;
-/* verdict: "agree", "differ", "refused" or "reported". */
+/* "agree", "differ", "refused" or "reported". */
+const char *iso_report_verdict(const iso_report_agreement *row);
+/* Keeps the row with its verdict. */
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 
 /* How far a level is from level 0 with one way to shade it. NaN: not measured. */

@@ -159,15 +159,21 @@ function explain(row) {
         if (value <= limit) continue;
         out.push(`${names[key]} is `, number(value), `, ${plain(value / limit)} times its limit of `, number(limit), '. ');
     }
-    if (out.length === 0 && Object.keys(row.limits).length === 0) out.push('No limit was given, so only equal images agree. ');
+    for (const gate of row.gates || [])
+        if (!(gate.value !== null && gate.value <= gate.limit)) out.push(`${gate.name}: `, number(gate.value), ', at most ', number(gate.limit), '. ');
+    if (out.length === 0 && Object.keys(row.limits).length === 0 && !(row.gates || []).length) out.push('No limit was given, so only equal images agree. ');
     return [...out, row.why ? `Why this limit: ${row.why}` : ''];
 }
-const limitsText = row => Object.entries(row.limits).map(([key, limit]) => [`${names[key]} ≤ `, number(limit), '; ']).flat();
+const limitsText = row => [...Object.entries(row.limits).map(([key, limit]) => [`${names[key]} ≤ `, number(limit), '; ']).flat(),
+    ...(row.gates || []).map(gate => [`${gate.name} `, number(gate.value), ' ≤ ', number(gate.limit), '; ']).flat()];
+// What the gates were taken from: steps, order, seeds.
+const statisticsText = row => !row.statistics ? [] : [el('table', {}, el('tbody', {}, Object.entries(row.statistics).map(([key, value]) =>
+    el('tr', {}, cell(key.replaceAll('_', ' ')), cell(typeof value === 'number' ? number(value) : String(value), true)))))];
 
 function agreementTable() {
     if (data.agreement.length === 0) return el('p', {}, 'Nothing was compared.');
     const rows = data.agreement.map((row, at) => {
-        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell(row.scene), cell(row.a), cell(row.b),
+        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell(row.scene), cell(row.tier || ''), cell(row.a), cell(row.b),
             withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
             withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
             cell(number(row.error_bar), true), cell(row.verdict === 'reported' ? '–' : ratio(row), true), cell(row.verdict, false, row.verdict));
@@ -176,7 +182,7 @@ function agreementTable() {
         return tr;
     });
     return table('Agreement, worst first. Figures outside their limit are red; a limit shows when the pointer rests on its figure.',
-        [['level', 1], ['scene'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
+        [['level', 1], ['scene'], ['tier'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
 }
 
 // ---- panels of failed cases ---------------------------------------------------
@@ -338,7 +344,7 @@ async function inspect(at, scroll) {
     const gate = row.verdict === 'agree' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
     view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
     parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), '. Limits: ', limitsText(row), row.tier ? `tier: ${row.tier}. ` : '', row.why ? `Why: ${row.why} ` : '',
-        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), command(row.command) || '');
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), command(row.command) || '', ...statisticsText(row));
     show();
     if (scroll) $('inspector').scrollIntoView({behavior: 'smooth'});
 }

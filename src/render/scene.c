@@ -101,19 +101,47 @@ static void read_shading(iso_json_reader *r, const json_t *root, iso_scene *s)
                              r->path, brightest);
 }
 
+static const char *const tier_names[] = {
+#define ISO_TIER_NAME(name, text) text,
+    ISO_TIER_LIST(ISO_TIER_NAME)
+#undef ISO_TIER_NAME
+    NULL};
+
+const char *iso_tier_name(iso_tier tier) { return tier_names[tier]; }
+
 static void read_agreement(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
-    static const char *const keys[] = {"povray_rmse", "cycles_rmse", "why", NULL};
+    static const char *const keys[] = {"tier", "tf", "why", NULL};
+    static const char *const kinds[] = {"smooth", "sharp", NULL};
     json_t *agreement = iso_json_get_object(r, root, "agreement", false);
     const char *why = NULL;
+    int tier = ISO_TIER_CONVERGENCE, sharp = 0;
     if (!agreement)
         return;
     iso_json_only_keys(r, agreement, "\"agreement\"", keys);
-    iso_json_get_number(r, agreement, "povray_rmse", true, 1e-9, 1, &s->agreement.povray_rmse);
-    iso_json_get_number(r, agreement, "cycles_rmse", true, 1e-9, 1, &s->agreement.cycles_rmse);
+    iso_json_get_word(r, agreement, "tier", true, tier_names, &tier);
+    iso_json_get_word(r, agreement, "tf", true, kinds, &sharp);
     iso_json_get_string(r, agreement, "why", true, &why);
+    s->agreement.tier = (iso_tier)tier;
+    s->agreement.sharp = sharp;
     if (why)
         snprintf(s->agreement.why, sizeof s->agreement.why, "%s", why);
+}
+
+static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
+{
+    static const char *const keys[] = {"make", "isosurface", NULL};
+    json_t *suite = iso_json_get_object(r, root, "suite", false);
+    const char *make = NULL;
+    if (!suite)
+        return;
+    iso_json_only_keys(r, suite, "\"suite\"", keys);
+    iso_json_get_string(r, suite, "make", true, &make);
+    iso_json_get_number(r, suite, "isosurface", false, 0, 1, &s->suite_isosurface);
+    if (make && !(s->suite_make = strdup(make)))
+        r->status = iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
+    if (r->status == ISO_OK && (s->agreement.tier == ISO_TIER_FIRST_HIT) == isnan(s->suite_isosurface))
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: the tier \"first hit\" and \"isosurface\" go together", r->path);
 }
 
 static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
@@ -139,13 +167,14 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
     static const char *const keys[] = {"schema",  "comment",    "image",       "camera", "lights",
-                                       "shading", "background", "step_voxels", "tf",     "agreement", NULL};
+                                       "shading", "background", "step_voxels", "tf",     "agreement", "suite", NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
     json_t *root;
     *scene = (iso_scene){.width = 160, .height = 160, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 1.05,
                          .shading = {.power = 20}, .step_voxels = 0.5,
-                         .agreement = {1e-3, 1e-3, "the scene states no agreement: what a TF with thin shells reaches"}};
+                         .suite_isosurface = NAN,
+                         .agreement = {ISO_TIER_CONVERGENCE, true, "the scene states no agreement: its TF is taken for sharp"}};
     iso_status status = iso_json_load(path, &root, err);
     if (status != ISO_OK)
         return status;
@@ -165,6 +194,7 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
     iso_json_get_numbers(&r, root, "background", false, 3, 0, 1, scene->background);
     iso_json_get_number(&r, root, "step_voxels", false, 1e-3, 100, &scene->step_voxels);
     read_agreement(&r, root, scene);
+    read_suite(&r, root, scene);
     read_tf(&r, root, scene);
     json_decref(root);
     if (r.status == ISO_OK && !(scene->path = strdup(path)))
@@ -179,6 +209,7 @@ void iso_scene_destroy(iso_scene *scene)
     if (!scene)
         return;
     free(scene->path);
+    free(scene->suite_make);
     iso_tf_destroy(&scene->tf);
     *scene = (iso_scene){0};
 }

@@ -17,7 +17,8 @@
  *     "background": [0, 0, 0],
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
  *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
- *     "agreement": {"povray_rmse": 1e-4, "cycles_rmse": 1e-4, "why": "..."} }   what validation asks; optional
+ *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   what validation asks; optional
+ *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   what isoshade make makes it of; optional
  *
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
  * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
@@ -47,11 +48,27 @@ typedef struct iso_shading {
     double ambient, diffuse, specular, power;
 } iso_shading;
 
-/* How closely a converged renderer must meet the reference on this scene, and
- * why no closer: a sharp TF keeps the error of a finite step. */
+/* What is known of a scene's image, and so what validation may ask: enum, name. */
+#define ISO_TIER_LIST(X)                                                                                     \
+    X(ISO_TIER_CLOSED_FORM, "closed form") /* a formula; for all renderers */                                \
+    X(ISO_TIER_TIGHT, "tight")             /* the ray caster's own samples in double precision */            \
+    X(ISO_TIER_CONVERGENCE, "convergence") /* limits of halved steps, by all renderers */                    \
+    X(ISO_TIER_LIT, "lit")                 /* the same, and what a person sees of highlights: FLIP, SSIM */  \
+    X(ISO_TIER_FIRST_HIT, "first hit")     /* an isosurface: no quadrature at all */
+
+typedef enum iso_tier {
+#define ISO_TIER_ENUM(name, text) name,
+    ISO_TIER_LIST(ISO_TIER_ENUM)
+#undef ISO_TIER_ENUM
+    ISO_TIER_COUNT
+} iso_tier;
+const char *iso_tier_name(iso_tier tier);
+
+/* sharp: the TF has bends or steps that a voxel does not resolve, so that the error bars may be wider. */
 typedef struct iso_scene_agreement {
-    double povray_rmse, cycles_rmse;
-    char why[256];
+    iso_tier tier;
+    bool sharp;
+    char why[512];
 } iso_scene_agreement;
 
 typedef struct iso_scene {
@@ -68,6 +85,8 @@ typedef struct iso_scene {
     double step_voxels;
     iso_tf tf;
     iso_scene_agreement agreement;
+    char *suite_make;           /* what follows `isoshade make`, without -o; NULL: no scene of a suite */
+    double suite_isosurface;    /* the surface's value, as a fraction of the volume's range; NaN: none */
 } iso_scene;
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);

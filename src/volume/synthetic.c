@@ -325,7 +325,7 @@ double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient
     return fmin(fmax(value, 0), 1);
 }
 
-static void type_range(iso_type type, double *lo, double *hi)
+void iso_field_type_range(iso_type type, double *lo, double *hi)
 {
     *lo = 0;
     *hi = 1;
@@ -343,9 +343,7 @@ static void type_range(iso_type type, double *lo, double *hi)
 
 static void store_sample(void *data, iso_type type, size_t at, double value)
 {
-    double lo, hi;
-    type_range(type, &lo, &hi);
-    double whole = nearbyint(lo + value * (hi - lo));
+    double whole = nearbyint(value);
     switch (type) {
     case ISO_F32: ((float *)data)[at] = (float)value; break;
     case ISO_F64: ((double *)data)[at] = value; break;
@@ -379,6 +377,9 @@ iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0,
     noise_wave waves[NOISE_WAVES];
     bool no_memory = false;
     noise_waves(f->seed, waves);
+    double lo = f->range[0], hi = f->range[1];
+    if (!f->has_range)
+        iso_field_type_range(type, &lo, &hi);
 #pragma omp parallel num_threads(iso_threads(threads)) reduction(|| : no_memory)
     {
         double *row = malloc(n[0] * sizeof *row);
@@ -389,7 +390,7 @@ iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0,
                 continue;
             sample_row(f, &frame, waves, r % n[1], r / n[1], row);
             for (size_t x = 0; x < n[0]; ++x)
-                store_sample(out, type, (r - z0 * n[1]) * n[0] + x, fmin(fmax(row[x], 0), 1));
+                store_sample(out, type, (r - z0 * n[1]) * n[0] + x, lo + fmin(fmax(row[x], 0), 1) * (hi - lo));
         }
         free(row);
     }

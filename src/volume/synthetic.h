@@ -6,6 +6,7 @@
 #ifndef ISO_SYNTHETIC_H
 #define ISO_SYNTHETIC_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "volume/volume.h"
@@ -35,6 +36,8 @@ typedef struct iso_field {
     iso_field_kind kind;
     iso_geometry geometry; /* where p is normalised */
     uint64_t seed;         /* of noise and vessels */
+    bool has_range;        /* samples run over `range` instead of the type's own */
+    double range[2];       /* what the values 0 and 1 become; within the type */
 } iso_field;
 
 const char *iso_field_name(iso_field_kind kind);
@@ -44,9 +47,12 @@ iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error
 /* Value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */
 double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient);
 
-/* Samples the field at f->geometry's voxel centres. Integer types: round(lo +
- * value * (hi - lo)) over the whole range of the type; float and double: the value. */
+/* Samples the field at f->geometry's voxel centres: lo + value * (hi - lo), rounded for integer types. [lo, hi] is
+ * f->range, or the whole range of an integer type, or [0, 1]. */
 iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err);
+
+/* What the type can hold; [0, 1] for float and double. */
+void iso_field_type_range(iso_type type, double *lo, double *hi);
 
 /* The planes [z0, z1) alone, for volumes larger than memory; the geometry has
  * been checked. ISO_E_MEMORY. */

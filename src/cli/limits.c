@@ -1,0 +1,167 @@
+#include "cli/limits.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "compare/metrics.h"
+#include "povray/povray.h"
+
+enum { most_seeds = 32 };
+
+iso_limit_options iso_limit_defaults(void)
+{
+    return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550, .seeds = 4};
+}
+
+void iso_limit_destroy(iso_limit *limit)
+{
+    iso_image_destroy(&limit->image);
+    iso_image_destroy(&limit->fine);
+    *limit = (iso_limit){0};
+}
+
+double iso_limit_left(const iso_limit *l)
+{
+    double fine = l->fine_rmse - ISO_LIMIT_ROUNDING - ISO_LIMIT_BARS * l->noise_bar;
+    return isnan(fine) ? NAN : fine > 0 ? fine / l->coarse_rmse : 0;
+}
+
+void iso_limit_povray_pair(const iso_level *level, double step_voxels, iso_render_options *coarse, iso_render_options *fine)
+{
+    const iso_geometry *g = &level->geometry;
+    const double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
+    const double total = ceil(chord_voxels / step_voxels), pieces = ceil(total / (ISO_POVRAY_MAX_INTERVALS - 1));
+    const size_t planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
+    const size_t half = (size_t)fmin(fmax(ceil(0.5 * total / (double)(planes + 1)), 2), ISO_POVRAY_MAX_INTERVALS / 2);
+    coarse->planes = fine->planes = planes;
+    coarse->intervals = half;
+    fine->intervals = 2 * half;
+}
+
+static void mean_of(const iso_image *images, size_t count, iso_image *mean)
+{
+    for (size_t i = 0; i < 4 * mean->width * mean->height; ++i) {
+        double sum = 0;
+        for (size_t k = 0; k < count; ++k)
+            sum += (double)images[k].rgba[i];
+        mean->rgba[i] = (float)(sum / (double)count);
+    }
+}
+
+/* RMS of the mean's standard error, over pixels and channels. */
+static double standard_error(const iso_samples *s)
+{
+    double sum = 0, n = (double)s->count;
+    size_t count = 3 * s->width * s->height;
+    for (size_t i = 0; i < count; ++i)
+        sum += s->squares[i] / (n - 1) / n;
+    return sqrt(sum / (double)count);
+}
+
+/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes. */
+static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double largest_step_error,
+                             iso_limit *out, iso_error *err)
+{
+    iso_samples samples;
+    iso_noise_test bias;
+    iso_status status = iso_samples_create(&samples, reference, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = iso_samples_add(&samples, &limits[i], err);
+    if (status == ISO_OK) {
+        out->noise_bar = standard_error(&samples);
+        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE,
+                                  ISO_LIMIT_BARS * largest_step_error + ISO_LIMIT_ROUNDING, &out->noise, err);
+    }
+    if (status == ISO_OK) /* the mean over the image hides no single pixel: it is held to the bar itself */
+        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, out->step_bar + ISO_LIMIT_ROUNDING, &bias, err);
+    if (status == ISO_OK)
+        out->noise.biased = bias.biased;
+    iso_samples_destroy(&samples);
+    return status;
+}
+
+static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
+{
+    iso_metrics m = {0};
+    iso_status status = iso_metrics_measure(a, b, &m, err);
+    *rmse = m.rmse;
+    return status;
+}
+
+/* images: `seeds` of the double step, then `seeds` of the step. */
+static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, iso_limit *out, iso_error *err)
+{
+    iso_image limits[most_seeds] = {{0}}, coarse = {0};
+    iso_extrapolation e = {0}, unused;
+    iso_status status = iso_image_create(&coarse, reference->width, reference->height, err);
+    if (status == ISO_OK)
+        status = iso_image_create(&out->fine, reference->width, reference->height, err);
+    if (status == ISO_OK) {
+        mean_of(images, seeds, &coarse);
+        mean_of(images + seeds, seeds, &out->fine);
+        status = iso_richardson(&coarse, &out->fine, 2, ISO_LIMIT_ORDER, &out->image, &e, err);
+    }
+    out->step_bar = e.error_bar;
+    if (status == ISO_OK)
+        status = rmse_of(&coarse, reference, &out->coarse_rmse, err);
+    if (status == ISO_OK)
+        status = rmse_of(&out->fine, reference, &out->fine_rmse, err);
+    if (status == ISO_OK)
+        status = rmse_of(&out->image, reference, &out->rmse, err);
+    for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
+        status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
+    if (status == ISO_OK && seeds > 1)
+        status = test_noise(limits, seeds, reference, e.error_bar_max, out, err);
+    out->order = log2(out->coarse_rmse / out->fine_rmse);
+    out->bar = hypot(out->step_bar, out->noise_bar);
+    for (size_t i = 0; i < most_seeds; ++i)
+        iso_image_destroy(&limits[i]);
+    iso_image_destroy(&coarse);
+    return status;
+}
+
+static iso_status find_pair(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                            const iso_image *reference, iso_renderer which, const iso_limit_options *opt, double step,
+                            iso_limit *out, const iso_progress *progress, iso_error *err)
+{
+    iso_render_options frames[2 * most_seeds] = {{0}};
+    iso_image images[2 * most_seeds] = {{0}};
+    const size_t seeds = which == ISO_WITH_CYCLES ? opt->seeds : 1;
+    for (size_t i = 0; i < 2 * seeds; ++i) {
+        frames[i] = iso_render_defaults(which);
+        frames[i].threads = opt->threads;
+        frames[i].seed = opt->first_seed + (int)(i % seeds);
+        frames[i].step_voxels = i < seeds ? 2 * step : step;
+    }
+    if (which == ISO_WITH_POVRAY)
+        iso_limit_povray_pair(&p->levels[level], step, &frames[0], &frames[1]);
+    *out = (iso_limit){.step_voxels = step, .seeds = seeds};
+    iso_status status = iso_render_several(r, p, level, view, frames, 2 * seeds, images, progress, err);
+    if (status == ISO_OK)
+        status = extrapolate(images, seeds, reference, out, err);
+    for (size_t i = 0; i < 2 * seeds; ++i)
+        iso_image_destroy(&images[i]);
+    return status;
+}
+
+iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                          const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
+                          const iso_progress *progress, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *out = (iso_limit){0};
+    if (opt->seeds < 2 || opt->seeds > most_seeds)
+        return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds, most_seeds);
+    for (double step = opt->step_voxels; status == ISO_OK; step /= 2) {
+        iso_limit_destroy(out);
+        status = find_pair(r, p, level, view, reference, which, opt, step, out, progress, err);
+        if (out->bar <= opt->wanted_bar || !(step / 2 >= opt->finest_voxels))
+            break;
+    }
+    if (status != ISO_OK)
+        iso_limit_destroy(out);
+    return status;
+}

@@ -1,0 +1,60 @@
+/* limits.h - where a renderer's image goes as its ray step shrinks, and how far that is known.
+ *
+ * Two steps h and 2h, of second order: the limit (Richardson), and the error bar of
+ * the finer image. Cycles puts its steps at random phases: it is run with several
+ * seeds, each gives a limit of its own, and their mean has a standard error, which
+ * the bar includes and by which each pixel is tested (compare/statistics.h). Where
+ * the bar is wider than wanted, the step is halved. */
+#ifndef ISO_CLI_LIMITS_H
+#define ISO_CLI_LIMITS_H
+
+#include "cli/renderers.h"
+#include "compare/statistics.h"
+
+typedef struct iso_limit_options {
+    double step_voxels;   /* the finer of the first two, in the level's smallest spacing */
+    double finest_voxels; /* where halving ends */
+    double wanted_bar;    /* RMSE */
+    size_t seeds;         /* of Cycles, at least 2 */
+    int first_seed, threads;
+} iso_limit_options;
+/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550. */
+iso_limit_options iso_limit_defaults(void);
+
+typedef struct iso_limit {
+    iso_image image;               /* the limit; mean over the seeds */
+    iso_image fine;                /* at step_voxels; mean over the seeds */
+    double step_voxels;            /* the finer of the last two */
+    double coarse_rmse, fine_rmse; /* against the reference, of the means */
+    double rmse;                   /* of the limit against the reference */
+    double order;                  /* log2 (coarse_rmse / fine_rmse) */
+    double step_bar, noise_bar;    /* RMSE of `fine` to the limit; standard error of the limit */
+    double bar;                    /* both */
+    size_t seeds;                  /* 1: nothing is random, and noise is not filled */
+    iso_noise_test noise;          /* of the seeds' limits against the reference */
+} iso_limit;
+
+/* Second order halves to a quarter. The TF's bends fall anywhere between the samples, so that single halvings do
+ * better or worse: what is left is asked to be at most half a power more. */
+#define ISO_LIMIT_ORDER 2.0
+/* Errors of the two steps that are independent of each other, r e and e, leave sqrt(r^2 + 16) / 3 e in the limit, at a
+ * bar of sqrt(r^2 + 1) / 3 e: 1.4 bars for r = 4, and 2 bars for r = 2, the least that validation lets pass. */
+#define ISO_LIMIT_BARS 2.0
+/* What 16 bits a channel (POV-Ray) and single precision leave. */
+#define ISO_LIMIT_ROUNDING 1e-5
+/* Of all pixels and channels of an image together, and of its bias. */
+#define ISO_LIMIT_SIGNIFICANCE 1e-3
+
+/* Release with iso_limit_destroy(), which accepts a zeroed one. */
+iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                          const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
+                          const iso_progress *progress, iso_error *err);
+void iso_limit_destroy(iso_limit *limit);
+
+/* Halving leaves this part of the error, beyond rounding and noise; about 1/4. 0 where nothing is left to shrink. */
+double iso_limit_left(const iso_limit *limit);
+
+/* How to ask POV-Ray, which has intervals, for a step and its double: the planes stay and the intervals halve. */
+void iso_limit_povray_pair(const iso_level *level, double step_voxels, iso_render_options *coarse, iso_render_options *fine);
+
+#endif

@@ -1,0 +1,101 @@
+/* validate_methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
+ *
+ * Every level with each way to make directions, under the original TF and under the one adapted to the level where
+ * adapting changes it. The ray caster and POV-Ray by the same samples, Cycles by its limit; exports carry directions, so
+ * gradients on the fly are the ray caster's alone. The quick run keeps to the ray caster. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/validate.h"
+#include "tf/adapt.h"
+
+enum { most_pixels = 64 }; /* there are many, and what they would show is arithmetic */
+
+/* The view with fewer pixels, sharing nothing with it but the classes' tables; its TF may be replaced. */
+static iso_status small_view(const iso_view *view, iso_view *out, iso_error *err)
+{
+    size_t larger = view->width > view->height ? view->width : view->height;
+    *out = *view;
+    if (larger > most_pixels) {
+        out->width = (view->width * most_pixels + larger - 1) / larger;
+        out->height = (view->height * most_pixels + larger - 1) / larger;
+    }
+    out->tf.entries = malloc(4 * view->tf.count * sizeof(float));
+    if (!out->tf.entries)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
+    memcpy(out->tf.entries, view->tf.entries, 4 * view->tf.count * sizeof(float));
+    return ISO_OK;
+}
+
+/* Whether the level has a TF of its own; the view then has it. */
+static iso_status adapt(const iso_validation *v, const iso_pyramid *p, size_t level, iso_view *view, bool *adapted, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_adapt_judgement judgement = {.use_original = true};
+    iso_tf_table table = {0};
+    opt.threads = v->threads;
+    opt.fall_back = true;
+    iso_status status = iso_adapt_level(p, NULL, level, &view->tf, &opt, &table, &judgement, err);
+    *adapted = status == ISO_OK && !judgement.use_original;
+    if (*adapted) {
+        iso_tf_table_destroy(&view->tf);
+        view->tf = table;
+    } else {
+        iso_tf_table_destroy(&table);
+    }
+    return status;
+}
+
+/* The validation of one row's kind: copy of v with another pyramid, view and name. */
+static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view, bool adapted,
+                          iso_error *err)
+{
+    char variant[64], prefix[96], build[64] = "", render[96];
+    const bool own = m->filter == v->pyramid->options.direction_filter || m->source != ISO_FROM_CODES;
+    iso_validation w = *v;
+    snprintf(variant, sizeof variant, "%s%s", m->name, adapted ? ", adapted TF" : "");
+    snprintf(prefix, sizeof prefix, "%.50s%s-%s", v->image_prefix, m->name, adapted ? "adapted-" : "");
+    if (!own)
+        snprintf(build, sizeof build, "--direction-filter %s", iso_direction_filter_name(m->filter));
+    snprintf(render, sizeof render, "%s%s", m->source == ISO_FROM_ON_THE_FLY ? " --gradients on-the-fly" : "",
+             adapted ? " --adapt" : "");
+    w.pyramid = p, w.view = view, w.source = m->source;
+    w.variant = variant, w.image_prefix = prefix, w.build_options = build, w.render_options = render;
+    iso_status status = iso_validate_variant(&w, level, err);
+    v->renderers = w.renderers; /* the context is made at first use */
+    return status;
+}
+
+static iso_status both_tfs(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_error *err)
+{
+    iso_view view = {0};
+    bool adapted = false, covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
+    iso_status status = small_view(v->view, &view, err);
+    if (status == ISO_OK && !covered)
+        status = compare(v, p, m, level, &view, false, err);
+    if (status == ISO_OK && level > 0)
+        status = adapt(v, p, level, &view, &adapted, err);
+    if (status == ISO_OK && adapted)
+        status = compare(v, p, m, level, &view, true, err);
+    free(view.tf.entries);
+    return status;
+}
+
+iso_status iso_validate_methods(iso_validation *v, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i) {
+        const iso_method *m = &iso_methods[i];
+        iso_pyramid own = {0};
+        const iso_pyramid *p = v->pyramid;
+        if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
+            status = iso_validate_build_with(v, m->filter, &own, err);
+            p = &own;
+        }
+        for (size_t level = 0; level < p->level_count && status == ISO_OK; ++level)
+            status = both_tfs(v, p, m, level, err);
+        iso_pyramid_destroy(&own);
+    }
+    return status;
+}

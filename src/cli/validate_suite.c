@@ -1,0 +1,153 @@
+/* validate_suite.c - a folder of scenes that say how their volumes are made: the scenes that break renderers. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "cli/cli.h"
+#include "cli/subject.h"
+#include "cli/validate.h"
+
+extern const iso_command iso_command_make;
+
+static int is_scene(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.' && iso_path_ends_with(entry->d_name, ".scene.json");
+}
+
+/* `isoshade make MAKE -o path -q`, by the command itself. */
+static iso_status make_volume(const char *make, const char *path, iso_error *err)
+{
+    int argc;
+    const char **words;
+    if (poptParseArgvString(make, &argc, &words) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
+    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
+    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        argv[0] = "make";
+        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
+        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
+        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
+    }
+    free(argv);
+    free(words);
+    return status;
+}
+
+/* One line a scene, with the time that is left at the pace so far. */
+typedef struct pace {
+    const iso_progress *outer;
+    const char *name;
+    size_t index, count;
+    double start;
+} pace;
+
+static void report_scene(const pace *p)
+{
+    char stage[200];
+    double elapsed = iso_clock_seconds() - p->start, left = elapsed / (double)p->index * (double)(p->count - p->index);
+    const int length = (int)(strlen(p->name) - strlen(".scene.json"));
+    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", p->index + 1, p->count, length < 60 ? length : 60, p->name);
+    if (p->index > 0)
+        snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
+                 left < 90 ? left : left / 60);
+    iso_progress_report(p->outer, stage, (double)p->index / (double)p->count);
+}
+
+static char *scene_name(const char *file)
+{
+    return strndup(file, strlen(file) - strlen(".scene.json"));
+}
+
+static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt, iso_scene *scene, const char *volume,
+                                 iso_error *err)
+{
+    const iso_cli_input plain = {0};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid pyramid = {0};
+    iso_view view = {0};
+    char prefix[64], *file = NULL;
+    snprintf(prefix, sizeof prefix, "%.48s-", v->scene_name);
+    build.level_count = opt->level_count;
+    build.code = opt->code;
+    build.threads = v->threads;
+    if (opt->width)
+        scene->width = opt->width, scene->height = opt->height;
+    iso_status status = make_volume(scene->suite_make, volume, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
+    if (status == ISO_OK)
+        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, pyramid.levels[0].min, pyramid.levels[0].max, &view, err);
+    if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        v->pyramid = &pyramid, v->scene = scene, v->view = &view;
+        v->make = scene->suite_make, v->volume_path = file, v->image_prefix = prefix;
+        status = iso_validate_agreement(v, err);
+    }
+    v->pyramid = NULL, v->scene = NULL, v->view = NULL, v->make = v->volume_path = NULL, v->image_prefix = "";
+    free(file);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+static iso_status load_and_validate(iso_validation *v, const iso_suite_options *opt, const char *file, const char *scratch,
+                                    iso_error *err)
+{
+    iso_scene scene = {0};
+    char *name = scene_name(file), *path = iso_path_join(opt->folder, file), *volume = iso_path_join(scratch, "volume.nrrd");
+    double start = iso_clock_seconds();
+    iso_status status = name && path && volume ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_scene_load(path, &scene, err);
+    if (status == ISO_OK && !scene.suite_make)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
+    v->scene_name = name, v->scene_path = path;
+    if (status == ISO_OK && (status = validate_scene(v, opt, &scene, volume, err)) != ISO_OK)
+        status = iso_fail_in(err, status, "%s", path);
+    if (status == ISO_OK)
+        iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
+    v->scene_name = v->scene_path = NULL;
+    iso_scene_destroy(&scene);
+    free(volume);
+    free(path);
+    free(name);
+    return status;
+}
+
+iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
+{
+    struct dirent **entries = NULL;
+    int count = scandir(opt->folder, &entries, is_scene, alphasort);
+    if (count < 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
+    const iso_progress *outer = v->progress;
+    char *scratch = iso_make_temp_dir();
+    pace p = {.outer = outer, .count = (size_t)count, .start = iso_clock_seconds()};
+    iso_status status = ISO_OK;
+    if (count == 0)
+        status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
+    else if (!scratch)
+        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    v->progress = NULL; /* one line a scene is enough */
+    for (int i = 0; i < count && status == ISO_OK; ++i) {
+        p.index = (size_t)i, p.name = entries[i]->d_name;
+        report_scene(&p);
+        status = load_and_validate(v, opt, entries[i]->d_name, scratch, err);
+    }
+    v->progress = outer;
+    for (int i = 0; i < count; ++i)
+        free(entries[i]);
+    free(entries);
+    if (scratch)
+        iso_remove_tree(scratch);
+    free(scratch);
+    return status;
+}
