@@ -488,9 +488,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
-    for (int i = 1; i < argc; ++i)
+    for (int i = 1; i < argc; ++i) {
         if (strcmp(argv[i], "--shading") == 0)
             return iso_bench_shading(argc, argv, err);
+        if (strcmp(argv[i], "--filters") == 0 || strcmp(argv[i], "--holes") == 0)
+            return iso_bench_filters(argc, argv, err);
+    }
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
@@ -507,8 +510,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_consistency = {
     .name = "bench consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
-    .usage = "VOLUME... [options], or --shading [VOLUME...] [options]",
-    .details = "With --shading, or without a volume, directions are judged: isoshade bench consistency --shading --help.\n"
+    .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
+    .details = "With --shading, or without a volume, directions are judged; with --filters and --holes, where they give way. Each has\n"
+               "its own options: isoshade bench consistency --shading --help.\n"
                "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
                "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"
                "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",

@@ -12,9 +12,9 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/random.h"
 #include "cli/input.h"
 #include "cli/shading.h"
+#include "cli/shading_method.h"
 #include "cli/subject.h"
 #include "tf/adapt.h"
 
@@ -22,27 +22,20 @@ enum { MAX_LEVELS = 8, MAX_SUBJECTS = 96 };
 
 /* ---- ways to make directions ---- */
 
-typedef struct shading_method {
-    const char *name;
-    iso_direction_filter filter;
-    iso_direction_source source;
-    size_t radius, exponent; /* of Eq. 1; its sigma is 1 */
-    bool unit;               /* stored without the length that is its coherence */
-    bool adapted;            /* with the level's own transfer function */
-} shading_method;
-
-static const shading_method methods[] = {
-    {"on-the-fly", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY, 2, 1, false, false},
-    {"naive", ISO_DIRECTION_NAIVE, ISO_FROM_CODES, 2, 1, false, false},
-    {"eq1", ISO_DIRECTION_EQ1, ISO_FROM_CODES, 2, 1, false, false},
-    {"eq1-own", ISO_DIRECTION_EQ1, ISO_FROM_CODES, 1, 1, false, false},
-    {"unit", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, 2, 1, true, false},
-    {"tensor", ISO_DIRECTION_TENSOR, ISO_FROM_CODES, 2, 1, false, false},
-    {"default", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, 2, 1, false, false},
-    {"fly-adapted", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY, 2, 1, false, true},
-    {"def-adapted", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, 2, 1, false, true},
+static const iso_shading_method methods[] = {
+    {.name = "on-the-fly", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_ON_THE_FLY},
+    {.name = "naive", .filter = ISO_DIRECTION_NAIVE, .source = ISO_FROM_CODES},
+    {.name = "eq1", .filter = ISO_DIRECTION_EQ1, .source = ISO_FROM_CODES},
+    {.name = "eq1-own", .filter = ISO_DIRECTION_EQ1, .source = ISO_FROM_CODES, .radius = 1},
+    {.name = "unit", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_CODES, .unit = true},
+    {.name = "default", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_CODES},
+    {.name = "flipped", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_FLIPPED},
+    {.name = "tensor", .filter = ISO_DIRECTION_TENSOR, .source = ISO_FROM_CODES},
+    {.name = "tensor-flip", .filter = ISO_DIRECTION_TENSOR, .source = ISO_FROM_FLIPPED},
+    {.name = "fly-adapted", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_ON_THE_FLY, .adapted = true},
+    {.name = "def-adapted", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_CODES, .adapted = true},
 };
-enum { METHOD_COUNT = sizeof methods / sizeof *methods, ON_THE_FLY = 0, DEFAULT = 6, FIRST_ADAPTED = 7 };
+enum { METHOD_COUNT = sizeof methods / sizeof *methods, ON_THE_FLY = 0, DEFAULT = 5, FIRST_ADAPTED = 9 };
 
 /* ---- volumes ---- */
 
@@ -93,46 +86,14 @@ static result *result_of(const shading_run *run, size_t at, size_t level)
     return &run->results[at * MAX_LEVELS + level];
 }
 
-/* Normal by Box and Muller (1958). */
-static void add_noise(iso_volume *v, double deviation, uint64_t seed)
-{
-    iso_random random = {seed};
-    float *values = v->data;
-    for (size_t i = 0; i < iso_geometry_voxel_count(&v->geometry); ++i) {
-        const double radius = sqrt(-2 * log(1 - iso_random_unit(&random)));
-        values[i] += (float)(deviation * radius * cos(6.283185307179586 * iso_random_unit(&random)));
-    }
-}
-
 static iso_status load_subject(const shading_run *run, const subject *s, iso_volume *v, iso_field *field, iso_error *err)
 {
     if (s->path)
         return iso_cli_load_volume(s->path, &run->input, v, err);
-    const size_t n = (size_t)run->analytic_size;
-    *field = (iso_field){.kind = s->kind, .seed = 1, .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
-    iso_status status = iso_field_sample(field, ISO_F32, v, err);
-    if (status == ISO_OK && s->noise > 0)
-        add_noise(v, s->noise, 1);
-    return status;
+    return iso_shading_sample(s->kind, (size_t)run->analytic_size, s->noise, field, v, err);
 }
 
 /* ---- measuring ---- */
-
-/* Directions of length 1, or none. */
-static void drop_lengths(iso_pyramid *p)
-{
-    for (size_t k = 1; k < p->level_count; ++k) {
-        iso_level *l = &p->levels[k];
-        const size_t count = iso_geometry_voxel_count(&l->geometry);
-        for (size_t i = 0; i < count; ++i) {
-            float *d = l->directions + 3 * i;
-            const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-            for (int c = 0; c < 3; ++c)
-                d[c] = length > 0 ? d[c] / length : 0;
-        }
-        iso_code_encode(p->options.code, l->directions, l->codes, count);
-    }
-}
 
 static iso_status measure_level(const shading_run *run, const iso_shading_subject *s, const iso_pyramid *p, size_t k, int m,
                                 result *r, iso_error *err)
@@ -153,17 +114,8 @@ static iso_status measure_level(const shading_run *run, const iso_shading_subjec
 static iso_status measure_method(const shading_run *run, const iso_shading_subject *s, const iso_volume *v, size_t at, int m,
                                  iso_error *err)
 {
-    iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p = {0};
-    build.level_count = (size_t)run->levels;
-    build.direction_filter = methods[m].filter;
-    build.gauss_radius = methods[m].radius;
-    build.eq1_exponent = methods[m].exponent;
-    build.keep_float = methods[m].unit;
-    build.threads = run->cli->threads;
-    iso_status status = iso_pyramid_build(v, run->subjects[at].name, &build, &p, NULL, err);
-    if (status == ISO_OK && methods[m].unit)
-        drop_lengths(&p);
+    iso_status status = iso_shading_build(&methods[m], v, run->subjects[at].name, (size_t)run->levels, run->cli->threads, &p, err);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         status = measure_level(run, s, &p, k, m, result_of(run, at, k), err);
     iso_pyramid_destroy(&p);
@@ -211,7 +163,7 @@ static void print_subject(const shading_run *run, size_t at)
             printf("  floor %.4f", r->floor.dssim_mean);
         printf("\n%-26s  ", "");
         for (int m = 0; m < method_end(run); ++m)
-            printf(" %6.1f/%4.1f", r->error[m].angle_mean_deg, r->error[m].truth_mean_deg);
+            printf(isfinite(r->error[m].truth_mean_deg) ? " %6.1f/%4.1f" : " %6.1f     ", r->error[m].angle_mean_deg, r->error[m].truth_mean_deg);
         printf("  better: %d of %d\n", wins(run, r, DEFAULT), run->views);
     }
     fflush(stdout);
@@ -254,6 +206,11 @@ static iso_status run_subject(shading_run *run, size_t at, iso_error *err)
 }
 
 /* ---- the report ---- */
+
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
 
 typedef struct summary {
     size_t images, better, levels_better, cases;
@@ -299,25 +256,36 @@ static void report_block(const shading_run *run, block b, json_t *rows)
             const summary s = summarise(run, b, k, m);
             snprintf(ratios + strlen(ratios), sizeof ratios - strlen(ratios), " %6.3f", s.ratio);
             snprintf(angles + strlen(angles), sizeof angles - strlen(angles), " %5.1f", s.angle);
-            snprintf(truths + strlen(truths), sizeof truths - strlen(truths), " %5.1f", s.truth);
+            if (isfinite(s.truth))
+                snprintf(truths + strlen(truths), sizeof truths - strlen(truths), " %5.1f", s.truth);
             better += s.better;
             images += s.images;
             levels_better += s.levels_better;
             cases += s.cases;
             json_array_append_new(rows, json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "block", block_names[b], "method",
                                                   methods[m].name, "level", (int)k, "dssim_ratio", json_real(s.ratio),
-                                                  "gradient_angle_mean_deg", isfinite(s.angle) ? json_real(s.angle) : json_null(),
-                                                  "truth_angle_mean_deg", isfinite(s.truth) ? json_real(s.truth) : json_null(),
+                                                  "gradient_angle_mean_deg", number(s.angle),
+                                                  "truth_angle_mean_deg", number(s.truth),
                                                   "images", (int)s.images, "images_better", (int)s.better, "volumes", (int)s.cases,
                                                   "volumes_better", (int)s.levels_better));
         }
         if (!run->cli->json)
-            printf("%-12s %s  | %s  | %-18s  | %zu of %zu, %zu of %zu\n", methods[m].name, ratios, angles, b == BLOCK_REAL ? "" : truths,
+            printf("%-12s %s  | %s  | %-18s  | %zu of %zu, %zu of %zu\n", methods[m].name, ratios, angles, truths,
                    levels_better, cases, better, images);
     }
 }
 
-/* Why the default lost: its directions, or a scalar that even level 0's directions do not mend. */
+/* Why the default lost. Below half of its full length a direction stands for children that disagree by 45 degrees. */
+static const char *cause_of(const result *r, int view)
+{
+    const double fly = r->error[ON_THE_FLY].dssim[view];
+    if (fly >= 0.49)
+        return "nothing is left of the surface at this level";
+    if (r->floor.dssim[view] >= fly)
+        return "the scalar: level 0's own directions are no better";
+    return r->error[DEFAULT].length_mean < 0.5 ? "directions that cancel within a voxel" : "the directions";
+}
+
 static void report_exceptions(const shading_run *run, json_t *rows)
 {
     size_t count = 0;
@@ -328,19 +296,15 @@ static void report_exceptions(const shading_run *run, json_t *rows)
                 const double fly = r->error[ON_THE_FLY].dssim[i], own = r->error[DEFAULT].dssim[i], least = r->floor.dssim[i];
                 if (own < fly)
                     continue;
-                const char *cause = least >= fly ? "the scalar: level 0's own directions are no better" : "the directions";
+                const char *cause = cause_of(r, i);
                 if (!run->cli->json)
-                    printf("%s%s, level %zu, view %d: %.4f, on the fly %.4f, floor %.4f: %s\n", count++ ? "" : "\nnot better than on the fly:\n",
-                           run->subjects[at].name, k, i, own, fly, least, cause);
-                json_array_append_new(rows, json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:s}", "volume", run->subjects[at].name, "level", (int)k,
-                                                      "view", i, "dssim", own, "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
+                    printf("%s%s, level %zu, view %d: %.5f, on the fly %.5f, floor %.5f, mean length %.2f: %s\n",
+                           count++ ? "" : "\nnot better than on the fly:\n", run->subjects[at].name, k, i, own, fly, least,
+                           r->error[DEFAULT].length_mean, cause);
+                json_array_append_new(rows, json_pack("{s:s, s:i, s:o, s:i, s:f, s:f, s:f, s:s}", "volume", run->subjects[at].name, "level", (int)k,
+                                                      "length_mean", number(r->error[DEFAULT].length_mean), "view", i, "dssim", own, "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
             }
         }
-}
-
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
 }
 
 static json_t *cases_to_json(const shading_run *run)

@@ -1,9 +1,10 @@
-/* bench_shading.h - bench consistency --shading: directions across levels. */
+/* bench_shading.h - bench consistency --shading: directions across levels; --filters, --holes: where they give way. */
 #ifndef ISO_CLI_BENCH_SHADING_H
 #define ISO_CLI_BENCH_SHADING_H
 
 #include "cli/cli.h"
 
 iso_status iso_bench_shading(int argc, const char **argv, iso_error *err);
+iso_status iso_bench_filters(int argc, const char **argv, iso_error *err);
 
 #endif

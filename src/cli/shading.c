@@ -169,25 +169,38 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* The stored direction's length in the voxel that holds a point. */
+static double length_at(const iso_level *level, iso_code code, iso_vec3 at)
+{
+    const size_t *n = level->geometry.size;
+    const size_t voxel = ((size_t)at.z * n[1] + (size_t)at.y) * n[0] + (size_t)at.x;
+    double e[3], d[3];
+    iso_code_lattice(code, level->codes + 3 * voxel, e);
+    iso_code_decode(code, e, d);
+    return iso_norm(iso_v3(d[0], d[1], d[2]));
+}
+
 static iso_status measure_angles(const iso_shading_subject *s, const iso_level *level, size_t k, iso_code code,
                                  iso_direction_source source, iso_shading_error *e, iso_error *err)
 {
     iso_sampler sampler = {0};
-    double sum = 0, truth = 0, *angles = malloc((s->point_count + 1) * sizeof *angles);
-    e->angle_mean_deg = e->angle_p95_deg = e->truth_mean_deg = NAN;
+    double sum = 0, truth = 0, lengths = 0, *angles = malloc((s->point_count + 1) * sizeof *angles);
+    e->angle_mean_deg = e->angle_p95_deg = e->truth_mean_deg = e->length_mean = NAN;
     if (!angles)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu angles", s->point_count);
     iso_status status = iso_sampler_create(&sampler, level, code, source, err);
     for (size_t i = 0; i < s->point_count && status == ISO_OK; ++i) {
         const iso_surface_point *point = &s->points[i];
-        const iso_vec3 normal = iso_sample_normal(&sampler, iso_scale(point->at, ldexp(1, -(int)k)));
+        const iso_vec3 at = iso_scale(point->at, ldexp(1, -(int)k)), normal = iso_sample_normal(&sampler, at);
         angles[i] = angle_deg(normal, point->finest);
         sum += angles[i];
         truth += angle_deg(normal, point->truth);
+        lengths += length_at(level, code, at);
     }
     if (status == ISO_OK && s->point_count > 0) {
         qsort(angles, s->point_count, sizeof *angles, compare_doubles);
         e->angle_mean_deg = sum / (double)s->point_count;
+        e->length_mean = lengths / (double)s->point_count;
         e->angle_p95_deg = angles[(size_t)(0.95 * (double)(s->point_count - 1))];
         if (iso_norm(s->points[0].truth) > 0)
             e->truth_mean_deg = truth / (double)s->point_count;

@@ -34,6 +34,7 @@ typedef struct iso_shading_error {
     double dssim_mean;
     double angle_mean_deg, angle_p95_deg; /* to level 0's directions; NaN: no surface */
     double truth_mean_deg;                /* to the field's gradients; NaN: none known */
+    double length_mean;                   /* of the codes' directions in the voxels that hold the surface: their coherence */
 } iso_shading_error;
 
 /* A surface: opacity rises from 0 to .8 over a tenth of the volume's range about this fraction of it. */
