@@ -35,7 +35,7 @@ program := $(build)/isoshade
 mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := src/encode/code_decode.h $(wildcard src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
+embedded := $(wildcard src/brick/warp_map.h src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all

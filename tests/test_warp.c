@@ -95,7 +95,7 @@ static void mended_transitions_are_continuous_in_every_configuration_the_written
     static const size_t size[3] = {2 * BRICK, 2 * BRICK, 2 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
     iso_warp_field f;
-    assert_ok(iso_warp_field_create(&f, fine, size, BRICK, &err));
+    assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     int broken = 0, alone = 0;
     for (int k = 0; k < 256; ++k) {
         uint8_t levels[8];
@@ -135,7 +135,7 @@ static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void *
     memset(levels, 1, sizeof levels);
     levels[1 + 4 * (1 + 4 * 1)] = levels[2 + 4 * (1 + 4 * 1)] = 0;
     iso_warp_field f;
-    assert_ok(iso_warp_field_create(&f, fine, size, BRICK, &err));
+    assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     f.levels = levels;
     f.mode = ISO_WARP_WRITTEN;
     /* Eq. 6 and 8 are taken 1e-12 before the face: noise changes by that times a few. */
@@ -153,7 +153,7 @@ static void mended_transitions_are_continuous_in_random_layouts(void **state)
     static const size_t size[3] = {4 * BRICK, 3 * BRICK, 3 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
     iso_warp_field f;
-    assert_ok(iso_warp_field_create(&f, fine, size, BRICK, &err));
+    assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     int rejected = 0;
     for (int layout = 0; layout < 300; ++layout) {
         uint8_t levels[36];
@@ -177,8 +177,8 @@ static void parts_of_bricks_are_refused(void **state)
     (void)state;
     iso_warp_field f;
     float fine[12 * 8 * 8] = {0};
-    assert_status(iso_warp_field_create(&f, fine, (const size_t[3]){12, 8, 8}, BRICK, &err), ISO_E_RANGE);
-    assert_status(iso_warp_field_create(&f, fine, (const size_t[3]){12, 8, 8}, 1, &err), ISO_E_RANGE);
+    assert_status(iso_warp_field_create(&f, fine, 1, (const size_t[3]){12, 8, 8}, BRICK, &err), ISO_E_RANGE);
+    assert_status(iso_warp_field_create(&f, fine, 1, (const size_t[3]){12, 8, 8}, 1, &err), ISO_E_RANGE);
 }
 
 int main(void)

@@ -1,5 +1,6 @@
-/* warp.h - the smooth transitions of mixed-resolution-2008, section 4, on the CPU:
- * as the paper has them, and mended. For comparison with brick/bricks.h.
+/* warp.h - the smooth transitions of mixed-resolution-2008, section 4: as the paper
+ * has them, and mended. For comparison with brick/bricks.h. Where they fetch is
+ * defined once, in brick/warp_map.h, for this module and for the shaders.
  *
  * Two levels. Fine samples are the voxel centres i + 1/2, coarse ones stand half-way
  * between them, at even positions 2 j (the mean of the eight voxels around), so that
@@ -33,26 +34,48 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/linalg.h"
-#include "base/status.h"
+#include "pyramid/pyramid.h"
 
+/* In the order of ISO_TRANSITION_... of warp_map.h. */
 typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_MENDED, ISO_WARP_MODE_COUNT } iso_warp_mode;
+
+#define ISO_WARP_CHANNELS 4 /* at most: a scalar and a direction */
 
 typedef struct iso_warp_field {
     size_t size[3];      /* voxels: whole bricks */
     size_t brick_voxels; /* even */
-    const float *fine;   /* not owned */
+    size_t channels;     /* 1 to ISO_WARP_CHANNELS a sample */
+    const float *fine;   /* channels a voxel, x fastest */
+    float *owned;        /* what fine points to, where it was made here */
     float *coarse;       /* owned; size / 2 + 1 samples along each axis */
     const uint8_t *levels; /* 0 fine, 1 coarse; a brick each, x fastest */
     iso_warp_mode mode;
 } iso_warp_field;
 
-/* ISO_E_RANGE when the size is not whole bricks of an even side, ISO_E_MEMORY. levels and mode are the caller's. */
-iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, const size_t size[3], size_t brick_voxels,
-                                 iso_error *err);
+/* ISO_E_RANGE when the size is not whole bricks of an even side, ISO_E_MEMORY. levels and mode are the caller's. fine
+ * is not copied. */
+iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, size_t channels, const size_t size[3],
+                                 size_t brick_voxels, iso_error *err);
+/* The scalar and the decoded directions of a level, continued by its edge to whole bricks. Coarse directions are means:
+ * shorter where the eight disagree. */
+iso_status iso_warp_field_of_level(iso_warp_field *f, const iso_level *level, iso_code code, size_t brick_voxels,
+                                   iso_error *err);
 void iso_warp_field_destroy(iso_warp_field *f); /* accepts empty and NULL */
 
-/* The function of one brick at index position p in its closed box: on a face, the limit from that side. */
+static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis) { return f->size[axis] / f->brick_voxels; }
+
+/* A bit for each coarse neighbour (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
+unsigned iso_warp_neighbours(const iso_warp_field *f, const size_t brick[3]);
+
+/* What a cache holds of a brick, for the field's mode: fine ones have side + 2 voxels along each axis, of the field as
+ * it is or, as written, fixed up; coarse ones side / 2 + 1 samples. f->channels a sample, x fastest. */
+size_t iso_warp_cache_side(const iso_warp_field *f, const size_t brick[3]);
+void iso_warp_bake(const iso_warp_field *f, const size_t brick[3], float *restrict out);
+
+/* The function of one brick (its first channel) at index position p in its closed box: on a face, the limit from that
+ * side. */
 double iso_warp_sample_in(const iso_warp_field *f, const size_t brick[3], const double p[3]);
+/* All channels at index coordinates, clamped to the volume. */
+void iso_warp_sample(const iso_warp_field *f, iso_vec3 index, double out[ISO_WARP_CHANNELS]);
 
 #endif

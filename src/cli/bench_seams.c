@@ -43,7 +43,7 @@ static iso_status create(seams *s, uint64_t *state, iso_error *err)
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = s->noise,
                        .max = 1};
     iso_status status = iso_node_levels_create(&s->nodes, &level, BRICK, 2, false, 1, err);
-    return status == ISO_OK ? iso_warp_field_create(&s->warp, s->noise, cells, BRICK, err) : status;
+    return status == ISO_OK ? iso_warp_field_create(&s->warp, s->noise, 1, cells, BRICK, err) : status;
 }
 
 static void destroy(seams *s)

@@ -13,6 +13,9 @@
 #include "base/parallel.h"
 
 ISO_EMBED(iso_code_decode_glsl, "src/encode/code_decode.h");
+ISO_EMBED(iso_warp_map_glsl, "src/brick/warp_map.h");
+ISO_EMBED(iso_transition_glsl, "src/render/shaders/transition.glsl");
+ISO_EMBED(iso_points_glsl, "src/render/shaders/points.glsl");
 ISO_EMBED(iso_first_hit_glsl, "src/render/shaders/first_hit.glsl");
 ISO_EMBED(iso_focus_glsl, "src/render/shaders/focus.glsl");
 ISO_EMBED(iso_raycast_glsl, "src/render/shaders/raycast.glsl");
@@ -26,8 +29,11 @@ static const struct {
     {"first_hit.glsl", iso_first_hit_glsl},
     {"focus.glsl", iso_focus_glsl},
     {"fullscreen.glsl", iso_fullscreen_glsl},
+    {"points.glsl", iso_points_glsl},
     {"probe.glsl", iso_probe_glsl},
     {"raycast.glsl", iso_raycast_glsl},
+    {"transition.glsl", iso_transition_glsl},
+    {"warp_map.h", iso_warp_map_glsl},
 };
 
 /* ---- context --------------------------------------------------------------- */

@@ -20,6 +20,7 @@
 
 #include "base/progress.h"
 #include "brick/bricks.h"
+#include "brick/warp.h"
 #include "image/image.h"
 #include "render/field.h"
 #include "render/scene.h"
@@ -55,5 +56,11 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
                                        const iso_reference_options *opt, iso_image *image,
                                        const iso_progress *progress, iso_error *err);
+
+/* The same of bricks with the transitions of mixed-resolution-2008, of four channels; level: whose field this is, for its
+ * geometry and range. */
+iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
+                                     const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                     iso_error *err);
 
 #endif

@@ -58,6 +58,17 @@ void iso_sampler_destroy(iso_sampler *s)
     *s = (iso_sampler){0};
 }
 
+/* All channels, where the sampler stands on bricks. */
+static bool sample_bricks(const iso_sampler *s, iso_vec3 index, double channels[ISO_NODE_CHANNELS])
+{
+    _Static_assert(ISO_NODE_CHANNELS == ISO_WARP_CHANNELS, "both are a scalar and a direction");
+    if (s->bricks)
+        iso_brick_sample(s->bricks, index, channels);
+    else if (s->warp)
+        iso_warp_sample(s->warp, index, channels);
+    return s->bricks || s->warp;
+}
+
 /* The eight voxels round a point and their weights. */
 typedef struct stencil {
     size_t voxel[8];
@@ -87,11 +98,9 @@ static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
 {
-    if (s->bricks) {
-        double node[ISO_NODE_CHANNELS];
-        iso_brick_sample(s->bricks, index, node);
+    double node[ISO_NODE_CHANNELS];
+    if (sample_bricks(s, index, node))
         return node[0];
-    }
     stencil at = stencil_at(&s->level->geometry, index);
     double value = 0;
     for (int c = 0; c < 8; ++c)
@@ -162,9 +171,8 @@ static iso_vec3 flipped_direction(const iso_sampler *s, const stencil *at)
 
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
 {
-    if (s->bricks) {
-        double node[ISO_NODE_CHANNELS], normal[3];
-        iso_brick_sample(s->bricks, index, node);
+    double node[ISO_NODE_CHANNELS], normal[3];
+    if (sample_bricks(s, index, node)) {
         iso_code_normal(node + 1, normal);
         return iso_v3(normal[0], normal[1], normal[2]);
     }

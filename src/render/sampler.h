@@ -7,6 +7,7 @@
 #define ISO_SAMPLER_H
 
 #include "brick/bricks.h"
+#include "brick/warp.h"
 #include "render/field.h"
 
 /* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
@@ -22,6 +23,7 @@ typedef struct iso_sampler {
     iso_mat3 gradient_to_world;
     double on_the_fly_eps; /* value per mm */
     const iso_brick_field *bricks; /* instead of the level's voxels; or NULL */
+    const iso_warp_field *warp;    /* the same, of four channels */
 } iso_sampler;
 
 /* ISO_E_RANGE when the level holds no floats and they are asked for. */

@@ -9,7 +9,8 @@
 // voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
-// integral; else first_hit.glsl instead), FOCUS (0, absent or 1: focus.glsl instead).
+// integral; else first_hit.glsl instead), FOCUS (0, absent or 1: focus.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
+// them), POINTS (absent, or points.glsl instead).
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -154,6 +155,9 @@ float leave_empty_bricks(Ray ray, float k)
 #if BRICKS
 ivec3 brick_of(vec3 p) { return min(ivec3(clamp(p, vec3(0.0), last_node)), textureSize(layout_of_bricks, 0) - 1); }
 
+#ifdef TRANSITION
+#include "transition.glsl"
+#else
 // Where the cache holds p as a brick has it, whose closed box p is in; w is 0 where it is left out.
 vec4 address_in(ivec3 brick, vec3 p)
 {
@@ -161,6 +165,7 @@ vec4 address_in(ivec3 brick, vec3 p)
     vec3 in_brick = clamp(clamp(p, vec3(0.0), last_node) - vec3(brick), 0.0, 1.0);
     return vec4(place.xyz + in_brick * place.w * brick_in_cache, place.w);
 }
+#endif
 #endif
 
 // Where the textures hold p; w is 0 where they do not.
@@ -173,7 +178,11 @@ vec4 address(vec3 p)
 #endif
 }
 
-float scalar_at(vec3 p) { return textureLod(scalar, p, 0.0).r; }
+#ifndef TRANSITION
+vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
+#endif
+
+float scalar_at(vec3 p) { return fetch(scalar, p).r; }
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
 vec4 tf_row(float s, int row)
@@ -289,14 +298,14 @@ vec3 flipped_at(vec3 p)
 vec3 normal_at(vec3 p)
 {
 #if DIRECTION_SOURCE == 0
-    vec3 e = textureLod(directions, p, 0.0).rgb * direction_scale + direction_offset;
+    vec3 e = fetch(directions, p).rgb * direction_scale + direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
 #elif DIRECTION_SOURCE == 5
     return iso_shading_normal(flipped_at(p));
 #elif DIRECTION_SOURCE >= 3
     return iso_shading_normal(entry_at(p).xyz);
 #elif DIRECTION_SOURCE == 1
-    return iso_shading_normal(textureLod(directions, p, 0.0).rgb);
+    return iso_shading_normal(fetch(directions, p).rgb);
 #else
     vec3 dx = vec3(voxel.x, 0.0, 0.0), dy = vec3(0.0, voxel.y, 0.0), dz = vec3(0.0, 0.0, voxel.z);
     vec3 g = gradient_to_world * vec3(scalar_at(p + dx) - scalar_at(p - dx), scalar_at(p + dy) - scalar_at(p - dy),
@@ -348,7 +357,9 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
 #ifndef FOCUS
 #define FOCUS 0
 #endif
-#if FIRST_HIT
+#ifdef POINTS
+#include "points.glsl"
+#elif FIRST_HIT
 #include "first_hit.glsl"
 #elif FOCUS
 #include "focus.glsl"
