@@ -23,6 +23,7 @@ struct iso_gl {
     char *shader_dir; /* or NULL: the embedded shaders */
     GLint max_texture_size, max_texture_3d_size;
     GLuint vertex_array;
+    bool times_processor; /* iso_gl_time_processor() */
     size_t program_count;
     struct iso_gl_program {
         char *key; /* fragment file and defines */

@@ -29,6 +29,9 @@ typedef struct iso_gl_info {
 iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
+/* From now on times are the process's processor time over all cores instead of the wall clock's: for software GL on a
+ * machine that has other work. */
+void iso_gl_time_processor(iso_gl *gl, bool processor);
 
 /* Leaving out bricks that the TF does not show changes no pixel by more than
  * rounding; it pays on sparse TFs and costs a little on dense ones. */

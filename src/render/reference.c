@@ -494,7 +494,7 @@ iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_leve
     const iso_sampler sampler = {.level = level, .source = ISO_FROM_FLOAT, .warp = field};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->classes || field->channels != ISO_WARP_CHANNELS))
+    if (status == ISO_OK && (view->classes || view->focus || field->channels != ISO_WARP_CHANNELS))
         status = iso_fail(err, ISO_E_RANGE, "reference: warped bricks need four channels and one table");
-    return status == ISO_OK ? render_all(&sampler, view, opt, image, progress, err) : status;
+    return status == ISO_OK ? render_all(&sampler, NULL, view, opt, image, progress, err) : status;
 }
