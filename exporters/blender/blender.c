@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "encode/decode_double.h"
+#include "render/focus.h"
 #include "vdb/vdb.h"
 
 ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
@@ -158,19 +159,23 @@ static void append_entries(json_t *to, const iso_tf_table *t, double units)
         json_array_append_new(to, json_real((double)t->entries[i] / (i % 4 == 3 ? units : 1)));
 }
 
-/* A table a view: its entries, row by row where it has classes. */
+static void append_table(json_t *to, const iso_tf_table *t, int rows, double units)
+{
+    json_t *entries = json_array();
+    for (int r = 0; r < rows; ++r)
+        append_entries(entries, &t[r], units);
+    json_array_append_new(to, json_pack("{sf sf si so}", "lo", t->lo, "hi", t->hi, "rows", rows, "entries", entries));
+}
+
+/* A table a view, its entries row by row where it has classes; then one a region of interest. */
 static json_t *describe_tf(const iso_view *views, size_t count, double units)
 {
     json_t *all = json_array();
-    for (size_t k = 0; k < count; ++k) {
-        const iso_class_tables *classes = views[k].classes;
-        const iso_tf_table *t = classes ? classes->tables : &views[k].tf;
-        const int rows = classes ? ISO_CLASSES : 1;
-        json_t *entries = json_array();
-        for (int r = 0; r < rows; ++r)
-            append_entries(entries, &t[r], units);
-        json_array_append_new(all, json_pack("{sf sf si so}", "lo", t->lo, "hi", t->hi, "rows", rows, "entries", entries));
-    }
+    for (size_t k = 0; k < count; ++k)
+        append_table(all, views[k].classes ? views[k].classes->tables : &views[k].tf, views[k].classes ? ISO_CLASSES : 1, units);
+    for (size_t k = 0; k < count; ++k)
+        if (views[k].focus)
+            append_table(all, &views[k].focus->tf, 1, units);
     return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&views[0].tf, units));
 }
 
@@ -183,13 +188,68 @@ static json_t *describe_lights(const iso_view *view)
     return lights;
 }
 
-/* vdb is the path that Blender sees: absolute, or relative to the .blend by a leading "//". */
-static json_t *describe_level(const iso_level *level, size_t k, size_t table, const char *vdb,
-                              const iso_blender_options *opt)
+/* Overlapping volumes are walked together by the shortest step of them, so they get the same: of the finest level. */
+static double step_mm(const iso_view *view, const iso_level *level, const iso_blender_options *opt)
 {
-    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step",
-                     opt->step_voxels * iso_geometry_min_spacing_mm(&level->geometry), "voxel_diagonal",
-                     vec_json(iso_mul(level->geometry.index_to_world, iso_v3(1, 1, 1))));
+    return opt->step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry));
+}
+
+/* The box and the band of a region of interest in fractions of the volume's box; side: what its weight adds to the
+ * volume, constant and factor. */
+static json_t *describe_focus(const iso_focus *f, const iso_geometry *around, bool inside)
+{
+    double lo[3], hi[3], band[3];
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = f->lo[a] / around->box_index[a];
+        hi[a] = f->hi[a] / around->box_index[a];
+        band[a] = fmax(f->band, 1e-6) / around->box_index[a];
+    }
+    return json_pack("{so so so s[fff]}", "lo", iso_json_numbers(lo, 3), "hi", iso_json_numbers(hi, 3), "band",
+                     iso_json_numbers(band, 3), "side", inside ? 0.0 : 1.0, inside ? 1.0 : -1.0, 0.0);
+}
+
+/* vdb is the path that Blender sees: absolute, or relative to the .blend by a leading "//"; step in millimetres. */
+static json_t *describe_level(const iso_geometry *in_units_g, size_t k, size_t table, const char *vdb, double step)
+{
+    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step", step,
+                     "voxel_diagonal", vec_json(iso_mul(in_units_g->index_to_world, iso_v3(1, 1, 1))));
+}
+
+static iso_geometry scaled_geometry(const iso_geometry *from, double units)
+{
+    iso_geometry g = *from;
+    g.index_to_world = iso_mat3_scale(g.index_to_world, units);
+    g.origin_mm = iso_scale(g.origin_mm, units);
+    return g;
+}
+
+/* The volume objects of level k: itself, and its region of interest. p in units. tables: the numbers of their tables. */
+static void append_level(json_t *levels, const iso_pyramid *p, size_t k, const iso_view *view, double units, const size_t tables[2],
+                         const char *vdb, const char *focus_vdb, const iso_blender_options *opt)
+{
+    const double step = units * step_mm(view, &(iso_level){.geometry = scaled_geometry(&p->levels[k].geometry, 1 / units)}, opt);
+    json_t *around = describe_level(&p->levels[k].geometry, k, tables[0], vdb, step);
+    if (view->focus) {
+        const iso_geometry g = scaled_geometry(&view->focus->level.geometry, units);
+        json_t *inside = describe_level(&g, k, tables[1], focus_vdb, step);
+        json_object_set_new(around, "focus", describe_focus(view->focus, &p->levels[k].geometry, false));
+        json_object_set_new(inside, "focus", describe_focus(view->focus, &p->levels[k].geometry, true));
+        json_array_append_new(levels, around);
+        json_array_append_new(levels, inside);
+        return;
+    }
+    json_array_append_new(levels, around);
+}
+
+static iso_status save_focus(const iso_pyramid *p, const iso_focus *f, double units, const char *path, const iso_progress *progress,
+                             iso_error *err)
+{
+    iso_level level = f->level;
+    iso_vdb_options options = iso_vdb_defaults();
+    options.pad_voxels = 1;
+    level.geometry = scaled_geometry(&f->level.geometry, units);
+    const iso_pyramid one = {.options = p->options, .source = p->source, .level_count = 1, .levels = &level};
+    return iso_vdb_save(&one, 0, 1, path, &options, progress, err);
 }
 
 static iso_status check_options(const iso_pyramid *p, size_t level, size_t count, const iso_blender_options *opt,
@@ -297,14 +357,14 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
 }
 
 /* One entry a picture: what may change without building the scene again. */
-static json_t *describe_frames(const iso_geometry *g, const char *folder, const iso_blender_options *frames, size_t count)
+static json_t *describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < count; ++i) {
         char path[PATH_MAX];
         snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
         json_array_append_new(list, json_pack("{sf si si ss}", "step",
-                                              frames[i].step_voxels * iso_geometry_min_spacing_mm(g), "samples",
+                                              frames[i].step_voxels * voxel, "samples",
                                               frames[i].samples, "seed", frames[i].seed, "path", path));
     }
     return list;
@@ -344,26 +404,32 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     double units = units_per_mm(&p->levels[0].geometry);
-    char *vdb = iso_path_join(folder, "volume.vdb");
+    char *vdb = iso_path_join(folder, "volume.vdb"), *focus_vdb = iso_path_join(folder, "focus.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     vdb_options.classes = view->classes ? view->classes->bytes : NULL;
     status = in_units(p, units, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
+    if (status == ISO_OK && view->focus)
+        status = save_focus(p, view->focus, units, focus_vdb, progress, err);
     if (status == ISO_OK) {
         const iso_level *l = &scaled.levels[level];
+        const double voxel = units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &p->levels[level].geometry));
+        json_t *levels = json_array();
+        append_level(levels, &scaled, level, view, units, (const size_t[2]){0, 1}, vdb, focus_vdb, &frames[0]);
         json_t *about = describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
-        json_object_set_new(about, "levels", json_pack("[o]", describe_level(l, level, 0, vdb, &frames[0])));
+        json_object_set_new(about, "levels", levels);
         json_object_set_new(about, "tf", describe_tf(view, 1, units));
         json_object_set_new(about, "film_transparent", json_true());
-        json_object_set_new(about, "frames", describe_frames(&l->geometry, folder, frames, count));
+        json_object_set_new(about, "frames", describe_frames(voxel, folder, frames, count));
         status = run_blender(about, folder, &frames[0], progress, err);
     }
     if (status == ISO_OK)
         status = load_pictures(folder, view, count, pictures, err);
     iso_remove_tree(folder);
     free(scaled.levels);
+    free(focus_vdb);
     free(vdb);
     free(folder);
     return status;
@@ -377,28 +443,40 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
 
 /* ---- export ---- */
 
-/* One file a level, all with the same grid names, so that one material reads them. */
-static char *vdb_path(const char *blend_path, size_t k, size_t count)
+/* One file a level, and one a region of interest, all with the same grid names, so that one material reads them. */
+static char *vdb_path(const char *blend_path, size_t k, size_t count, bool focus)
 {
-    size_t stem = strlen(blend_path) - strlen(".blend"), size = stem + 40;
+    size_t stem = strlen(blend_path) - strlen(".blend"), size = stem + 48;
+    const char *which = focus ? "_focus" : "";
     char *path = malloc(size);
     if (path && count == 1)
-        snprintf(path, size, "%.*s.vdb", (int)stem, blend_path);
+        snprintf(path, size, "%.*s%s.vdb", (int)stem, blend_path, which);
     else if (path)
-        snprintf(path, size, "%.*s_level_%zu.vdb", (int)stem, blend_path, k);
+        snprintf(path, size, "%.*s_level_%zu%s.vdb", (int)stem, blend_path, k, which);
     return path;
 }
 
 static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const iso_view *view, const char *blend_path, iso_output *out,
                              const iso_progress *progress, iso_error *err)
 {
-    char *path = vdb_path(blend_path, k, count);
+    char *path = vdb_path(blend_path, k, count, false);
     iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
     options.classes = view->classes ? view->classes->bytes : NULL;
     if (status == ISO_OK)
         status = iso_vdb_save(p, k, 1, out->temp_path, &options, progress, err);
+    free(path);
+    return status;
+}
+
+static iso_status write_focus_grid(const iso_pyramid *p, size_t k, size_t count, const iso_view *view, double units,
+                                   const char *blend_path, iso_output *out, const iso_progress *progress, iso_error *err)
+{
+    char *path = vdb_path(blend_path, k, count, true);
+    iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
+    if (status == ISO_OK)
+        status = save_focus(p, view->focus, units, out->temp_path, progress, err);
     free(path);
     return status;
 }
@@ -411,11 +489,17 @@ static json_t *describe_export(const iso_pyramid *p, double units, size_t first,
     snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
     json_t *about = describe_scene(&views[0], units, &p->levels[first].geometry, name, opt);
     json_t *levels = json_array();
-    for (size_t k = first; k < first + count; ++k) {
-        char *path = vdb_path(blend_path, k, count), relative[NAME_MAX + 40];
+    size_t tables[2] = {0, count}; /* the regions' tables stand behind the levels' */
+    for (; tables[0] < count; ++tables[0]) {
+        const size_t k = first + tables[0];
+        char *path = vdb_path(blend_path, k, count, false), relative[NAME_MAX + 48];
+        char *focus_path = vdb_path(blend_path, k, count, true), focus_relative[NAME_MAX + 48];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
-        json_array_append_new(levels, describe_level(&p->levels[k], k, k - first, relative, opt));
+        snprintf(focus_relative, sizeof focus_relative, "//%s", iso_path_base(focus_path));
+        append_level(levels, p, k, &views[tables[0]], units, tables, relative, focus_relative, opt);
+        tables[1] += views[tables[0]].focus != NULL;
         free(path);
+        free(focus_path);
     }
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", describe_tf(views, count, units));
@@ -438,7 +522,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
-    iso_output *outs = calloc(count + 1, sizeof *outs); /* the grids, then the .blend */
+    iso_output *outs = calloc(2 * count + 1, sizeof *outs); /* the grids, those of regions of interest, the .blend */
     iso_pyramid scaled = {0};
     double units = units_per_mm(&p->levels[0].geometry);
     if (!folder || !outs)
@@ -447,9 +531,13 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         status = in_units(p, units, &scaled, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = write_grid(&scaled, first + i, count, &views[i], blend_path, &outs[i], progress, err);
+    size_t files = count;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        if (views[i].focus)
+            status = write_focus_grid(p, first + i, count, &views[i], units, blend_path, &outs[files++], progress, err);
     if (status == ISO_OK)
-        status = iso_output_begin(&outs[count], blend_path, err);
-    char *target = status == ISO_OK ? realpath(outs[count].temp_path, NULL) : NULL;
+        status = iso_output_begin(&outs[files], blend_path, err);
+    char *target = status == ISO_OK ? realpath(outs[files].temp_path, NULL) : NULL;
     if (status == ISO_OK && !target)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
     if (status == ISO_OK) {
@@ -457,9 +545,9 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         json_object_set_new(about, "save", json_string(target));
         status = run_blender(about, folder, opt, progress, err);
     }
-    for (size_t i = 0; i <= count && status == ISO_OK; ++i)
+    for (size_t i = 0; i <= files && status == ISO_OK; ++i)
         status = iso_output_commit(&outs[i], err);
-    for (size_t i = 0; outs && i <= count; ++i)
+    for (size_t i = 0; outs && i <= files; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)
         iso_remove_tree(folder);

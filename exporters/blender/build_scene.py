@@ -184,6 +184,24 @@ def box_group(to_box):
     return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
 
 
+def focus_group(to_box):
+    """The weight of the finer level of a region of interest (render/focus.h): 1 in its box, over a band around it to 0
+    with a continuous slope. Box and band are fractions of the volume's box."""
+    group = Group("isoshade focus", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
+                                     ('NodeSocketVector', "Hi", (1, 1, 1)), ('NodeSocketVector', "Band", (1, 1, 1))],
+                  [('NodeSocketFloat', "Weight")])
+    f = group.vector('ADD', dots(group, [row[:3] for row in to_box], group.given["Position"], "position in the box"),
+                     [row[3] for row in to_box])
+    below = group.vector('SUBTRACT', group.given["Lo"], f)
+    above = group.vector('SUBTRACT', f, group.given["Hi"])
+    far = group.vector('DIVIDE', group.vector('MAXIMUM', below, above), group.given["Band"], label="outside, in bands")
+    part = group.node('ShaderNodeSeparateXYZ', "", {0: far}).outputs
+    outside = group.math('MAXIMUM', group.math('MAXIMUM', part[0], part[1]), part[2])
+    u = group.math('SUBTRACT', 1.0, group.math('MINIMUM', group.math('MAXIMUM', outside, 0.0), 1.0), label="u")
+    steep = group.math('MULTIPLY_ADD', u, -2.0, 3.0)
+    return group.finish(Weight=group.math('MULTIPLY', group.math('MULTIPLY', u, u), steep, label="u u (3 - 2 u)"))
+
+
 def shade_group(light_count, eps):
     """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
 
@@ -249,6 +267,14 @@ def isoshade_group(about, frame):
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
                             exact["Extinction"])
     inside = group.call(box_group(about["world_to_box"]), Position=position, Ray=ray, Step=step.outputs["Fac"])["Inside"]
+    if any("focus" in level for level in about["levels"]):
+        box = {name: group.node('ShaderNodeAttribute', f"focus {name}", {}, attribute_type='OBJECT',
+                                attribute_name=f"isoshade_focus_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}
+        weight = group.call(focus_group(about["world_to_box"]), Position=position, Lo=box["lo"], Hi=box["hi"],
+                            Band=box["band"])["Weight"]
+        side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
+        share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
+        inside = group.math('MULTIPLY', inside, share)
     seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
     shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
@@ -459,13 +485,15 @@ def calibrate(about):
 
 def add_levels(about, shift, frame, look, collection):
     levels = about["levels"]
-    if len(levels) > 1:
+    several = len({level["level"] for level in levels}) > 1
+    if several:
         frame["level"] = levels[0]["level"]
         frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
                                                description="The level of the pyramid that is shown")
     for level in levels:
-        name = about["name"] if len(levels) == 1 else f"{about['name']} level {level['level']}"
-        thing = volume_object(f"{name} volume", level["vdb"], collection)
+        name = f"{about['name']} level {level['level']}" if several else about["name"]
+        focus = level.get("focus", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
+        thing = volume_object(f"{name} {'focus' if focus['side'][0] == 0 else 'volume'}", level["vdb"], collection)
         thing.parent = frame
         thing.location = [-shift * h for h in level["voxel_diagonal"]]
         thing.data.render.step_size = level["step"]
@@ -476,7 +504,9 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
         thing["isoshade_last_class"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
-        for hidden in ("hide_render", "hide_viewport") if len(levels) > 1 else ():
+        for key, value in focus.items() if "focus" in level or several else ():
+            thing[f"isoshade_focus_{key}"] = [float(v) for v in value]
+        for hidden in ("hide_render", "hide_viewport") if several else ():
             drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})
 
 
@@ -570,7 +600,11 @@ moved back by that. Other versions of Blender may differ; export again with the 
 
 def explain(about, shift):
     ramp = about["tf"]["ramp"]
-    several = 'Its property "level" chooses the level of the pyramid that is seen.\n' if len(about["levels"]) > 1 else ""
+    several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
+               if len({level["level"] for level in about["levels"]}) > 1 else "")
+    if any("focus" in level for level in about["levels"]):
+        several += ('The object "... focus" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
+                    'isoshade_focus_* and those of the volume around it have to be the same but for the side.\n')
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],

@@ -17,6 +17,10 @@
  * brightest possible colour. Alpha comes from a second pass without emission
  * over white.
  *
+ * A table over two values is a DF3 with a row a class. A region of interest
+ * (render/focus.h) is a second set of media in the same container, with a lattice
+ * and a TF of its own; both are multiplied by their weights.
+ *
  * Isosurface: instead of the media, the first point of a ray inside the box
  * where the value is at least iso, opaque: C = c(iso) shade(d), A = 1, with the
  * TF's colour c and the shade of the pre-computed direction. The same as

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "blender/blender.h"
-#include "cli/adapted.h"
 #include "cli/cli.h"
+#include "cli/roi.h"
 #include "cli/subject.h"
 #include "povray/povray.h"
 #include "vdb/vdb.h"
@@ -13,6 +13,7 @@
 typedef struct export_arguments {
     iso_cli_input input;
     iso_cli_adapted adapted;
+    iso_cli_roi roi;
     char *to, *output, *scene, *size, *isosurface;
     int level, level_count, half;
     double step;
@@ -48,7 +49,11 @@ static iso_status level_view(const export_job *job, size_t k, iso_view *view, is
         return iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     }
     memcpy(view->tf.entries, job->view->tf.entries, bytes);
-    return iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
+    /* levels that are no coarser than the region of interest need none */
+    iso_status status = a->roi.box && a->roi.level >= 0 && k <= (size_t)a->roi.level && k < (size_t)(a->level + a->level_count - 1)
+                            ? ISO_OK
+                            : iso_cli_roi_view(&a->roi, &a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
+    return status != ISO_OK ? status : iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
 }
 
 static void tell_ramp(const export_job *job, const iso_tf_table *table)
@@ -96,6 +101,9 @@ static iso_status to_povray(const export_job *job, iso_error *err)
     iso_status status = ISO_OK;
     if (job->arguments->isosurface)
         status = iso_cli_parse_numbers(job->arguments->isosurface, "--isosurface", value, err);
+    if (status == ISO_OK)
+        status = iso_cli_roi_view(&job->arguments->roi, &job->arguments->adapted, job->arguments->cli->arguments[0], job->pyramid,
+                                  (size_t)job->arguments->level, job->view, job->arguments->cli->threads, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&job->arguments->adapted, job->arguments->cli->arguments[0], job->pyramid,
                                     (size_t)job->arguments->level, job->view, job->arguments->cli->threads, err);
@@ -147,6 +155,7 @@ static iso_status check(const export_arguments *a, const struct target **target,
                 {"--isosurface", a->isosurface != NULL, t->takes_isosurface},
                 {"--scene", a->scene != NULL, t->needs_scene},
                 {"--size", a->size != NULL, t->needs_scene},
+                {"--roi", a->roi.box != NULL, t->needs_scene},
                 {"--adapt", a->adapted.wanted, t->needs_scene}};
     for (size_t i = 0; i < sizeof uses / sizeof *uses && status == ISO_OK; ++i)
         if (uses[i].given && !uses[i].taken)
@@ -195,6 +204,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     export_arguments a = {.level_count = 1};
     iso_cli_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
+    iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "vdb, blender or povray", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
@@ -206,6 +216,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume", "VALUE"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
+        ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -230,6 +241,7 @@ const iso_command iso_command_export = {
                 "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
                 "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
                 "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
+                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
                 "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n",
     .run = run,
 };

@@ -37,7 +37,6 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         {"--samples", "cycles", a->samples != 0, cycles},
         {"--seed", "cycles", a->seed != 0, cycles},
         {"--shader-dir", "gl", a->shader_dir != NULL, gl},
-        {"--roi", "reference, gl and povray", a->roi.box != NULL, reference | gl | povray},
         {"--shade-table", "gl", a->shade_table != 0, gl},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
@@ -259,6 +258,7 @@ const iso_command iso_command_render = {
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n",
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n",
     .run = run,
 };
