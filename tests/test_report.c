@@ -273,6 +273,49 @@ static void junit_counts_failures_and_escapes(void **state)
     iso_report_destroy(r);
 }
 
+/* What is asked besides the metrics: a gate that is not held is a difference, by its name. */
+static void gates_decide_too(void **state)
+{
+    (void)state;
+    char *dir = inside("gates"), *path = inside("gates.xml"), *xml;
+    iso_report *r;
+    const iso_report_about about = {.title = "t"};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = 1e-4, .limits = {.rmse = 1}, .gate_count = 2,
+                                .gates = {{"error bar", 1e-4, 4e-4}, {"pixels beyond chance", 0, 0}}};
+    assert_string_equal(iso_report_verdict(&row), "agree");
+    row.limits = (iso_limits){0}; /* gates alone are enough */
+    assert_string_equal(iso_report_verdict(&row), "agree");
+    row.metrics.nonfinite_count = 1;
+    assert_string_equal(iso_report_verdict(&row), "differ");
+    row.metrics.nonfinite_count = 0;
+    row.gates[0].value = NAN;
+    assert_string_equal(iso_report_verdict(&row), "differ");
+    row.gates[0].value = 1e-4;
+    row.limits.rmse = 1;
+    row.metrics.rmse = 2; /* nor do gates make up for a metric */
+    assert_string_equal(iso_report_verdict(&row), "differ");
+    row.metrics.rmse = 0.5;
+    row.gates[1].value = 3;
+    assert_string_equal(iso_report_verdict(&row), "differ");
+    json_t *facts = json_pack("{s:f}", "order", 1.5);
+    row.statistics = facts;
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    const json_t *kept = json_array_get(json_object_get(iso_report_json(r), "agreement"), 0);
+    assert_int_equal(json_array_size(json_object_get(kept, "gates")), 2);
+    assert_within(json_number_value(json_object_get(json_object_get(kept, "statistics"), "order")), 1.5, 0);
+    assert_true(json_is_null(json_object_get(kept, "severity"))); /* infinite: a gate at 0 was passed by */
+    assert_ok(iso_report_write_junit(r, path, &err));
+    read_text(path, &xml);
+    assert_non_null(strstr(xml, "pixels beyond chance 3, at most 0"));
+    assert_null(strstr(xml, "error bar")); /* it was held */
+    json_decref(facts);
+    free(xml);
+    free(path);
+    free(dir);
+    iso_report_destroy(r);
+}
+
 static void an_unfinished_report_leaves_nothing(void **state)
 {
     (void)state;
@@ -382,6 +425,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_page_needs_nothing_from_outside),
         cmocka_unit_test(the_sentence_tells_each_outcome),
         cmocka_unit_test(junit_counts_failures_and_escapes),
+        cmocka_unit_test(gates_decide_too),
         cmocka_unit_test(an_unfinished_report_leaves_nothing),
         cmocka_unit_test(only_a_report_is_replaced),
         cmocka_unit_test(bad_names_are_refused),

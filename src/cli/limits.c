@@ -11,7 +11,8 @@ enum { most_seeds = 32 };
 
 iso_limit_options iso_limit_defaults(void)
 {
-    return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550, .seeds = 4};
+    return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550,
+                               .bars = ISO_LIMIT_BARS_SMOOTH, .seeds = 4};
 }
 
 void iso_limit_destroy(iso_limit *limit)
@@ -23,7 +24,8 @@ void iso_limit_destroy(iso_limit *limit)
 
 double iso_limit_left(const iso_limit *l)
 {
-    double fine = l->fine_rmse - ISO_LIMIT_ROUNDING - ISO_LIMIT_BARS * l->noise_bar;
+    /* Two standard errors: chance alone is seldom more. */
+    double fine = l->fine_rmse - ISO_LIMIT_ROUNDING - 2 * l->noise_bar;
     return isnan(fine) ? NAN : fine > 0 ? fine / l->coarse_rmse : 0;
 }
 
@@ -49,19 +51,23 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
     }
 }
 
-/* RMS of the mean's standard error, over pixels and channels. */
-static double standard_error(const iso_samples *s)
+/* RMS of the mean's standard error, over pixels and all four channels: the alpha of a picture may be noisier than
+ * its colours, where volume and background are alike. */
+static double standard_error(const iso_image *images, size_t n, const iso_image *mean)
 {
-    double sum = 0, n = (double)s->count;
-    size_t count = 3 * s->width * s->height;
+    const size_t count = 4 * mean->width * mean->height;
+    double sum = 0;
     for (size_t i = 0; i < count; ++i)
-        sum += s->squares[i] / (n - 1) / n;
-    return sqrt(sum / (double)count);
+        for (size_t k = 0; k < n; ++k) {
+            double d = (double)images[k].rgba[i] - (double)mean->rgba[i];
+            sum += d * d;
+        }
+    return sqrt(sum / (double)((n - 1) * n) / (double)count);
 }
 
 /* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes. */
-static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double largest_step_error,
-                             iso_limit *out, iso_error *err)
+static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double bars,
+                             double largest_step_error, iso_limit *out, iso_error *err)
 {
     iso_samples samples;
     iso_noise_test bias;
@@ -70,11 +76,10 @@ static iso_status test_noise(const iso_image *limits, size_t count, const iso_im
         return status;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = iso_samples_add(&samples, &limits[i], err);
-    if (status == ISO_OK) {
-        out->noise_bar = standard_error(&samples);
-        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE,
-                                  ISO_LIMIT_BARS * largest_step_error + ISO_LIMIT_ROUNDING, &out->noise, err);
-    }
+    out->noise_bar = standard_error(limits, count, &out->image);
+    if (status == ISO_OK)
+        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, bars * largest_step_error + ISO_LIMIT_ROUNDING, &out->noise,
+                                  err);
     if (status == ISO_OK) /* the mean over the image hides no single pixel: it is held to the bar itself */
         status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, out->step_bar + ISO_LIMIT_ROUNDING, &bias, err);
     if (status == ISO_OK)
@@ -92,7 +97,8 @@ static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, 
 }
 
 /* images: `seeds` of the double step, then `seeds` of the step. */
-static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, iso_limit *out, iso_error *err)
+static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, double bars, iso_limit *out,
+                              iso_error *err)
 {
     iso_image limits[most_seeds] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;
@@ -114,9 +120,10 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
     for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
         status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
     if (status == ISO_OK && seeds > 1)
-        status = test_noise(limits, seeds, reference, e.error_bar_max, out, err);
+        status = test_noise(limits, seeds, reference, bars, e.error_bar_max, out, err);
     out->order = log2(out->coarse_rmse / out->fine_rmse);
     out->bar = hypot(out->step_bar, out->noise_bar);
+    out->allowed = bars * out->bar + ISO_LIMIT_ROUNDING;
     for (size_t i = 0; i < most_seeds; ++i)
         iso_image_destroy(&limits[i]);
     iso_image_destroy(&coarse);
@@ -141,7 +148,7 @@ static iso_status find_pair(iso_renderers *r, const iso_pyramid *p, size_t level
     *out = (iso_limit){.step_voxels = step, .seeds = seeds};
     iso_status status = iso_render_several(r, p, level, view, frames, 2 * seeds, images, progress, err);
     if (status == ISO_OK)
-        status = extrapolate(images, seeds, reference, out, err);
+        status = extrapolate(images, seeds, reference, opt->bars, out, err);
     for (size_t i = 0; i < 2 * seeds; ++i)
         iso_image_destroy(&images[i]);
     return status;

@@ -15,10 +15,11 @@ typedef struct iso_limit_options {
     double step_voxels;   /* the finer of the first two, in the level's smallest spacing */
     double finest_voxels; /* where halving ends */
     double wanted_bar;    /* RMSE */
+    double bars;          /* ISO_LIMIT_BARS_... */
     size_t seeds;         /* of Cycles, at least 2 */
     int first_seed, threads;
 } iso_limit_options;
-/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550. */
+/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, of which a limit may be 2 off. */
 iso_limit_options iso_limit_defaults(void);
 
 typedef struct iso_limit {
@@ -28,8 +29,9 @@ typedef struct iso_limit {
     double coarse_rmse, fine_rmse; /* against the reference, of the means */
     double rmse;                   /* of the limit against the reference */
     double order;                  /* log2 (coarse_rmse / fine_rmse) */
-    double step_bar, noise_bar;    /* RMSE of `fine` to the limit; standard error of the limit */
+    double step_bar, noise_bar;    /* RMSE of `fine` to the limit; standard error of the limit; of RGB and alpha */
     double bar;                    /* both */
+    double allowed;                /* RMSE: so many bars, and rounding */
     size_t seeds;                  /* 1: nothing is random, and noise is not filled */
     iso_noise_test noise;          /* of the seeds' limits against the reference */
 } iso_limit;
@@ -37,9 +39,11 @@ typedef struct iso_limit {
 /* Second order halves to a quarter. The TF's bends fall anywhere between the samples, so that single halvings do
  * better or worse: what is left is asked to be at most half a power more. */
 #define ISO_LIMIT_ORDER 2.0
-/* Errors of the two steps that are independent of each other, r e and e, leave sqrt(r^2 + 16) / 3 e in the limit, at a
- * bar of sqrt(r^2 + 1) / 3 e: 1.4 bars for r = 4, and 2 bars for r = 2, the least that validation lets pass. */
-#define ISO_LIMIT_BARS 2.0
+/* How many bars a limit may be off. Errors of the two steps that are independent of each other, r e and e, leave
+ * sqrt(r^2 + 16) / 3 e in the limit, at a bar of sqrt(r^2 + 1) / 3 e: 1.4 bars for r = 4, and 1.6 for the least that is
+ * let pass of smooth TFs. A TF that a step does not resolve is of first order, r = 2, and then 2 bars off. */
+#define ISO_LIMIT_BARS_SMOOTH 2.0
+#define ISO_LIMIT_BARS_SHARP 2.5
 /* What 16 bits a channel (POV-Ray) and single precision leave. */
 #define ISO_LIMIT_ROUNDING 1e-5
 /* Of all pixels and channels of an image together, and of its bias. */

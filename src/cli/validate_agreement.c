@@ -15,8 +15,9 @@ enum { lock_step_intervals = 128 };
 /* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
 static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
 /* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
- * Bends and steps between the samples have random phases, so that there single halvings do as badly as first order. */
-static const double smooth_left = 0.354, sharp_left = 0.5;
+ * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
+ * little worse. */
+static const double smooth_left = 0.354, sharp_left = 0.6;
 
 const iso_limits iso_validate_gl_lock_step = {.rmse = 1e-6, .max_abs = 2e-5};
 /* POV-Ray writes 16 bits a channel: 7.6e-6. */
@@ -238,7 +239,7 @@ static void add_gate(iso_report_agreement *row, const char *name, double value, 
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l, iso_report_agreement *row)
 {
     row->error_bar = l->bar;
-    row->limits = (iso_limits){.rmse = ISO_LIMIT_BARS * l->bar + ISO_LIMIT_ROUNDING};
+    row->limits = (iso_limits){.rmse = l->allowed};
     add_gate(row, "error bar", l->bar, asked->sharp ? sharp_bar : smooth_bar);
     add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {
@@ -256,6 +257,7 @@ static iso_limit_options limit_options(const iso_validation *v, iso_renderer ren
     iso_limit_options o = iso_limit_defaults();
     o.seeds = v->seeds;
     o.threads = v->threads;
+    o.bars = v->scene->agreement.sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
     o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
     if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
         o.wanted_bar /= 4;

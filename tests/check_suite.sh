@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Scenes that break renderers, by the ray caster at few pixels; scenes that are wrong; methods and adapted TFs at every
+# level; what validation catches and what it leaves alone.
+. "$(dirname "$0")/lib.sh"
+suite=$top/refscenes/suite
+validate() { "$ISOSHADE" validate --with gl --quick -q "$@"; }
+
+# One of each tier and each kind of trouble; the whole folder is for people.
+mkdir few
+for name in ramp-rotated inside-constant opaque-constant empty one-voxel-thick negative-ramp step surface-noise; do cp "$suite/$name.scene.json" few; done
+check a_suite_agrees validate --suite few --size 16 -o report --junit report.xml
+for tier in 'closed form' lock-step convergence 'first hit'; do check "the_report_has_rows_of_tier_$tier" grep -q "\"tier\": \"$tier\"" report/report.json; done
+for key in order step_bar gates rmse_at_twice_the_step; do check "the_report_has_$key" grep -q "\"$key\"" report/report.json; done
+check each_scene_says_how_to_repeat_it grep -q 'isoshade make ramp --size 29x31x17 .* && isoshade render ramp-rotated.nrrd' report/report.json
+check junit_counts_every_row test "$(grep -c '<testcase classname="agreement' report.xml)" = "$(grep -c '"verdict": "agree"' <(python3 -m json.tool report/report.json | sed -n '/"agreement"/,/"consistency"/p'))"
+check a_baseline_is_taken "$ISOSHADE" baseline report accepted.json --update
+check and_holds "$ISOSHADE" baseline report accepted.json
+check all_scenes_of_the_folder_name_tier_and_reason test "$(grep -l '"tier": .*"why": "..' "$suite"/*.scene.json | wc -l)" = "$(ls "$suite" | wc -l)"
+
+# The reproduce command of a row renders what the row says.
+line=$(python3 -c 'import json; print(next(r["command"] for r in json.load(open("report/report.json"))["agreement"] if r["scene"] == "negative-ramp" and r["b"] == "gl"))')
+check a_reproduce_command_runs bash -c "${line//isoshade /\"\$ISOSHADE\" } -q"
+
+mkdir false bare
+sed 's/"constant --size/"noise --size/' "$suite/constant.scene.json" >false/false.scene.json
+refuse a_closed_form_that_is_none_is_refused 5 "off a linear field" validate --suite false -o no
+cp "$top/refscenes/shells.scene.json" "$top/refscenes/shells.tf.json" bare
+refuse a_scene_without_a_volume_is_refused 4 "nothing says what volume" validate --suite bare -o no
+refuse an_empty_folder_is_refused 2 "holds no .scene.json" validate --suite few/.. -o no
+refuse a_suite_takes_no_volume 2 "one too many" validate x.nrrd --suite few -o no
+refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scene x.scene.json -o no
+# A planted fault: a scene that is said to be smooth, with a step that no finite ray step resolves.
+mkdir sharp
+sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' "$suite/step.scene.json" >sharp/sharp.scene.json
+expect bars_that_are_too_wide_are_told 1 "$ISOSHADE" validate --with gl --quick -q --suite sharp --size 12 -o wide --junit wide.xml
+check by_name grep -qE 'left of the error by halving the step .*, at most 0.354|error bar .*, at most 0.00039' wide.xml
+
+"$ISOSHADE" make marschner-lobb --size 20x17x23 -o v.nrrd -q
+check every_method_agrees_at_every_level validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 3 -o methods
+for row in 'on-the-fly' naive eq1 'moments, adapted TF' 'naive, adapted TF'; do check "there_are_rows_of_$row" grep -q "\"b\": \"gl, $row\"" methods/report.json; done
+
+expect faults_are_caught_and_clean_scenes_left_alone 0 "$ISOSHADE" bench power --with gl --repetitions 2 --size 14 -q --json
+check thirteen_faults_by_name test "$(grep -c '"caught": true' out)" = 13
+check no_clean_scene_is_flagged test "$(grep -c '"flagged": 0' out)" = "$(grep -c '"flagged"' out)"
+exit $failed

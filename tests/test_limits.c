@@ -1,0 +1,268 @@
+/* Limits of halved steps and closed forms: what is right agrees, what is planted does not, and the gates say which. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/closed_form.h"
+#include "cli/faults.h"
+#include "cli/validate.h"
+#include "test.h"
+#include "volume/synthetic.h"
+
+enum { pixels = 20 };
+
+typedef struct subject {
+    iso_pyramid pyramid;
+    iso_view view;
+} subject;
+
+static iso_renderers renderers;
+
+static int end_renderers(void **state)
+{
+    (void)state;
+    iso_renderers_end(&renderers);
+    return 0;
+}
+
+/* Unequal sizes and spacings; a TF of one colour where `colors` is not asked for. */
+static subject open_subject(iso_field_kind kind, bool colors, bool step)
+{
+    enum { entries = 17 };
+    const size_t size[3] = {13, 11, 9};
+    const double spacing[3] = {1, 1.25, 1.6};
+    iso_field field = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 4};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_volume volume;
+    subject s = {.view = {.width = pixels, .height = pixels, .light_count = 1, .step_voxels = 0.5,
+                          .shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.3, .power = 5}}};
+    build.level_count = 2;
+    assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
+    assert_ok(iso_pyramid_build(&volume, "limits", &build, &s.pyramid, NULL, &err));
+    iso_volume_destroy(&volume);
+    iso_camera *c = &s.view.camera;
+    c->forward = iso_normalize(iso_v3(1, 2, -0.7));
+    c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
+    c->up = iso_cross(c->right, c->forward);
+    c->half_height = 0.3;
+    c->position = iso_scale(c->forward, -30);
+    s.view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.4, -1, 0.5)), .intensity = 1};
+    s.view.background[1] = 0.2;
+    s.view.tf = (iso_tf_table){.count = entries, .lo = 0, .hi = 1, .entries = calloc(entries, 4 * sizeof(float))};
+    for (int i = 0; i < entries; ++i) {
+        const float e[4] = {0.9f, colors ? 0.1f * (float)(i % 8) : 0.5f, 0.2f,
+                            step ? (i > 8 ? 0.9f : 0.0f) : 0.02f + 0.01f * (float)i};
+        memcpy(s.view.tf.entries + 4 * i, e, sizeof e);
+    }
+    return s;
+}
+
+static void close_subject(subject *s)
+{
+    iso_view_destroy(&s->view);
+    iso_pyramid_destroy(&s->pyramid);
+}
+
+static iso_image reference(const subject *s)
+{
+    iso_image image;
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    assert_ok(iso_render_with(&renderers, &s->pyramid, 0, &s->view, &opt, &image, NULL, NULL, &err));
+    return image;
+}
+
+static double largest_difference(const iso_image *a, const iso_image *b)
+{
+    iso_metrics m;
+    assert_ok(iso_metrics_measure(a, b, &m, &err));
+    return m.max_abs;
+}
+
+/* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
+static const char *judge(const subject *s, const iso_image *truth, iso_renderer which, bool sharp, char gate[64])
+{
+    iso_limit limit;
+    iso_limit_options opt = iso_limit_defaults();
+    const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
+    iso_report_agreement row = {.a = "a", .b = "b"};
+    opt.step_voxels = 1.0 / 16;
+    opt.bars = sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
+    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, which, &opt, &limit, NULL, &err));
+    assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
+    iso_validate_limit_row(&asked, &limit, &row);
+    gate[0] = 0;
+    for (size_t i = 0; i < row.gate_count && !gate[0]; ++i)
+        if (!(row.gates[i].value <= row.gates[i].limit))
+            snprintf(gate, 64, "%s", row.gates[i].name);
+    iso_limit_destroy(&limit);
+    return iso_report_verdict(&row);
+}
+
+static double off_the_formula(const subject *s, const subject *rendered)
+{
+    iso_image formula, image = reference(rendered);
+    assert_ok(iso_closed_form_render(&s->pyramid.levels[0], s->pyramid.options.code, &s->view, &formula, &err));
+    double off = largest_difference(&formula, &image);
+    iso_image_destroy(&formula);
+    iso_image_destroy(&image);
+    return off;
+}
+
+static void the_reference_meets_the_closed_form(void **state)
+{
+    (void)state;
+    const iso_field_kind kinds[] = {ISO_FIELD_CONSTANT, ISO_FIELD_RAMP};
+    for (int k = 0; k < 2; ++k) {
+        subject s = open_subject(kinds[k], false, false);
+        assert_at_most(off_the_formula(&s, &s), 1e-6); /* the reference's tolerance */
+        close_subject(&s);
+    }
+}
+
+/* The formula knows place, unit, range, gradient and light. */
+static void planted_faults_miss_the_closed_form(void **state)
+{
+    (void)state;
+    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_MIRRORED, ISO_FAULT_STALE, ISO_FAULT_UNIT,
+                                ISO_FAULT_RANGE, ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED};
+    subject s = open_subject(ISO_FIELD_RAMP, false, false);
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        subject wrong = open_subject(ISO_FIELD_RAMP, false, false);
+        iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
+        double off = off_the_formula(&s, &wrong);
+        if (!(off > 1e-3))
+            fail_msg("%s: only %g off", iso_fault_name(faults[i]), off);
+        close_subject(&wrong);
+    }
+    close_subject(&s);
+}
+
+static void a_closed_form_is_refused_where_there_is_none(void **state)
+{
+    (void)state;
+    iso_image image;
+    iso_error why = {""};
+    subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colourful = open_subject(ISO_FIELD_RAMP, true, false);
+    assert_int_equal(iso_closed_form_render(&bent.pyramid.levels[0], bent.pyramid.options.code, &bent.view, &image, &why),
+                     ISO_E_RANGE);
+    assert_non_null(strstr(why.text, "linear"));
+    assert_int_equal(iso_closed_form_render(&colourful.pyramid.levels[0], colourful.pyramid.options.code, &colourful.view,
+                                            &image, &why), ISO_E_RANGE);
+    assert_non_null(strstr(why.text, "colours"));
+    close_subject(&bent);
+    close_subject(&colourful);
+}
+
+static void the_ray_caster_has_the_reference_for_its_limit(void **state)
+{
+    (void)state;
+    char gate[64];
+    for (int sharp = 0; sharp < 2; ++sharp) {
+        subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
+        iso_image truth = reference(&s);
+        assert_string_equal(judge(&s, &truth, ISO_WITH_GL, sharp, gate), "agree");
+        iso_image_destroy(&truth);
+        close_subject(&s);
+    }
+}
+
+/* A wrong image converges as nicely as a right one, but elsewhere: the error does not fall. */
+static void planted_faults_move_the_limit_out_of_its_bars(void **state)
+{
+    (void)state;
+    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_UNIT, ISO_FAULT_SRGB, ISO_FAULT_RANGE, ISO_FAULT_AXIS_SWAP,
+                                ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED, ISO_FAULT_STALE, ISO_FAULT_MIRRORED};
+    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    iso_image truth = reference(&s);
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
+        char gate[64];
+        iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
+        if (strcmp(judge(&wrong, &truth, ISO_WITH_GL, false, gate), "differ") != 0)
+            fail_msg("not caught: %s", iso_fault_name(faults[i]));
+        assert_string_equal(gate, "left of the error by halving the step");
+        close_subject(&wrong);
+    }
+    iso_image_destroy(&truth);
+    close_subject(&s);
+}
+
+/* Where the TF's step is not resolved, the bars of a smooth TF are not reached, and the row says so. */
+static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
+{
+    (void)state;
+    subject s = open_subject(ISO_FIELD_NOISE, true, true);
+    for (size_t i = 3; i < 4 * s.view.tf.count; i += 4)
+        s.view.tf.entries[i] *= 60; /* the first sample inside decides */
+    iso_image truth = reference(&s);
+    iso_limit limit;
+    iso_limit_options opt = iso_limit_defaults();
+    opt.step_voxels = opt.finest_voxels = 0.5;
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &limit, NULL, &err));
+    iso_report_agreement row = {.a = "a", .b = "b"};
+    assert_ok(iso_metrics_measure(&truth, &limit.image, &row.metrics, &err));
+    iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
+    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_more_than(limit.bar, opt.wanted_bar);
+    iso_limit_destroy(&limit);
+    iso_image_destroy(&truth);
+    close_subject(&s);
+}
+
+static void wide_bars_are_halved_until_they_are_narrow(void **state)
+{
+    (void)state;
+    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    iso_image truth = reference(&s);
+    iso_limit coarse, fine;
+    iso_limit_options opt = iso_limit_defaults();
+    opt.step_voxels = 1, opt.wanted_bar = INFINITY;
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &coarse, NULL, &err));
+    assert_within(coarse.step_voxels, 1, 0);
+    opt.wanted_bar = coarse.bar / 10;
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &fine, NULL, &err));
+    assert_at_most(fine.step_voxels, 0.5);
+    assert_at_most(fine.bar, opt.wanted_bar);
+    opt.seeds = 1;
+    iso_limit none;
+    assert_status(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &none, NULL, &err), ISO_E_RANGE);
+    iso_limit_destroy(&coarse);
+    iso_limit_destroy(&fine);
+    iso_image_destroy(&truth);
+    close_subject(&s);
+}
+
+/* POV-Ray's pair: the planes stay, the intervals halve, and the finer step is what was asked for or less. */
+static void povrays_pair_halves_the_intervals_between_the_same_planes(void **state)
+{
+    (void)state;
+    subject s = open_subject(ISO_FIELD_CONSTANT, false, false);
+    const iso_geometry *g = &s.pyramid.levels[0].geometry;
+    const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
+    for (double step = 1; step > 0.005; step /= 2) {
+        iso_render_options coarse = iso_render_defaults(ISO_WITH_POVRAY), fine = coarse;
+        iso_limit_povray_pair(&s.pyramid.levels[0], step, &coarse, &fine);
+        assert_int_equal(fine.intervals, 2 * coarse.intervals);
+        assert_int_equal(fine.planes, coarse.planes);
+        assert_at_most((double)fine.intervals, 255);
+        double most = chord / (double)(fine.intervals * (fine.planes + 1));
+        assert_at_most(most, step * (1 + 1e-9));
+        assert_more_than(most, 0.6 * step); /* and not much finer */
+    }
+    close_subject(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_reference_meets_the_closed_form),
+        cmocka_unit_test(planted_faults_miss_the_closed_form),
+        cmocka_unit_test(a_closed_form_is_refused_where_there_is_none),
+        cmocka_unit_test(the_ray_caster_has_the_reference_for_its_limit),
+        cmocka_unit_test(planted_faults_move_the_limit_out_of_its_bars),
+        cmocka_unit_test(a_sharp_tf_that_is_called_smooth_is_told),
+        cmocka_unit_test(wide_bars_are_halved_until_they_are_narrow),
+        cmocka_unit_test(povrays_pair_halves_the_intervals_between_the_same_planes),
+    };
+    return cmocka_run_group_tests(tests, NULL, end_renderers);
+}
