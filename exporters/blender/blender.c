@@ -268,6 +268,22 @@ static iso_status check_options(const iso_pyramid *p, size_t level, size_t count
     return ISO_OK;
 }
 
+/* Planes over fractions of the box, counted from its centre: [x, y, z, w], x fx + y fy + z fz >= w stays. */
+static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
+{
+    json_t *clips = json_array();
+    for (size_t i = 0; i < view->clip_count; ++i) {
+        double plane[4];
+        iso_clip_in_index(&view->clips[i], g, plane);
+        for (int a = 0; a < 3; ++a) {
+            plane[a] *= g->box_index[a];
+            plane[3] -= 0.5 * plane[a];
+        }
+        json_array_append_new(clips, iso_json_numbers(plane, 4));
+    }
+    return clips;
+}
+
 static json_t *describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
                               const iso_blender_options *opt)
 {
@@ -279,8 +295,10 @@ static json_t *describe_scene(const iso_view *view, double units, const iso_geom
                               view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
                               "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels, "units_per_mm",
                               units);
-    if (about)
+    if (about) {
         describe_box(about, g);
+        json_object_set_new(about, "clip_planes", describe_clips(view, g));
+    }
     return about;
 }
 

@@ -157,12 +157,13 @@ def dots(group, rows, vector, label):
     return group.node('ShaderNodeCombineXYZ', label, dict(enumerate(parts))).outputs[0]
 
 
-def box_group(to_box):
+def box_group(to_box, clip_planes):
     """How much of the ray's step lies inside the box: exact whatever the phase of the steps.
 
     A hard mask errs by up to a step where the ray crosses a face. The overlap of the box with the interval of one
     step around the sample makes the sum over the samples telescope instead. Slab method, in fractions of the box
-    with 0 at its centre: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis."""
+    with 0 at its centre: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is a face of its own:
+    n.f >= w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
     group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
                                    ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
     linear = [row[:3] for row in to_box]
@@ -180,6 +181,17 @@ def box_group(to_box):
 
     enter = extreme(group.vector('SUBTRACT', middle, reach), 'MAXIMUM', group.math('MULTIPLY', half, -1.0))
     leave = extreme(group.vector('ADD', middle, reach), 'MINIMUM', half)
+    far = 1e9
+    for plane in clip_planes:
+        rate = group.math('ADD', group.vector('DOT_PRODUCT', g, plane[:3]), 1e-20)
+        above = group.math('SUBTRACT', plane[3], group.vector('DOT_PRODUCT', f, plane[:3]), label="to the clip plane")
+        crossing = group.math('MINIMUM', group.math('MAXIMUM', group.math('DIVIDE', above, rate), -far), far)
+        enters = group.math('GREATER_THAN', rate, 0.0)
+        leaves = group.math('SUBTRACT', 1.0, enters)
+        enter = group.math('MAXIMUM', enter, group.math('SUBTRACT', group.math('MULTIPLY', crossing, enters),
+                                                        group.math('MULTIPLY', leaves, far)))
+        leave = group.math('MINIMUM', leave, group.math('ADD', group.math('MULTIPLY', crossing, leaves),
+                                                        group.math('MULTIPLY', enters, far)))
     length = group.math('MAXIMUM', group.math('SUBTRACT', leave, enter), 0.0)
     return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
 
@@ -266,7 +278,8 @@ def isoshade_group(about, frame):
     color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
                             exact["Extinction"])
-    inside = group.call(box_group(about["world_to_box"]), Position=position, Ray=ray, Step=step.outputs["Fac"])["Inside"]
+    inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
+                        Step=step.outputs["Fac"])["Inside"]
     if any("focus" in level for level in about["levels"]):
         box = {name: group.node('ShaderNodeAttribute', f"focus {name}", {}, attribute_type='OBJECT',
                                 attribute_name=f"isoshade_focus_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}

@@ -356,6 +356,18 @@ static void write_specular(FILE *f, const iso_povray_scene *s)
             lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
 }
 
+/* The planes that a scene clips by, in voxel coordinates; POV-Ray's planes keep the side that their normals leave. */
+static void write_clips(FILE *f, const iso_povray_scene *s)
+{
+    for (size_t i = 0; i < s->view->clip_count; ++i) {
+        double p[4];
+        iso_clip_in_index(&s->view->clips[i], s->geometry, p);
+        const double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        fprintf(f, "    plane { <%.17g, %.17g, %.17g>, %.17g }\n", -p[0] / length, -p[1] / length, -p[2] / length,
+                -p[3] / length);
+    }
+}
+
 /* Absorption and emission of one layer; prefix: of its declared names; weight: one more density, or "". */
 static void write_layer_media(FILE *f, const iso_povray_scene *s, const char *prefix, const char *weight)
 {
@@ -385,9 +397,10 @@ static void write_media(FILE *f, const iso_povray_scene *s)
     write_layer_media(f, s, "Iso_", s->inner ? " density { Iso_Outside }" : "");
     if (s->inner)
         write_layer_media(f, s->inner, "Iso_Fine_", " density { Iso_Inside }");
-    fprintf(f, "}\n\n"
-               "#declare Iso_Volume = box { 0, Iso_Box\n"
-               "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
+    const bool clipped = s->view->clip_count > 0;
+    fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { 0, Iso_Box }" : "box { 0, Iso_Box");
+    write_clips(f, s);
+    fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    interior { Iso_Interior } }\n");
 }
 
@@ -397,6 +410,7 @@ static void write_media(FILE *f, const iso_povray_scene *s)
 static void write_surface(FILE *f, const iso_povray_scene *s)
 {
     const double specular = specular_sum(s->view), peak = 1 + specular;
+    const bool clipped = s->view->clip_count > 0;
     double rgbs[4];
     iso_tf_lookup(&s->view->tf, s->options->iso, rgbs);
     fprintf(f, "// ---- the surface ----------------------------------------------------------\n"
@@ -409,14 +423,15 @@ static void write_surface(FILE *f, const iso_povray_scene *s)
         fprintf(f, "\n    + %.17g * Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
                    "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))", specular);
     fprintf(f, ") * %.17g }\n"
-               "#declare Iso_Surface = isosurface {\n"
+               "#declare Iso_Surface = %sisosurface {\n"
                "    function { (Iso_Surface_Value - %.17g) * %.17g - Iso_Stored(x, y, z) }\n"
                "    contained_by { box { 0, Iso_Box } }\n"
-               "    threshold 0 accuracy 1e-6 max_gradient %.9g\n"
-               "    pigment { function { min(1, Iso_Surface_Shade(x, y, z)) }\n"
+               "    threshold 0 accuracy 1e-6 max_gradient %.9g%s\n", 1 / peak, clipped ? "intersection { " : "", s->scalar.lo,
+            1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, clipped ? " all_intersections }" : "");
+    write_clips(f, s);
+    fprintf(f, "    pigment { function { min(1, Iso_Surface_Shade(x, y, z)) }\n"
                "        color_map { [0 rgb 0] [1 rgb <%.9g, %.9g, %.9g> * Iso_Emission * %.17g] } }\n"
-               "    finish { emission 1 ambient 0 diffuse 0 } }\n", 1 / peak, s->scalar.lo,
-            1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, rgbs[0], rgbs[1], rgbs[2], peak);
+               "    finish { emission 1 ambient 0 diffuse 0 } }\n", rgbs[0], rgbs[1], rgbs[2], peak);
 }
 
 /* What the media of a layer are made of. */

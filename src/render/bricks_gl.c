@@ -148,6 +148,18 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, u
     return iso_gl_create_occupancy(gl, n->count, visible, &t->occupancy, err);
 }
 
+/* The clip planes leave some of it: a brick's box, that of outer ones to the volume's faces. */
+static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
+{
+    const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+    double lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = (double)(brick[a] * n->brick_voxels) + (brick[a] > 0 ? 0.5 : 0);
+        hi[a] = brick[a] + 1 < n->count[a] ? (double)((brick[a] + 1) * n->brick_voxels) + 0.5 : n->geometry.box_index[a];
+    }
+    return iso_view_keeps(view, &n->geometry, lo, hi);
+}
+
 static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_view *view,
                          const iso_gl_brick_options *opt, brick_textures *t, iso_brick_pack *pack,
                          iso_gl_brick_stats *stats, iso_error *err)
@@ -161,8 +173,8 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
     float entries[12];
     iso_tf_table surface = opt->surface ? iso_gl_surface_tf(opt->surface, n->min, n->max, entries) : view->tf;
     double shown = iso_brick_cull(f, &surface, 0, visible);
-    for (size_t i = 0; opt->wanted && i < count; ++i)
-        visible[i] = visible[i] && opt->wanted[i];
+    for (size_t i = 0; i < count; ++i)
+        visible[i] = visible[i] && (!opt->wanted || opt->wanted[i]) && is_kept(n, view, i);
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible,
                                               (size_t)gl->max_texture_3d_size, opt->max_slots, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);

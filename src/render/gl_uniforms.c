@@ -45,6 +45,12 @@ void iso_gl_set_camera(GLuint program, const iso_geometry *g, const iso_view *vi
     set_dvec3(program, "position_index", iso_geometry_to_index(g, c->position));
     set_dvec3(program, "box_index", iso_v3(g->box_index[0], g->box_index[1], g->box_index[2]));
     glUniform1d(glGetUniformLocation(program, "step_mm"), step_mm);
+    double planes[4 * ISO_MAX_CLIP_PLANES];
+    for (size_t i = 0; i < view->clip_count; ++i)
+        iso_clip_in_index(&view->clips[i], g, planes + 4 * i);
+    if (view->clip_count > 0)
+        glUniform4dv(glGetUniformLocation(program, "clip_planes"), (GLsizei)view->clip_count, planes);
+    iso_gl_set_int(program, "clip_count", (int)view->clip_count);
 }
 
 void iso_gl_set_coordinates(GLuint program, iso_vec3 scale, iso_vec3 offset)

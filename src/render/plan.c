@@ -106,7 +106,7 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
     const iso_node_levels *n = f->nodes;
     double t0, t1, step = iso_geometry_min_spacing_mm(&n->geometry), transmittance = 1;
     size_t last = SIZE_MAX;
-    if (!iso_ray_box(ray, &n->geometry, &t0, &t1))
+    if (!iso_view_ray(view, ray, &n->geometry, &t0, &t1))
         return;
     for (double t = t0 + 0.5 * step; t < t1 && transmittance >= ISO_PLAN_HIDDEN; t += step) {
         iso_vec3 p = iso_geometry_to_index(&n->geometry, iso_madd(ray->origin, ray->direction, t));

@@ -384,7 +384,7 @@ static void render_pixel(const layer l[2], const iso_view *view, const iso_refer
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
     stretch s = {{0}, 0};
-    if (iso_ray_box(&ray, g, &t0, &t1)) {
+    if (iso_view_ray(view, &ray, g, &t0, &t1)) {
         double step = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
         if (opt->quadrature == ISO_QUADRATURE_CONVERGED)
             s = integrate_converged(&state, t0, t1, opt->tolerance);

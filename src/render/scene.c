@@ -80,6 +80,33 @@ static void read_lights(iso_json_reader *r, const json_t *root, iso_scene *s)
     }
 }
 
+static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
+{
+    static const char *const keys[] = {"normal", "at", "point_mm", NULL};
+    json_t *list = json_object_get(root, "clip_planes") ? iso_json_get_array(r, root, "clip_planes", true) : NULL;
+    s->clip_count = list ? json_array_size(list) : 0;
+    if (s->clip_count > ISO_MAX_CLIP_PLANES) {
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the scene has %zu clip planes, at most %d", r->path, s->clip_count,
+                             ISO_MAX_CLIP_PLANES);
+        s->clip_count = 0;
+    }
+    for (size_t i = 0; i < s->clip_count; ++i) {
+        json_t *item = json_array_get(list, i);
+        struct iso_scene_clip *clip = &s->clips[i];
+        double point[3] = {0};
+        bool has_at = json_object_get(item, "at"), has_point = json_object_get(item, "point_mm");
+        iso_json_only_keys(r, item, "a clip plane", keys);
+        get_direction(r, item, "normal", true, &clip->normal);
+        iso_json_get_number(r, item, "at", !has_point, -1, 2, &clip->at);
+        iso_json_get_numbers(r, item, "point_mm", !has_at, 3, -1e9, 1e9, point);
+        if (r->status == ISO_OK && has_at && has_point)
+            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one", r->path);
+        clip->point_mm = vec3_of(point);
+        if (has_point)
+            clip->at = NAN;
+    }
+}
+
 static void read_shading(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
     static const char *const keys[] = {"ambient", "diffuse", "specular", "power", NULL};
@@ -167,7 +194,8 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
     static const char *const keys[] = {"schema",  "comment",    "image",       "camera", "lights",
-                                       "shading", "background", "step_voxels", "tf",     "agreement", "suite", NULL};
+                                       "shading", "background", "step_voxels", "tf",     "agreement", "suite",
+                                       "clip_planes", NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
     json_t *root;
@@ -190,6 +218,7 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
     }
     read_camera(&r, root, scene);
     read_lights(&r, root, scene);
+    read_clips(&r, root, scene);
     read_shading(&r, root, scene);
     iso_json_get_numbers(&r, root, "background", false, 3, 0, 1, scene->background);
     iso_json_get_number(&r, root, "step_voxels", false, 1e-3, 100, &scene->step_voxels);
@@ -235,6 +264,17 @@ static iso_camera resolve_camera(const iso_scene *s, const iso_geometry *g)
     return c;
 }
 
+/* "at" counts from where the box begins along the normal. */
+static iso_clip_plane resolve_clip(const struct iso_scene_clip *clip, const iso_geometry *g)
+{
+    double middle = iso_dot(clip->normal, iso_geometry_box_center_mm(g)), extent = 0;
+    if (isnan(clip->at))
+        return (iso_clip_plane){clip->normal, iso_dot(clip->normal, clip->point_mm)};
+    for (int a = 0; a < 3; ++a)
+        extent += fabs(iso_dot(clip->normal, iso_column(g->index_to_world, a))) * g->box_index[a];
+    return (iso_clip_plane){clip->normal, middle + (clip->at - 0.5) * extent};
+}
+
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err)
 {
@@ -242,6 +282,9 @@ iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0,
                        .step_voxels = scene->step_voxels, .light_count = scene->light_count,
                        .camera = resolve_camera(scene, level0)};
     memcpy(view->background, scene->background, sizeof view->background);
+    view->clip_count = scene->clip_count;
+    for (size_t i = 0; i < scene->clip_count; ++i)
+        view->clips[i] = resolve_clip(&scene->clips[i], level0);
     for (size_t i = 0; i < scene->light_count; ++i) {
         iso_light light = scene->lights[i];
         if (light.in_camera_space) {
@@ -311,4 +354,41 @@ bool iso_ray_box(const iso_ray *ray, const iso_geometry *g, double *t0, double *
         *t1 = fmin(*t1, fmax(near, far));
     }
     return *t1 > *t0;
+}
+
+bool iso_view_ray(const iso_view *view, const iso_ray *ray, const iso_geometry *g, double *t0, double *t1)
+{
+    if (!iso_ray_box(ray, g, t0, t1))
+        return false;
+    for (size_t i = 0; i < view->clip_count; ++i) {
+        const iso_clip_plane *clip = &view->clips[i];
+        double above = iso_dot(clip->normal, ray->origin) - clip->offset_mm, rate = iso_dot(clip->normal, ray->direction);
+        if (rate > 0)
+            *t0 = fmax(*t0, -above / rate);
+        else if (rate < 0)
+            *t1 = fmin(*t1, -above / rate);
+        else if (above < 0)
+            return false;
+    }
+    return *t1 > *t0;
+}
+
+void iso_clip_in_index(const iso_clip_plane *clip, const iso_geometry *g, double plane[4])
+{
+    for (int a = 0; a < 3; ++a)
+        plane[a] = iso_dot(clip->normal, iso_column(g->index_to_world, a));
+    plane[3] = clip->offset_mm - iso_dot(clip->normal, g->origin_mm);
+}
+
+bool iso_view_keeps(const iso_view *view, const iso_geometry *g, const double lo[3], const double hi[3])
+{
+    for (size_t i = 0; i < view->clip_count; ++i) {
+        double plane[4], highest = 0;
+        iso_clip_in_index(&view->clips[i], g, plane);
+        for (int a = 0; a < 3; ++a)
+            highest += plane[a] * (plane[a] > 0 ? hi[a] : lo[a]);
+        if (highest < plane[3])
+            return false;
+    }
+    return true;
 }

@@ -13,6 +13,8 @@
  *            or {"projection": .., "position": [x, y, z], "look_at": [x, y, z], "up": .., "fov_y_deg": | "height_mm":}
  *     "lights": [ {"direction": [0, 0, 1], "space": "world" | "camera", "intensity": 1} ],
  *                 direction points towards the light; camera space: right, up, backwards (towards the viewer)
+ *     "clip_planes": [ {"normal": [0, 1, 0], "at": 0.5} | {"normal": .., "point_mm": [x, y, z]} ],   optional, up to 6
+ *                 what lies on the normal's side stays; at: 0 where the box begins along the normal, 1 where it ends
  *     "shading": {"ambient": 0.3, "diffuse": 0.7, "specular": 0.2, "power": 20},
  *     "background": [0, 0, 0],
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
@@ -30,6 +32,7 @@
 #include "tf/tf.h"
 
 #define ISO_MAX_LIGHTS 8
+#define ISO_MAX_CLIP_PLANES 6
 
 typedef struct iso_camera {
     bool orthographic;
@@ -43,6 +46,12 @@ typedef struct iso_light {
     bool in_camera_space;
     double intensity;
 } iso_light;
+
+/* What stays: normal . p >= offset_mm, normal a unit vector. */
+typedef struct iso_clip_plane {
+    iso_vec3 normal;
+    double offset_mm;
+} iso_clip_plane;
 
 typedef struct iso_shading {
     double ambient, diffuse, specular, power;
@@ -80,6 +89,11 @@ typedef struct iso_scene {
     double fov_y_deg, height_mm, margin;
     size_t light_count;
     iso_light lights[ISO_MAX_LIGHTS];
+    size_t clip_count;
+    struct iso_scene_clip {
+        iso_vec3 normal, point_mm;
+        double at; /* of the box's extent along the normal; NaN: through point_mm */
+    } clips[ISO_MAX_CLIP_PLANES];
     iso_shading shading;
     double background[3];
     double step_voxels;
@@ -98,6 +112,8 @@ typedef struct iso_view {
     iso_camera camera;
     size_t light_count;
     iso_light lights[ISO_MAX_LIGHTS]; /* all in world space */
+    size_t clip_count;
+    iso_clip_plane clips[ISO_MAX_CLIP_PLANES];
     iso_shading shading;
     double background[3];
     double step_voxels;
@@ -126,5 +142,13 @@ iso_ray iso_camera_ray(const iso_camera *camera, size_t width, size_t height, si
 
 /* Where the ray is inside the box of g: [*t0, *t1] in mm, *t0 >= 0. False when it misses. */
 bool iso_ray_box(const iso_ray *ray, const iso_geometry *g, double *t0, double *t1);
+/* The same, and on the kept side of all clip planes. */
+bool iso_view_ray(const iso_view *view, const iso_ray *ray, const iso_geometry *g, double *t0, double *t1);
+
+/* A clip plane in index coordinates of g: plane[0..2] . index >= plane[3] stays. */
+void iso_clip_in_index(const iso_clip_plane *clip, const iso_geometry *g, double plane[4]);
+/* False when the clip planes leave nothing of the box from lo to hi (index coordinates); a box that only several planes
+ * together remove may be called kept. */
+bool iso_view_keeps(const iso_view *view, const iso_geometry *g, const double lo[3], const double hi[3]);
 
 #endif

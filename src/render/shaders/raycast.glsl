@@ -21,6 +21,8 @@ uniform dvec3 position_index;      // of the camera
 uniform dvec3 box_index;           // the box is [0, box_index]
 uniform double step_mm;
 uniform dvec3 index_scale, index_offset; // p = scale * index + offset
+uniform int clip_count;
+uniform dvec4 clip_planes[6];      // index positions with xyz . index >= w stay: ISO_MAX_CLIP_PLANES
 
 uniform sampler3D scalar;
 uniform sampler2D tf;
@@ -89,6 +91,15 @@ Ray pixel_ray()
     dvec3 safe = mix(direction, dvec3(1e-30lf), lessThan(abs(direction), dvec3(1e-30lf)));
     dvec3 a = -origin / safe, b = (box_index - origin) / safe, near = min(a, b), far = max(a, b);
     double t0 = max(max(near.x, near.y), max(near.z, 0.0lf)), t1 = min(min(far.x, far.y), far.z);
+    for (int i = 0; i < clip_count; ++i) {
+        double above = dot(clip_planes[i].xyz, origin) - clip_planes[i].w, rate = dot(clip_planes[i].xyz, direction);
+        if (rate > 0.0lf)
+            t0 = max(t0, -above / rate);
+        else if (rate < 0.0lf)
+            t1 = min(t1, -above / rate);
+        else if (above < 0.0lf)
+            t1 = t0;
+    }
     double first = floor(t0 / step_mm);
 
     Ray ray;

@@ -1,0 +1,204 @@
+/* Clip planes: a slab's closed form, the ray caster against the reference, bricks that are left out. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/bricks_gl.h"
+#include "render/reference.h"
+#include "volume/synthetic.h"
+
+static iso_gl *gl;
+
+typedef struct scene {
+    iso_pyramid pyramid;
+    iso_node_levels nodes;
+    iso_view view;
+    uint8_t levels[5 * 7 * 4];
+} scene;
+
+static void make_scene(scene *s)
+{
+    const double c = cos(0.4), d = sin(0.4);
+    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33},
+                      .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
+    iso_field f = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = g};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_volume v;
+    iso_scene file;
+    build.level_count = 1;
+    *s = (scene){0};
+    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
+    assert_ok(iso_pyramid_build(&v, "field", &build, &s->pyramid, NULL, &err));
+    iso_volume_destroy(&v);
+    const iso_level *level = &s->pyramid.levels[0];
+    assert_ok(iso_node_levels_create(&s->nodes, level, 8, 3, true, 0, &err));
+    assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
+    file.width = 72, file.height = 60;
+    file.clip_count = 2;
+    file.clips[0].normal = iso_normalize(iso_v3(0.2, 1, 0.3));
+    file.clips[0].at = 0.45;
+    file.clips[1].normal = iso_v3(-1, 0, 0);
+    file.clips[1].point_mm = iso_geometry_box_center_mm(&g);
+    file.clips[1].at = NAN;
+    assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
+    iso_scene_destroy(&file);
+    srand(5);
+    assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
+    for (size_t i = 0; i < sizeof s->levels; ++i)
+        s->levels[i] = (uint8_t)(rand() % 3);
+}
+
+static void destroy_scene(scene *s)
+{
+    iso_view_destroy(&s->view);
+    iso_node_levels_destroy(&s->nodes);
+    iso_pyramid_destroy(&s->pyramid);
+}
+
+static double max_difference(const iso_image *a, const iso_image *b)
+{
+    double max = 0;
+    for (size_t i = 0; i < 4 * a->width * a->height; ++i) {
+        const double e = fabs((double)a->rgba[i] - (double)b->rgba[i]);
+        max = e <= max ? max : e;
+    }
+    return max;
+}
+
+/* As in test_raycaster.c: floats; the cut is where the segments are clipped. */
+#define MAX_ABS 2e-5
+
+static void cut_images_agree_with_the_reference_and_with_no_other_plane(void **state)
+{
+    (void)state;
+    scene s;
+    make_scene(&s);
+    const iso_level *level = &s.pyramid.levels[0];
+    iso_reference_options exact = iso_reference_defaults();
+    iso_image a, b, whole;
+    exact.quadrature = ISO_QUADRATURE_MIDPOINT;
+    assert_ok(iso_reference_render(level, ISO_CODE_SNORM, &s.view, &exact, &b, NULL, &err));
+    for (int skip = ISO_GL_SKIP_NEVER; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
+        iso_gl_options opt = iso_gl_defaults();
+        opt.skip = (iso_gl_skip)skip;
+        assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &s.view, &opt, &a, NULL, &err));
+        assert_at_most(max_difference(&a, &b), MAX_ABS);
+        iso_image_destroy(&a);
+    }
+    /* A plane that is a hundredth of a voxel off is seen. */
+    iso_view moved = s.view;
+    moved.clips[0].offset_mm += 0.01;
+    iso_gl_options opt = iso_gl_defaults();
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &a, NULL, &err));
+    assert_more_than(max_difference(&a, &b), 5 * MAX_ABS);
+    moved.clip_count = 0;
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &whole, NULL, &err));
+    assert_more_than(max_difference(&whole, &b), 0.1);
+    iso_image_destroy(&whole);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    destroy_scene(&s);
+}
+
+static void bricks_behind_the_planes_are_left_out_and_change_nothing(void **state)
+{
+    (void)state;
+    scene s;
+    make_scene(&s);
+    const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
+    iso_reference_options exact = iso_reference_defaults();
+    iso_gl_brick_options opt = iso_gl_brick_defaults();
+    iso_gl_brick_stats cut, whole;
+    iso_image a, b;
+    exact.quadrature = ISO_QUADRATURE_MIDPOINT;
+    opt.cache_bits = 32;
+    assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, &cut, &err));
+    assert_ok(iso_reference_render_bricks(&f, &s.view, &exact, &b, NULL, &err));
+    assert_at_most(max_difference(&a, &b), MAX_ABS);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    const iso_surface surface = {.iso = 0.6 * s.nodes.max + 0.4 * s.nodes.min};
+    exact.quadrature = ISO_QUADRATURE_FIRST_HIT;
+    exact.iso = surface.iso;
+    opt.surface = &surface;
+    assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
+    assert_ok(iso_reference_render_bricks(&f, &s.view, &exact, &b, NULL, &err));
+    assert_at_most(max_difference(&a, &b), 2e-3); /* glancing hits: tests/test_first_hit.c */
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+    opt.surface = NULL;
+    s.view.clip_count = 0;
+    assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, &whole, &err));
+    printf("bricks shown: %zu cut, %zu whole\n", cut.shown_count, whole.shown_count);
+    assert_true(cut.shown_count < whole.shown_count * 6 / 10);
+    iso_image_destroy(&a);
+    destroy_scene(&s);
+}
+
+static void a_slab_cut_at_an_angle_has_its_closed_form(void **state)
+{
+    (void)state;
+    enum { n = 8 };
+    float scalar[n * n * n], entries[8] = {1, 1, 1, 0.3f, 1, 1, 1, 0.3f};
+    uint8_t codes[3 * n * n * n] = {0};
+    for (int i = 0; i < n * n * n; ++i)
+        scalar[i] = 0.5f;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
+    const iso_level level = {.geometry = g, .stored_type = ISO_F32, .scalar = scalar, .codes = codes, .max = 1};
+    iso_view view = {.width = 16, .height = 16, .tf = {.count = 2, .hi = 1, .entries = entries}, .shading = {.ambient = 1},
+                     .step_voxels = 0.7, .clip_count = 1};
+    view.camera = (iso_camera){.orthographic = true, .position = {0, 0, 20}, .forward = {0, 0, -1}, .right = {1, 0, 0},
+                               .up = {0, 1, 0}, .half_height = 3};
+    view.clips[0] = (iso_clip_plane){iso_normalize(iso_v3(1, 0, -2)), 0}; /* z <= x / 2 stays, of -4 <= z <= 4 */
+    iso_reference_options exact = iso_reference_defaults();
+    iso_gl_options opt = iso_gl_defaults();
+    iso_image images[2];
+    assert_ok(iso_reference_render(&level, ISO_CODE_SNORM, &view, &exact, &images[0], NULL, &err));
+    assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &images[1], NULL, &err));
+    for (size_t i = 0; i < 256; ++i) {
+        const double x = 3 * (2 * ((double)(i % 16) + 0.5) / 16 - 1), alpha = 1 - exp(-(double)0.3f * (4 + x / 2));
+        assert_within((double)images[0].rgba[4 * i + 3], alpha, 1e-7); /* the image is of floats */
+        assert_within((double)images[1].rgba[4 * i + 3], alpha, 2e-6);
+    }
+    iso_image_destroy(&images[0]);
+    iso_image_destroy(&images[1]);
+}
+
+static void planes_that_leave_nothing_of_a_box_are_told(void **state)
+{
+    (void)state;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){2, 1, 1}); /* x from -4 to 4 mm */
+    const iso_view view = {.clip_count = 1, .clips = {{.normal = {1, 0, 0}, .offset_mm = 1}}};
+    const double lo[3] = {0, 0, 0}, below[3] = {2.4, 4, 4}, above[3] = {2.6, 4, 4};
+    assert_false(iso_view_keeps(&view, &g, lo, below));
+    assert_true(iso_view_keeps(&view, &g, lo, above));
+}
+
+static int open_gl(void **state)
+{
+    (void)state;
+    iso_error err = {""};
+    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
+        return 0;
+    print_error("%s\n", err.text);
+    return -1;
+}
+
+static int close_gl(void **state)
+{
+    (void)state;
+    iso_gl_destroy(gl);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cut_images_agree_with_the_reference_and_with_no_other_plane),
+        cmocka_unit_test(bricks_behind_the_planes_are_left_out_and_change_nothing),
+        cmocka_unit_test(a_slab_cut_at_an_angle_has_its_closed_form),
+        cmocka_unit_test(planes_that_leave_nothing_of_a_box_are_told),
+    };
+    return cmocka_run_group_tests(tests, open_gl, close_gl);
+}
