@@ -32,6 +32,18 @@ assert schemes['squeeze']['hole_deg'] <= 0.098
 assert abs(report['convexity']['counter_example']['off_arc_deg'] - 1.96) < 0.01
 assert abs(report['table1']['best_lambda']['lambda'] - 0.61) < 0.01
 PY
+"$ISOSHADE" make marschner-lobb --size 24 -o "$dir/ml.nrrd" -q
+"$ISOSHADE" bench encode "$dir/ml.nrrd" --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --json -q >"$dir/images.json"
+check "in images a lost length costs more than bytes do" python3 - "$dir/images.json" <<'PY'
+import json, sys
+report = json.load(open(sys.argv[1]))
+rmse = {(i['method'], i['level']): i['rmse'] for i in report['images']}
+assert 0 < rmse['half', 1] < rmse['snorm', 1] and rmse['half', 1] < rmse['fit', 1] < 1e-2
+for lossy in ['shell', 'region48', 'squeeze', 'fit, L a byte, filtered apart']:  # the planted faults
+    assert rmse[lossy, 1] > 5 * rmse['fit', 1], lossy
+assert len(report['image_ratios']) == 2 * 9
+PY
+check "volumes without a scene are bad usage" exits 2 "$ISOSHADE" bench encode "$dir/ml.nrrd"
 check "an unknown benchmark is bad usage" exits 2 "$ISOSHADE" bench nothing
 check "a count out of range is bad usage" exits 2 "$ISOSHADE" bench encode --count 1
 check "a folder that is not there is an I/O error" exits 3 "$ISOSHADE" bench encode --count 500 --chart "$dir/none"

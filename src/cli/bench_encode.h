@@ -8,6 +8,8 @@
 #include <stddef.h>
 
 #include "base/status.h"
+#include "cli/cli.h"
+#include "cli/input.h"
 
 /* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
 iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
@@ -17,5 +19,13 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err);
 
 /* "coherence": directions whose length is a weight, by code. */
 iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso_error *err);
+
+/* "images", "image_ratios": what codes cost in the images of the command's volumes. */
+typedef struct iso_image_bench {
+    const iso_cli_input *input;
+    const char *scene, *size;
+    size_t level_count; /* at most 8 */
+} iso_image_bench;
+iso_status iso_bench_encode_images(const iso_cli *cli, const iso_image_bench *b, json_t *root, iso_error *err);
 
 #endif
