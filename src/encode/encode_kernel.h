@@ -22,12 +22,13 @@
 ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 
-/* Scalar: Newton, and a search by the decoder. */
+/* By a table of every code, which the first call makes (nearest_table.h). */
 void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* What fit and region48 search for, over every lattice point that could win, in
- * double precision: slow, the yardstick of the two above. */
+/* What fit, region48 and squeeze search for, over every lattice point that could
+ * win, in double precision: slow, the yardstick of those above. */
+void iso_encode_squeeze_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 

@@ -1,10 +1,13 @@
-/* encode_squeeze.c - the nearest code of "squeeze", by its decoder: Newton finds
- * the cube-dot that decodes to the direction, then at each length the lattice
- * points round it are ranked by the decoder's derivative and the best are decoded. */
+/* encode_squeeze.c - the nearest code of "squeeze": by a table of all codes; and
+ * by its decoder, without one: Newton finds the cube-dot that decodes to the
+ * direction, then at each length the lattice points round it are ranked by the
+ * decoder's derivative and the best are decoded. */
 #include <math.h>
+#include <threads.h>
 
 #include "encode/decode_double.h"
 #include "encode/encode_kernel.h"
+#include "encode/nearest_table.h"
 #include "encode/region48.h"
 
 typedef struct local_map {
@@ -118,7 +121,7 @@ static iso_vec3 search(iso_vec3 d)
     return best;
 }
 
-void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count)
+void iso_encode_squeeze_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         double v[3] = {directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]};
@@ -130,4 +133,25 @@ void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict byte
         else
             bytes[3 * i] = bytes[3 * i + 1] = bytes[3 * i + 2] = 128;
     }
+}
+
+/* ---- by the table ---- */
+
+/* A constant that takes half a second to work out: made by the first call, kept until the process ends. It would be
+ * in the program's text if it were smaller than 15 MB. */
+static iso_nearest_table table;
+static once_flag table_once = ONCE_FLAG_INIT;
+
+static void make_table(void)
+{
+    (void)iso_nearest_table_create(ISO_DECODER_SQUEEZE, &table, NULL); /* without memory it stays empty */
+}
+
+void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count)
+{
+    call_once(&table_once, make_table);
+    if (table.blocks)
+        iso_nearest_encode(&table, directions, bytes, count);
+    else
+        iso_encode_squeeze_exact(directions, bytes, count);
 }
