@@ -37,6 +37,9 @@ refuse inf_voxel 5 'the first is (0, 0, 0)' "$ISOSHADE" info inf.nrrd
 refuse missing_file 3 'absent.nrrd: cannot be opened' "$ISOSHADE" info absent.nrrd
 refuse a_folder 3 'is not a regular file' "$ISOSHADE" info .
 refuse no_argument 2 'wanted: isoshade info VOLUME' "$ISOSHADE" info
+refuse an_empty_number 2 '--levels is empty, wanted a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
+refuse an_empty_number_behind_an_equals_sign 2 '--gauss-sigma is empty' "$ISOSHADE" build v.nrrd --gauss-sigma= -o x.iso
+refuse an_empty_number_of_every_command 2 '--threads is empty' "$ISOSHADE" info v.nrrd --threads ''
 refuse unknown_option 2 '--sizes' "$ISOSHADE" make ramp --sizes 3 -o x.nrrd
 refuse raw_half_given 2 'both --raw-size and --raw-type' "$ISOSHADE" info plain.raw --raw-size 3
 refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' "$ISOSHADE" info plain.raw --raw-size 40x56x34 --raw-type int16
@@ -52,6 +55,9 @@ refuse make_on_a_folder 3 'is a directory' "$ISOSHADE" make ramp --size 3 -o .
 (ulimit -f 8; trap '' XFSZ; "$ISOSHADE" make noise --size 64 -o full.nrrd -q 2>err; echo $? >code)
 if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.nrrd ]; then echo "ok output_that_does_not_fit"
 else not_ok output_that_does_not_fit "exit code $(cat code): $(cat err)"; fi
+(ulimit -f 100; trap '' XFSZ; "$ISOSHADE" build v.nrrd -o full.iso -q >out 2>err; echo $? >code)
+if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.iso ] && grep -q ': full.iso/level_0' err; then echo "ok a_pyramid_that_does_not_fit_is_named_as_the_user_did"
+else not_ok a_pyramid_that_does_not_fit_is_named_as_the_user_did "exit code $(cat code): $(cat err)"; fi
 left=$(find . -name '.*nrrd' -o -name 'x.nrrd')
 [ -z "$left" ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$left"
 # 2048 x 2048 x 48 of uint16 are 384 MiB; made slab by slab they pass through less address space than that.

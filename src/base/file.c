@@ -186,6 +186,16 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     return ISO_OK;
 }
 
+void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err)
+{
+    char *at = err && *temp_path ? strstr(err->text, temp_path) : NULL;
+    if (!at)
+        return;
+    iso_error found = *err;
+    const size_t before = (size_t)(at - err->text);
+    snprintf(err->text, sizeof err->text, "%.*s%s%s", (int)before, found.text, final_path, found.text + before + strlen(temp_path));
+}
+
 /* A directory cannot be renamed over a full one: the old one steps aside first. */
 static int rename_dir(const char *from, const char *to)
 {

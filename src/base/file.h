@@ -32,6 +32,9 @@ iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *m
 iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
                                  iso_error *err);
 
+/* In a message of a writer that was given the temporary, its name becomes the one that the user knows. */
+void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
+
 /* Removes what is in a temporary directory. */
 void iso_output_clear(const iso_output *out);
 

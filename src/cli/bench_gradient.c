@@ -8,6 +8,8 @@
 #include "gradient/gradient.h"
 #include "volume/synthetic.h"
 
+enum { MARGIN = 6 };
+
 typedef struct gradient_result {
     double order;                       /* of the mean error on smooth noise, from the grid to one twice as fine */
     double lobb_mean_deg, lobb_max_deg; /* Marschner-Lobb */
@@ -42,8 +44,8 @@ static iso_status sample(iso_field_kind kind, size_t n, double noise, iso_field 
     return status;
 }
 
-/* Over voxels at least two off the border; of the sphere, three voxels and more off its kinks at the centre and at
- * the distance of the faces. */
+/* Over voxels at least MARGIN off the border; of the sphere, as many off its kinks at the centre and at the distance of
+ * the faces, so that estimators of a longer reach see what they are made for. */
 static field_errors measure(const iso_field *field, const float *g, size_t n)
 {
     field_errors e = {0, 0, 0};
@@ -51,11 +53,11 @@ static field_errors measure(const iso_field *field, const float *g, size_t n)
     size_t count = 0;
     for (size_t i = 0; i < n * n * n; ++i) {
         const size_t x = i % n, y = i / n % n, z = i / n / n;
-        if (x < 2 || y < 2 || z < 2 || x + 2 >= n || y + 2 >= n || z + 2 >= n)
+        if (x < MARGIN || y < MARGIN || z < MARGIN || x + MARGIN >= n || y + MARGIN >= n || z + MARGIN >= n)
             continue;
         iso_vec3 exact, found = iso_v3(g[3 * i], g[3 * i + 1], g[3 * i + 2]);
         iso_vec3 p = iso_geometry_to_world(&field->geometry, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5));
-        const double r = iso_norm(p), apart = 3 / (double)n;
+        const double r = iso_norm(p), apart = MARGIN / (double)n;
         if (field->kind == ISO_FIELD_SPHERE && (r < 0.1 + apart || r > 0.5 - apart))
             continue;
         iso_field_value(field, p, &exact);
@@ -160,7 +162,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     gradient_result results[ISO_GRADIENT_COUNT];
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--size", size, 12, 512, err);
+        status = iso_cli_check_range("--size", size, 32, 512, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--noise", noise, 0, 1, err);
     for (int i = 0; i < ISO_GRADIENT_COUNT && status == ISO_OK && next == ISO_CLI_RUN; ++i)
@@ -176,6 +178,6 @@ const iso_command iso_bench_gradient = {
     .summary = "gradient estimators: order of convergence, angles on known fields, speed",
     .usage = "[options]",
     .details = "The order is that of the error on smooth noise between a grid of --size and one twice as fine.",
-    .examples = "isoshade bench gradient --size 24\n",
+    .examples = "isoshade bench gradient --size 32\n",
     .run = run,
 };

@@ -39,6 +39,41 @@ static const char *option_before(const char *bad, int argc, const char **argv, c
     return "";
 }
 
+static bool is_numeric(const struct poptOption *o)
+{
+    switch (o->argInfo & POPT_ARG_MASK) {
+    case POPT_ARG_INT:
+    case POPT_ARG_SHORT:
+    case POPT_ARG_LONG:
+    case POPT_ARG_LONGLONG:
+    case POPT_ARG_FLOAT:
+    case POPT_ARG_DOUBLE: return true;
+    default: return false;
+    }
+}
+
+/* popt reads a number out of an empty word: 0. */
+static iso_status refuse_empty_numbers(const struct poptOption *o, int argc, const char **argv, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
+            status = refuse_empty_numbers(o->arg, argc, argv, err);
+        if (!is_numeric(o) || !o->longName)
+            continue;
+        const size_t length = strlen(o->longName);
+        for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+            const char *word = argv[i];
+            if (strncmp(word, "--", 2) != 0 || strncmp(word + 2, o->longName, length) != 0)
+                continue;
+            const char *rest = word + 2 + length;
+            if (strcmp(rest, "=") == 0 || (!*rest && i + 1 < argc && !*argv[i + 1]))
+                return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", o->longName);
+        }
+    }
+    return status;
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
                          iso_error *err)
@@ -58,6 +93,9 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         {NULL, 0, POPT_ARG_INCLUDE_TABLE, common, 0, NULL, NULL},
         POPT_TABLEEND,
     };
+    iso_status status = refuse_empty_numbers(table, argc, argv, err);
+    if (status != ISO_OK)
+        return status;
     cli->context = poptGetContext("isoshade", argc, argv, table, 0);
     /* popt writes through POPT_ARG_* pointers; every option has val 0, so one call parses all. */
     int result = poptGetNextOpt(cli->context);

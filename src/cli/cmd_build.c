@@ -161,7 +161,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
-        {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners or fourth", "NAME"},
+        {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners, fourth, bspline", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1, naive or tensor", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: fit (default), snorm, region48, ...", "NAME"},

@@ -31,7 +31,7 @@ iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method,
             return ISO_OK;
         }
     }
-    return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central, intermediate, sobel, corners, fourth",
+    return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central, intermediate, sobel, corners, fourth, bspline",
                     name);
 }
 

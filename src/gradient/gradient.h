@@ -17,7 +17,8 @@
     X(ISO_GRADIENT_INTERMEDIATE, "intermediate", "differences to the next sample, 3 samples; half a voxel off") \
     X(ISO_GRADIENT_SOBEL, "sobel", "3x3x3: central along, 1 2 1 across, 26 samples")                          \
     X(ISO_GRADIENT_CORNERS, "corners", "Sobel from the 8 corners of the voxel (Sigg and Hadwiger)")           \
-    X(ISO_GRADIENT_FOURTH, "fourth", "Taylor-designed, of fourth order, 12 samples")
+    X(ISO_GRADIENT_FOURTH, "fourth", "Taylor-designed, of fourth order, 12 samples")                                  \
+    X(ISO_GRADIENT_BSPLINE, "bspline", "of the interpolating cubic B-spline (recursive pre-filter), 72 samples")
 
 typedef enum iso_gradient_method {
 #define ISO_GRADIENT_ENUM(name, text, help) name,

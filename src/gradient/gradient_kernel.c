@@ -91,7 +91,7 @@ static void central_row(const iso_planes *p, const iso_gradient_matrix *matrix, 
 
 size_t iso_gradient_reach(iso_gradient_method method)
 {
-    return method == ISO_GRADIENT_FOURTH ? 2 : 1;
+    return method == ISO_GRADIENT_BSPLINE ? ISO_GRADIENT_BSPLINE_REACH : method == ISO_GRADIENT_FOURTH ? 2 : 1;
 }
 
 iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
@@ -107,7 +107,7 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
 
 size_t iso_gradient_scratch_count(size_t nx)
 {
-    return 2 * nx;
+    return 2 * nx + 2 * ISO_GRADIENT_BSPLINE_REACH;
 }
 
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
@@ -115,6 +115,8 @@ void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso
 {
     if (method == ISO_GRADIENT_CENTRAL)
         central_row(p, matrix, y, z, gx, gy, gz);
+    else if (method == ISO_GRADIENT_BSPLINE)
+        iso_gradient_row_bspline(p, matrix, y, z, scratch, gx, gy, gz);
     else
         iso_gradient_row_stencil(p, method, matrix, y, z, scratch, gx, gy, gz);
 }

@@ -35,6 +35,15 @@ void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso
 void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                               size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
 
+/* The same for the B-spline. */
+enum { ISO_GRADIENT_BSPLINE_REACH = 12 };
+void iso_gradient_row_bspline(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *scratch,
+                              float *restrict gx, float *restrict gy, float *restrict gz);
+
+/* A row of index gradients to the world's, in place. */
+void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
+                           float *restrict gz);
+
 /* The row (y, z) as floats. */
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);
 

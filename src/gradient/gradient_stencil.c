@@ -128,8 +128,8 @@ static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, f
     }
 }
 
-ISO_SIMD static void to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
-                              float *restrict gz)
+ISO_SIMD void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
+                                   float *restrict gz)
 {
     float m[9];
     memcpy(m, matrix->m, sizeof m);
@@ -165,5 +165,5 @@ void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, c
         else
             memcpy(g[a], sum, n * sizeof *sum);
     }
-    to_world(matrix, n, gx, gy, gz);
+    iso_gradient_to_world(matrix, n, gx, gy, gz);
 }

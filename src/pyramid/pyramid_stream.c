@@ -746,6 +746,8 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     }
     if (status == ISO_OK)
         status = finish(s, err);
+    if (status != ISO_OK)
+        iso_output_rename_in(s->plan.folder, dir, err);
     json_decref(job);
     clean_up(s, status == ISO_E_PROGRAM);
     free(s);
