@@ -497,7 +497,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
-    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0;
+    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held && !b.analytic_size;
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
         status = run_all(&b, methods, err);
