@@ -118,6 +118,7 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     iso_progress progress = {0};
     opt.quadrature = run->paper_setup ? ISO_QUADRATURE_PREINTEGRATED : opt.quadrature;
     opt.source = run->paper_setup ? ISO_FROM_ON_THE_FLY : opt.source;
+    opt.step_voxels = run->step_voxels;
     opt.threads = run->cli->threads;
     view->tf = *table;
     view->classes = classes; /* lent */
