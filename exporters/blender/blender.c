@@ -324,7 +324,29 @@ typedef struct listener {
     const iso_progress *progress;
     char refusal[256]; /* why calibration failed */
     char failure[256]; /* why the script did */
+    iso_cycles_stats *stats;
 } listener;
+
+/* "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1": of the first
+ * picture, when its pixels begin and when it is finished. */
+static void take_stats(iso_cycles_stats *stats, const char *line)
+{
+    int minutes;
+    double seconds, megabytes;
+    const char *time = strstr(line, "| Time:");
+    sscanf(line, "isoshade: peak %lf", &stats->peak_rss_bytes);
+    if (strcmp(line, "isoshade: pictures begin") == 0) /* after those of the calibration */
+        stats->load_seconds = stats->render_seconds = 0;
+    if (!time || stats->render_seconds > 0 || sscanf(time, "| Time:%d:%lf | Mem:%lfM", &minutes, &seconds, &megabytes) != 3)
+        return;
+    seconds += 60 * minutes;
+    if (strstr(line, "| Sample 0/")) {
+        stats->load_seconds = seconds;
+        stats->device_bytes = 1048576 * megabytes;
+    } else if (strstr(line, "| Finished")) {
+        stats->render_seconds = seconds;
+    }
+}
 
 static void take_line(void *user, const char *line)
 {
@@ -333,6 +355,8 @@ static void take_line(void *user, const char *line)
     char stage[64];
     if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
         iso_progress_report(l->progress, stage, fraction);
+    if (l->stats)
+        take_stats(l->stats, line);
     sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
     sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
 }
@@ -358,7 +382,7 @@ static iso_status run_blender(json_t *about, const char *folder, const iso_blend
         snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
         const char *argv[] = {blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads,
                               "-P", script, "--", description, NULL};
-        listener l = {.progress = progress};
+        listener l = {.progress = progress, .stats = opt->stats};
         iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
         status = iso_process_run(argv, &options, err);
         if (status != ISO_OK && l.refusal[0])
@@ -580,4 +604,145 @@ iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
     return iso_blender_export_levels(p, level, 1, view, blend_path, opt, progress, err);
+}
+
+/* ---- what a plan leaves ---- */
+
+static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt, iso_error *err)
+{
+    iso_level box = {.geometry = *plan->geometry};
+    const iso_pyramid p = {.level_count = 1, .levels = &box};
+    if (view->classes || view->focus)
+        return iso_fail(err, ISO_E_RANGE, "blender: a plan goes with neither a table over two values nor a region of interest");
+    return check_options(&p, 0, 1, opt, err);
+}
+
+static char *plan_vdb_path(const iso_blender_plan *plan, size_t i, const char *blend_path)
+{
+    return vdb_path(blend_path, plan->lattices[i].level, plan->count, false);
+}
+
+static iso_status save_lattice(const iso_blender_plan *plan, size_t i, double units, const char *path,
+                               const iso_progress *progress, iso_error *err)
+{
+    iso_lattice lattice = plan->lattices[i];
+    iso_vdb_options options = iso_vdb_defaults();
+    lattice.geometry = scaled_geometry(&lattice.geometry, units);
+    return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
+}
+
+static json_t *describe_bricks(const iso_blender_plan *p)
+{
+    const size_t *size = p->geometry->size;
+    json_t *pieces = json_array();
+    for (size_t i = 0; i < p->bricks[0] * p->bricks[1] * p->bricks[2]; ++i)
+        json_array_append_new(pieces, json_integer(p->piece[i]));
+    return json_pack("{s[III] sI s[III] so}", "count", (json_int_t)p->bricks[0], (json_int_t)p->bricks[1], (json_int_t)p->bricks[2],
+                     "voxels", (json_int_t)p->brick_voxels, "size", (json_int_t)size[0], (json_int_t)size[1], (json_int_t)size[2],
+                     "piece", pieces);
+}
+
+/* Volumes that overlap are walked together by the shortest step of them, so all have the same. relative: to the .blend. */
+static json_t *describe_plan(const iso_blender_plan *plan, double units, const iso_view *view, const char *name,
+                             const char *blend_path, bool relative, const iso_blender_options *opt)
+{
+    const iso_geometry box = scaled_geometry(plan->geometry, units);
+    const double step = opt->step_voxels * iso_geometry_min_spacing_mm(&box);
+    json_t *about = describe_scene(view, units, &box, name, opt), *levels = json_array();
+    for (size_t i = 0; i < plan->count; ++i) {
+        const iso_geometry g = scaled_geometry(&plan->lattices[i].geometry, units);
+        char *path = plan_vdb_path(plan, i, blend_path), text[PATH_MAX];
+        snprintf(text, sizeof text, "%s%s", relative ? "//" : "", relative ? iso_path_base(path) : path);
+        json_t *level = describe_level(&g, plan->lattices[i].level, 0, text, step);
+        json_object_set_new(level, "piece", json_integer((json_int_t)i + 1));
+        json_array_append_new(levels, level);
+        free(path);
+    }
+    json_object_set_new(about, "levels", levels);
+    json_object_set_new(about, "bricks", describe_bricks(plan));
+    json_object_set_new(about, "tf", describe_tf(view, 1, units));
+    json_object_set_new(about, "film_transparent", json_boolean(!relative));
+    json_object_set_new(about, "source", text_json(plan->source ? plan->source : "", 1000));
+    return about;
+}
+
+iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
+                                  iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    *image = (iso_image){0};
+    iso_status status = check_plan(plan, view, opt, err);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir(), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
+    if (!stem)
+        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    double units = units_per_mm(plan->geometry);
+    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
+        char *path = plan_vdb_path(plan, i, stem);
+        status = save_lattice(plan, i, units, path, progress, err);
+        free(path);
+    }
+    if (status == ISO_OK) {
+        json_t *about = describe_plan(plan, units, view, "isoshade", stem, false, opt);
+        json_object_set_new(about, "frames", describe_frames(units * iso_geometry_min_spacing_mm(plan->geometry), folder, opt, 1));
+        status = run_blender(about, folder, opt, progress, err);
+    }
+    if (status == ISO_OK)
+        status = load_pictures(folder, view, 1, image, err);
+    iso_remove_tree(folder);
+    free(stem);
+    free(folder);
+    return status;
+}
+
+/* The grids beside the .blend, then itself: outs holds count + 1. */
+static iso_status write_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path, const char *folder,
+                             const iso_blender_options *opt, iso_output *outs, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    double units = units_per_mm(plan->geometry);
+    const char *base = iso_path_base(blend_path);
+    char name[NAME_MAX + 1], *target = NULL;
+    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
+        char *path = plan_vdb_path(plan, i, blend_path);
+        status = iso_output_begin(&outs[i], path, err);
+        if (status == ISO_OK)
+            status = save_lattice(plan, i, units, outs[i].temp_path, progress, err);
+        free(path);
+    }
+    if (status == ISO_OK)
+        status = iso_output_begin(&outs[plan->count], blend_path, err);
+    if (status == ISO_OK && !(target = realpath(outs[plan->count].temp_path, NULL)))
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
+    if (status == ISO_OK) {
+        snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+        json_t *about = describe_plan(plan, units, view, name, blend_path, true, opt);
+        json_object_set_new(about, "save", json_string(target));
+        status = run_blender(about, folder, opt, progress, err);
+    }
+    free(target);
+    return status;
+}
+
+iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,
+                                   const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = check_plan(plan, view, opt, err);
+    if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
+        status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir();
+    iso_output *outs = calloc(plan->count + 1, sizeof *outs);
+    status = folder && outs ? write_plan(plan, view, blend_path, folder, opt, outs, progress, err)
+                            : iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    for (size_t i = 0; i <= plan->count && status == ISO_OK; ++i)
+        status = iso_output_commit(&outs[i], err);
+    for (size_t i = 0; outs && i <= plan->count; ++i)
+        iso_output_abandon(&outs[i]);
+    if (folder)
+        iso_remove_tree(folder);
+    free(outs);
+    free(folder);
+    return status;
 }

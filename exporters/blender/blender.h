@@ -18,15 +18,25 @@
 #define ISO_EXPORT_BLENDER_H
 
 #include "base/progress.h"
+#include "brick/lattice.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
 #include "render/scene.h"
+
+/* What a render took inside Blender. */
+typedef struct iso_cycles_stats {
+    double load_seconds;   /* from the start of the first picture until its pixels begin: grids read, textures made */
+    double render_seconds; /* all of it */
+    double device_bytes;   /* what Cycles says that it holds then: textures, meshes */
+    double peak_rss_bytes; /* of the process */
+} iso_cycles_stats;
 
 typedef struct iso_blender_options {
     double step_voxels;  /* Cycles' step in the level's smallest spacing */
     int samples;         /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
     int threads;
+    iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
 } iso_blender_options;
 iso_blender_options iso_blender_defaults(void);
 
@@ -56,6 +66,24 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
                                     const iso_blender_options *frames, size_t count, iso_image *pictures,
                                     const iso_progress *progress, iso_error *err);
+
+/* What a plan leaves of a volume (brick/lattice.h): a volume object a lattice, each with its own grids, and one material
+ * in which the brick of a point tells whose it is. The fields meet at the bricks' faces without a seam, because the
+ * bricks do. Lattices are to be made with whole_box. */
+typedef struct iso_blender_plan {
+    const iso_geometry *geometry; /* of level 0 */
+    size_t bricks[3], brick_voxels;
+    const uint8_t *piece;         /* a byte a brick, x fastest: number of its lattice and 1; 0: left out */
+    const iso_lattice *lattices;
+    size_t count;                 /* at least 1 */
+    const char *source;           /* what it was made from */
+} iso_blender_plan;
+
+/* NAME.blend and NAME_level_K.vdb beside it (NAME.vdb when there is one lattice). step_voxels: of level 0. */
+iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,
+                                   const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
+                                  iso_image *image, const iso_progress *progress, iso_error *err);
 
 /* The TF as Blender's ColorRamp: at most 32 stops, which Cycles bakes to 256
  * entries. The .blend carries it as the group "isoshade ramp" beside the exact

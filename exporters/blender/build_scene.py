@@ -214,6 +214,40 @@ def focus_group(to_box):
     return group.finish(Weight=group.math('MULTIPLY', group.math('MULTIPLY', u, u), steep, label="u u (3 - 2 u)"))
 
 
+def piece_table(bricks):
+    """The piece of each brick as an image: a column a brick along x, a row for each of the others; 0 is left out."""
+    nx, ny, nz = bricks["count"]
+    image = bpy.data.images.new("isoshade bricks", nx, ny * nz, alpha=False, float_buffer=True, is_data=True)
+    image.colorspace_settings.name = 'Non-Color'
+    image.alpha_mode = 'CHANNEL_PACKED'
+    pixels = numpy.ones((nx * ny * nz, 4), numpy.float32)
+    pixels[:, :3] = numpy.array(bricks["piece"], numpy.float32)[:, None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def piece_group(about):
+    """Whose brick a position lies in. Bricks begin at the centre of the first voxel and meet at centres of voxels;
+    their fields agree on the faces, so it does not matter to which side rounding puts a point."""
+    bricks = about["bricks"]
+    (nx, ny, nz), side = bricks["count"], bricks["voxels"]
+    group = Group("isoshade bricks", [('NodeSocketVector', "Position", (0, 0, 0))], [('NodeSocketFloat', "Piece")])
+    scaled = [[v * n / side for v in row] for row, n in zip(about["world_to_box"], bricks["size"])]
+    q = group.vector('ADD', dots(group, [row[:3] for row in scaled], group.given["Position"], "in bricks"),
+                     [row[3] - 0.5 / side for row in scaled], label="from the first voxel's centre")
+    q = group.vector('MINIMUM', group.vector('MAXIMUM', group.vector('FLOOR', q), (0, 0, 0)), (nx - 1, ny - 1, nz - 1),
+                     label="brick")
+    brick = group.node('ShaderNodeSeparateXYZ', "", {0: q}).outputs
+    u = group.math('MULTIPLY_ADD', brick[0], 1 / nx, 0.5 / nx)
+    row = group.math('MULTIPLY_ADD', brick[2], float(ny), brick[1], label="row of the table")
+    v = group.math('MULTIPLY_ADD', row, 1 / (ny * nz), 0.5 / (ny * nz))
+    where = group.node('ShaderNodeCombineXYZ', "", {0: u, 1: v}).outputs[0]
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=piece_table(bricks), interpolation='Closest',
+                       extension='EXTEND', projection='FLAT').outputs
+    return group.finish(Piece=texel["Color"])
+
+
 def shade_group(light_count, eps):
     """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
 
@@ -288,6 +322,11 @@ def isoshade_group(about, frame):
         side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
         share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
         inside = group.math('MULTIPLY', inside, share)
+    if "bricks" in about:
+        piece = group.node('ShaderNodeAttribute', "number of the piece", {}, attribute_type='OBJECT',
+                           attribute_name="isoshade_piece")
+        here = group.call(piece_group(about), Position=position)["Piece"]
+        inside = group.math('MULTIPLY', inside, group.math('COMPARE', here, piece.outputs["Fac"], 0.5), label="of this piece")
     seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
     shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
@@ -419,6 +458,14 @@ def render(scene, path):
         raise RuntimeError(f"Blender wrote no picture at {path}")
 
 
+def tell_peak():
+    """The process's peak of memory. (getrusage would count what its parent had.)"""
+    with open("/proc/self/status", encoding="utf-8") as status:
+        for line in status:
+            if line.startswith("VmHWM:"):
+                print("isoshade: peak", 1024 * int(line.split()[1]), flush=True)
+
+
 def render_frames(scene, frames):
     """Pictures that differ in step, samples and seed alone: the scene stays."""
     volumes = [thing for thing in scene.objects if "isoshade_step" in thing]
@@ -498,7 +545,7 @@ def calibrate(about):
 
 def add_levels(about, shift, frame, look, collection):
     levels = about["levels"]
-    several = len({level["level"] for level in levels}) > 1
+    several = len({level["level"] for level in levels}) > 1 and "bricks" not in about
     if several:
         frame["level"] = levels[0]["level"]
         frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
@@ -517,6 +564,7 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
         thing["isoshade_last_class"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
+        thing["isoshade_piece"] = float(level.get("piece", 0))
         for key, value in focus.items() if "focus" in level or several else ():
             thing[f"isoshade_focus_{key}"] = [float(v) for v in value]
         for hidden in ("hide_render", "hide_viewport") if several else ():
@@ -614,7 +662,9 @@ moved back by that. Other versions of Blender may differ; export again with the 
 def explain(about, shift):
     ramp = about["tf"]["ramp"]
     several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
-               if len({level["level"] for level in about["levels"]}) > 1 else "")
+               if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
+    if "bricks" in about:
+        several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
     if any("focus" in level for level in about["levels"]):
         several += ('The object "... focus" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
                     'isoshade_focus_* and those of the volume around it have to be the same but for the side.\n')
@@ -675,7 +725,9 @@ def main():
     print("isoshade: progress 0.3 Blender", flush=True)
     scene = build(about, shift)
     if "frames" in about:
+        print("isoshade: pictures begin", flush=True)
         render_frames(scene, about["frames"])
+        tell_peak()
     if "save" in about:
         save(about, shift)
     print("isoshade: progress 1 Blender", flush=True)

@@ -44,6 +44,7 @@ typedef struct iso_povray_options {
     bool float_directions; /* iso_level.directions instead of the codes */
     bool isosurface;       /* first hit instead of volume rendering */
     double iso;            /* the value of the isosurface */
+    const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
     int threads;
 } iso_povray_options;
 /* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */

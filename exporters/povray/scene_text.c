@@ -88,7 +88,10 @@ static void write_placement(FILE *f, const iso_povray_scene *s)
     iso_mat3 m = iso_mat3_scale(g->index_to_world, s->units_per_mm);
     iso_vec3 o = iso_scale(iso_sub(g->origin_mm, s->center_mm), s->units_per_mm);
     fprintf(f, "#declare Iso_Units_Per_mm = %.17g;\n", s->units_per_mm);
-    fprintf(f, "#declare Iso_Box = <%.17g, %.17g, %.17g>; // in voxels\n", g->box_index[0], g->box_index[1], g->box_index[2]);
+    static const double zero[3] = {0};
+    const double *low = s->options->box ? s->options->box[0] : zero, *high = s->options->box ? s->options->box[1] : g->box_index;
+    fprintf(f, "#declare Iso_Box_Low = <%.17g, %.17g, %.17g>; // in voxels\n", low[0], low[1], low[2]);
+    fprintf(f, "#declare Iso_Box = <%.17g, %.17g, %.17g>;\n", high[0], high[1], high[2]);
     fprintf(f, "#declare Iso_To_World = transform { matrix <\n");
     for (int c = 0; c < 3; ++c)
         fprintf(f, "    %.17g, %.17g, %.17g,\n", m.m[0][c], m.m[1][c], m.m[2][c]);
@@ -398,7 +401,7 @@ static void write_media(FILE *f, const iso_povray_scene *s)
     if (s->inner)
         write_layer_media(f, s->inner, "Iso_Fine_", " density { Iso_Inside }");
     const bool clipped = s->view->clip_count > 0;
-    fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { 0, Iso_Box }" : "box { 0, Iso_Box");
+    fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
     write_clips(f, s);
     fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    interior { Iso_Interior } }\n");
@@ -425,7 +428,7 @@ static void write_surface(FILE *f, const iso_povray_scene *s)
     fprintf(f, ") * %.17g }\n"
                "#declare Iso_Surface = %sisosurface {\n"
                "    function { (Iso_Surface_Value - %.17g) * %.17g - Iso_Stored(x, y, z) }\n"
-               "    contained_by { box { 0, Iso_Box } }\n"
+               "    contained_by { box { Iso_Box_Low, Iso_Box } }\n"
                "    threshold 0 accuracy 1e-6 max_gradient %.9g%s\n", 1 / peak, clipped ? "intersection { " : "", s->scalar.lo,
             1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, clipped ? " all_intersections }" : "");
     write_clips(f, s);

@@ -1,9 +1,13 @@
+#define _GNU_SOURCE
 #include "vdb/vdb.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "vdb/vdb_door.h"
 
 iso_vdb_options iso_vdb_defaults(void)
@@ -67,54 +71,115 @@ static iso_status fail_by_door(int code, const char *path, const iso_vdb_message
     return iso_fail(err, statuses[code], "%s: OpenVDB: %s", path, message->text);
 }
 
-/* The level's grids that are asked for. */
-static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, bool plain_names, const char *path,
-                            const iso_vdb_options *opt, iso_error *err)
+/* Fills in what a level and a lattice have alike. */
+static iso_vdb_source describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt)
 {
-    const iso_level *level = &p->levels[k];
-    const level_source user = {level, p->options.code, opt->classes};
-    char name[40];
-    iso_vdb_source source = {.channels = 1,
-                             .pad = opt->pad_voxels,
-                             .read = read_scalar,
-                             .user = &user,
-                             .half_float = opt->half_float,
-                             .creator = opt->creator ? opt->creator : "isoshade",
-                             .made_from = p->source ? p->source : "",
-                             .level = (int)k,
-                             .value_min = level->min,
-                             .value_max = level->max,
-                             .name = name};
-    memcpy(source.size, level->geometry.size, sizeof source.size);
-    memcpy(source.box_index, level->geometry.box_index, sizeof source.box_index);
-    iso_geometry_spacing_mm(&level->geometry, source.spacing_mm);
-    centre_transform(&level->geometry, source.index_to_world);
-    for (int c = 0; c < 3; ++c) {
-        const char *base = c == 0 ? "density" : c == 1 ? "gradient" : "class";
-        if ((c == 1 && !opt->gradient) || (c == 2 && !opt->classes))
+    iso_vdb_source source = {.half_float = opt->half_float, .creator = opt->creator ? opt->creator : "isoshade",
+                             .made_from = made_from ? made_from : ""};
+    memcpy(source.size, g->size, sizeof source.size);
+    memcpy(source.box_index, g->box_index, sizeof source.box_index);
+    iso_geometry_spacing_mm(g, source.spacing_mm);
+    centre_transform(g, source.index_to_world);
+    return source;
+}
+
+typedef void read_row(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+
+/* A level's grids: those that can be read. `common` is complete but for what tells them apart. */
+typedef struct level_readers {
+    read_row *scalar, *directions, *classes;
+} level_readers;
+
+static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers,
+                            bool plain_names, const char *path, iso_error *err)
+{
+    const struct {
+        const char *base, *meaning;
+        int channels;
+        read_row *read;
+    } grids[] = {{"density", "the scalar", 1, readers->scalar},
+                 {"gradient", "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3, readers->directions},
+                 {"class", "second value of the transfer function: 0 in its first row, 1 in its last", 1, readers->classes}};
+    for (size_t i = 0; i < sizeof grids / sizeof *grids; ++i) {
+        char name[40];
+        iso_vdb_source source = *common;
+        if (!grids[i].read)
             continue;
-        source.channels = 1;
-        snprintf(name, sizeof name, plain_names ? "%s" : "%s_level_%zu", base, k);
-        if (c == 1) {
-            source.channels = 3;
-            source.read = read_directions;
-            source.meaning = "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none";
-            source.value_min = 0;
-            source.value_max = 1;
-        } else if (c == 2) {
-            source.read = read_classes;
-            source.meaning = "second value of the transfer function: 0 in its first row, 1 in its last";
-            source.value_min = 0;
-            source.value_max = 1;
-        } else {
-            source.meaning = "the scalar";
-        }
+        snprintf(name, sizeof name, plain_names ? "%s" : "%s_level_%d", grids[i].base, source.level);
+        source.name = name;
+        source.channels = grids[i].channels;
+        source.read = grids[i].read;
+        source.meaning = grids[i].meaning;
+        if (i > 0)
+            source.value_min = 0, source.value_max = 1, source.background = 0;
         iso_vdb_message message = {""};
         int code = iso_vdb_file_add(file, &source, &message);
         if (code != ISO_VDB_DOOR_OK)
             return fail_by_door(code, path, &message, err);
     }
     return ISO_OK;
+}
+
+static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, bool plain_names, const char *path,
+                            const iso_vdb_options *opt, iso_error *err)
+{
+    const iso_level *level = &p->levels[k];
+    const level_source user = {level, p->options.code, opt->classes};
+    iso_vdb_source source = describe(&level->geometry, p->source, opt);
+    source.pad = opt->pad_voxels;
+    source.user = &user;
+    source.level = (int)k;
+    source.value_min = level->min;
+    source.value_max = level->max;
+    const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->classes ? read_classes : NULL};
+    return add_grids(file, &source, &readers, plain_names, path, err);
+}
+
+/* ---- lattices ------------------------------------------------------------------ */
+
+static const float *lattice_row(const iso_lattice *l, size_t x, size_t y, size_t z)
+{
+    return l->nodes + ISO_NODE_CHANNELS * (x + l->size[0] * (y + l->size[1] * z));
+}
+
+static void read_node_scalars(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const float *row = lattice_row(user, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = row[ISO_NODE_CHANNELS * i];
+}
+
+static void read_node_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const float *row = lattice_row(user, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        memcpy(out + 3 * i, row + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *out);
+}
+
+static void read_node_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const iso_lattice *l = user;
+    memcpy(out, l->active + x + l->size[0] * (y + l->size[1] * z), count);
+}
+
+static iso_status add_lattice(iso_vdb_file *file, const iso_lattice *l, const char *made_from, bool plain_names,
+                              const char *path, const iso_vdb_options *opt, iso_error *err)
+{
+    iso_vdb_source source = describe(&l->geometry, made_from, opt);
+    source.user = l;
+    source.level = (int)l->level;
+    source.value_min = l->min;
+    source.value_max = l->max;
+    source.background = (float)l->background;
+    source.read_active = read_node_activity;
+    /* Index 0 is the volume's first node, wherever the lattice begins. */
+    for (int a = 0; a < 3; ++a) {
+        source.first[a] = l->first[a];
+        for (int r = 0; r < 3; ++r)
+            source.index_to_world[r][3] -= source.index_to_world[r][a] * (double)l->first[a];
+    }
+    const level_readers readers = {read_node_scalars, opt->gradient ? read_node_directions : NULL, NULL};
+    return add_grids(file, &source, &readers, plain_names, path, err);
 }
 
 static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count, const char *path,
@@ -135,21 +200,29 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
     return ISO_OK;
 }
 
-iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
-                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
+/* What to save: levels of a pyramid, or lattices. */
+typedef struct save_job {
+    const iso_pyramid *pyramid;
+    size_t first;
+    const iso_lattice *lattices;
+    const char *made_from;
+    size_t count;
+} save_job;
+
+static iso_status save(const save_job *job, const char *path, const iso_vdb_options *opt, const iso_progress *progress,
+                       iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = check_levels(p, first, count, path, opt, err);
-    if (status == ISO_OK)
-        status = iso_output_begin(&out, path, err);
+    iso_status status = iso_output_begin(&out, path, err);
     if (status != ISO_OK)
         return status;
     iso_vdb_file *file = iso_vdb_file_create();
     if (!file)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
-    for (size_t k = first; k < first + count && status == ISO_OK; ++k) {
-        iso_progress_report(progress, "OpenVDB grids", (double)(k - first) / (double)(count + 1));
-        status = add_level(file, p, k, count == 1, path, opt, err);
+    for (size_t i = 0; i < job->count && status == ISO_OK; ++i) {
+        iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(job->count + 1));
+        status = job->pyramid ? add_level(file, job->pyramid, job->first + i, job->count == 1, path, opt, err)
+                              : add_lattice(file, &job->lattices[i], job->made_from, job->count == 1, path, opt, err);
     }
     if (status == ISO_OK) {
         iso_vdb_message message = {""};
@@ -163,6 +236,35 @@ iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const 
     iso_output_abandon(&out);
     iso_progress_report(progress, "OpenVDB grids", 1);
     return status;
+}
+
+iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
+                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = check_levels(p, first, count, path, opt, err);
+    const save_job job = {.pyramid = p, .first = first, .count = count};
+    return status == ISO_OK ? save(&job, path, opt, progress, err) : status;
+}
+
+iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,
+                                 const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
+{
+    const save_job job = {.lattices = lattices, .count = count, .made_from = made_from};
+    return save(&job, path, opt, progress, err);
+}
+
+iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *err)
+{
+    iso_vdb_message message = {""};
+    struct stat about;
+    *stats = (iso_vdb_stats){0};
+    if (stat(path, &about) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: no such file", path);
+    double start = iso_clock_seconds();
+    int code = iso_vdb_door_measure(path, &stats->active_voxels, &stats->memory_bytes, &message);
+    stats->read_seconds = iso_clock_seconds() - start;
+    stats->file_bytes = (size_t)about.st_size;
+    return code == ISO_VDB_DOOR_OK ? ISO_OK : fail_by_door(code, path, &message, err);
 }
 
 iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, const size_t size[3], float *out,

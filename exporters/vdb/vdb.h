@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "base/progress.h"
+#include "brick/lattice.h"
 #include "pyramid/pyramid.h"
 
 #ifdef __cplusplus
@@ -33,11 +34,24 @@ iso_vdb_options iso_vdb_defaults(void);
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
                         const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
 
+/* What a plan leaves (brick/lattice.h): the active nodes alone, the background elsewhere. One lattice: plain names;
+ * more: density_level_N. A voxel's index is the number of its node at its level, so that bricks of 8 or more nodes
+ * begin where leaves do. pad_voxels has no meaning here. */
+iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,
+                                 const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
+
 /* A grid read back dense over `size` voxels from index (0, 0, 0); channels 1 or
  * 3; out holds channels * size floats, x fastest. *geometry, when not NULL, gets
  * the transform in isoshade's convention. ISO_E_FORMAT when there is no such grid. */
 iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, const size_t size[3], float *out,
                              iso_geometry *geometry, iso_error *err);
+
+/* What a file's grids take once they are read, by OpenVDB's own count, and how long reading takes. */
+typedef struct iso_vdb_stats {
+    size_t file_bytes, active_voxels, memory_bytes;
+    double read_seconds;
+} iso_vdb_stats;
+iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *err);
 
 const char *iso_vdb_version(void);
 

@@ -66,31 +66,56 @@ void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
 void take(const float *v, float &out) { out = v[0]; }
 void take(const float *v, openvdb::Vec3f &out) { out = openvdb::Vec3f(v[0], v[1], v[2]); }
 
-/* Every voxel of the padded volume becomes active in a leaf of its own 8 x 8 x 8
+/* Eight voxels from x on of row (y, z): which are active. Nothing is beyond a volume whose voxels are not all active. */
+void read_active_row(const iso_vdb_source &s, long x, long y, long z, unsigned char *row)
+{
+    std::fill_n(row, 8, static_cast<unsigned char>(!s.read_active));
+    if (!s.read_active || y < 0 || z < 0 || y >= static_cast<long>(s.size[1]) || z >= static_cast<long>(s.size[2]))
+        return;
+    const long first = std::max(x, 0L), end = std::min(x + 8, static_cast<long>(s.size[0]));
+    if (first < end)
+        s.read_active(s.user, static_cast<size_t>(first), static_cast<size_t>(y), static_cast<size_t>(z),
+                      static_cast<size_t>(end - first), row + (first - x));
+}
+
+/* The active voxels [lo, hi) of one leaf at block; a leaf is made when there is one. */
+template <typename Grid> void fill_leaf(Grid &grid, const iso_vdb_source &s, const long block[3], const long lo[3], const long hi[3])
+{
+    typename Grid::TreeType::LeafNodeType *leaf = nullptr;
+    for (long z = std::max(block[2], lo[2]); z < std::min(block[2] + 8, hi[2]); ++z)
+        for (long y = std::max(block[1], lo[1]); y < std::min(block[1] + 8, hi[1]); ++y) {
+            float row[24];
+            unsigned char active[8];
+            const long x0 = block[0] - s.first[0], y0 = y - s.first[1], z0 = z - s.first[2];
+            read_active_row(s, x0, y0, z0, active);
+            read_row(s, x0, y0, z0, row);
+            for (long x = std::max(block[0], lo[0]); x < std::min(block[0] + 8, hi[0]); ++x) {
+                if (!active[x - block[0]])
+                    continue;
+                const Coord at(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z));
+                typename Grid::ValueType value;
+                take(row + (x - block[0]) * s.channels, value);
+                leaf = leaf ? leaf : grid.tree().touchLeaf(at);
+                leaf->setValueOn(at, value);
+            }
+        }
+}
+
+/* Every active voxel of the padded volume is set in a leaf of its own 8 x 8 x 8
  * block: no tiles, which Cycles misreads, and no value is taken for background. */
 template <typename Grid> void fill(Grid &grid, const iso_vdb_source &s)
 {
     const long pad = static_cast<long>(s.pad);
     long lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {
-        lo[a] = -pad;
-        hi[a] = static_cast<long>(s.size[a]) + pad;
+        lo[a] = s.first[a] - pad;
+        hi[a] = s.first[a] + static_cast<long>(s.size[a]) + pad;
     }
-    auto &tree = grid.tree();
     for (long bz = lo[2] & ~7L; bz < hi[2]; bz += 8)
         for (long by = lo[1] & ~7L; by < hi[1]; by += 8)
             for (long bx = lo[0] & ~7L; bx < hi[0]; bx += 8) {
-                auto *leaf = tree.touchLeaf(Coord(static_cast<int>(bx), static_cast<int>(by), static_cast<int>(bz)));
-                for (long z = std::max(bz, lo[2]); z < std::min(bz + 8, hi[2]); ++z)
-                    for (long y = std::max(by, lo[1]); y < std::min(by + 8, hi[1]); ++y) {
-                        float row[24];
-                        read_row(s, bx, y, z, row);
-                        for (long x = std::max(bx, lo[0]); x < std::min(bx + 8, hi[0]); ++x) {
-                            typename Grid::ValueType value;
-                            take(row + (x - bx) * s.channels, value);
-                            leaf->setValueOn(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)), value);
-                        }
-                    }
+                const long block[3] = {bx, by, bz};
+                fill_leaf(grid, s, block, lo, hi);
             }
 }
 
@@ -121,7 +146,10 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
 
 template <typename Grid> openvdb::GridBase::Ptr build(const iso_vdb_source &s)
 {
-    typename Grid::Ptr grid = Grid::create();
+    typename Grid::ValueType background;
+    const float empty[3] = {s.channels == 1 ? s.background : 0, 0, 0};
+    take(empty, background);
+    typename Grid::Ptr grid = Grid::create(background);
     describe(*grid, s);
     fill(*grid, s);
     return grid;
@@ -216,6 +244,22 @@ int iso_vdb_door_read(const char *path, const char *name, int channels, const si
         else
             read_dense(*vectors, size, out);
         read_info(*base, size, info);
+        return static_cast<int>(ISO_VDB_DOOR_OK);
+    });
+}
+
+int iso_vdb_door_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message)
+{
+    return guarded(message, [&] {
+        openvdb::initialize();
+        openvdb::io::File file(path);
+        file.open(/*delayLoad=*/false);
+        *active_voxels = *memory_bytes = 0;
+        const auto grids = file.getGrids();
+        for (const auto &grid : *grids) {
+            *active_voxels += grid->activeVoxelCount();
+            *memory_bytes += grid->memUsage();
+        }
         return static_cast<int>(ISO_VDB_DOOR_OK);
     });
 }

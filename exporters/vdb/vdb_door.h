@@ -23,11 +23,15 @@ typedef struct iso_vdb_source {
     const char *name;
     int channels;   /* 1: float; 3: vec3s, covariant, in world space */
     size_t size[3];
+    long first[3];  /* index of voxel (0, 0, 0) */
     size_t pad;     /* rim of repeated edge values */
     double index_to_world[3][4];
     /* Copies `count` voxels of the row (y, z) from x on, `channels` floats each. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+    /* Which of these voxels are active: all, or a byte each; NULL: all. Others are background. */
+    void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user;
+    float background;
     bool half_float;
     const char *creator, *made_from, *meaning;
     int level;
@@ -50,6 +54,9 @@ typedef struct iso_vdb_grid_info {
 } iso_vdb_grid_info;
 int iso_vdb_door_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
                       iso_vdb_grid_info *info, iso_vdb_message *message);
+
+/* Reads all grids of a file; active voxels and bytes of the trees, as OpenVDB counts them, summed. */
+int iso_vdb_door_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
 
 const char *iso_vdb_door_version(void);
 

@@ -174,6 +174,26 @@ void iso_node_levels_round(iso_node_levels *n)
         }
 }
 
+void iso_node_levels_encode(iso_node_levels *n, iso_code code)
+{
+    enum { batch = 256 };
+    for (size_t l = 0; l < n->level_count; ++l) {
+        size_t count = all_nodes(n, l);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+        for (size_t first = 0; first < count; first += batch) {
+            size_t m = least(batch, count - first);
+            float *nodes = n->nodes[l] + ISO_NODE_CHANNELS * first, directions[3 * batch];
+            uint8_t bytes[6 * batch];
+            for (size_t i = 0; i < m; ++i)
+                memcpy(directions + 3 * i, nodes + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *directions);
+            iso_code_encode(code, directions, bytes, m);
+            iso_code_decode_all(code, bytes, directions, m);
+            for (size_t i = 0; i < m; ++i)
+                memcpy(nodes + ISO_NODE_CHANNELS * i + 1, directions + 3 * i, 3 * sizeof *directions);
+        }
+    }
+}
+
 void iso_node_levels_destroy(iso_node_levels *n)
 {
     if (!n)

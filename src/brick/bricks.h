@@ -51,6 +51,9 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
  * steps of the range, directions to 1/32767. Coarse nodes have to be round before
  * fine faces are interpolated from them. */
 void iso_node_levels_round(iso_node_levels *n);
+/* Takes the directions of all levels through a code and back, so that files that store decoded codes hold no more
+ * values than those of a pyramid do. Codes that drop the length leave unit directions. */
+void iso_node_levels_encode(iso_node_levels *n, iso_code code);
 void iso_node_levels_destroy(iso_node_levels *n); /* accepts empty and NULL */
 
 static inline size_t iso_brick_count(const iso_node_levels *n) { return n->count[0] * n->count[1] * n->count[2]; }

@@ -14,6 +14,7 @@
     X(encode) \
     X(palette) \
     X(power) \
+    X(plan) \
     X(seams) \
     X(render) \
     X(tf)

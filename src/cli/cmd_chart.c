@@ -98,7 +98,7 @@ static iso_status make_plan(chart_run *run, const iso_chart_grid *g, const iso_c
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&run->nodes);
-    return iso_plan_create(&run->plan, &run->nodes, &run->view, cli->threads, &progress, err);
+    return iso_plan_create(&run->plan, &run->nodes, &run->view, 1, cli->threads, &progress, err);
 }
 
 /* Bricks by the plan for the setting's error, as `isoshade plan` first tries them. */

@@ -1,208 +1,185 @@
 /* cmd_plan.c - the least model that a scene needs, verified by rendering. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/parallel.h"
+#include "brick/store.h"
 #include "cli/cli.h"
+#include "cli/planner.h"
 #include "cli/subject.h"
-#include "compare/metrics.h"
-#include "render/bricks_gl.h"
-#include "render/plan.h"
 
 typedef struct plan_arguments {
     iso_cli_input input;
-    char *scene, *output, *image, *full_image, *size, *faces;
+    char *scene, *output, *image, *full_image, *size, *faces, *update;
     double error, memory;
-    int brick, levels;
+    int brick, levels, views;
 } plan_arguments;
 
-/* A plan with what it renders to. */
-typedef struct trial {
-    double predicted_rmse;
-    iso_metrics measured;
-    iso_gl_brick_stats stats;
-    uint8_t *levels; /* owned */
-    iso_image image;
-} trial;
+/* What remains to be done of an older plan's work. */
+typedef struct plan_update {
+    size_t changed_count, baked_count, drawn_count;
+    double scratch_seconds, update_seconds;
+    bool equal;
+} plan_update;
 
-typedef struct planner {
-    iso_gl *gl;
-    const iso_node_levels *nodes;
-    const iso_view *view;
-    iso_brick_faces faces;
-    iso_plan plan;
-    uint8_t *wanted; /* bricks inside the view */
-    iso_image full;
-    iso_gl_brick_stats full_stats;
-    trial best;
-    int render_count;
-} planner;
+/* ---- update ---------------------------------------------------------------------- */
 
-/* Scalar in 16 bits and a direction of three or four times 16: what bricks_gl.h's cache holds a node. */
-enum { BYTES_A_NODE = 10 };
-
-static double bytes_of(const iso_gl_brick_stats *s) { return BYTES_A_NODE * (double)s->node_count; }
-
-static iso_status render_levels(planner *p, const uint8_t *levels, bool everything, iso_image *image,
-                                iso_gl_brick_stats *stats, iso_error *err)
+/* Bakes the older plan, then what the new one needs; and the new one from nothing, for comparison. */
+static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_drawn, const iso_brick_field *newer,
+                            const uint8_t *drawn, int threads, plan_update *u, iso_error *err)
 {
-    const iso_brick_field field = {.nodes = p->nodes, .levels = levels, .faces = p->faces};
-    iso_gl_brick_options opt = iso_gl_brick_defaults();
-    opt.keep_hidden = everything;
-    opt.wanted = everything ? NULL : p->wanted;
-    ++p->render_count;
-    return iso_gl_render_bricks(p->gl, &field, p->view, &opt, image, stats, err);
-}
-
-static void drop_trial(trial *t)
-{
-    free(t->levels);
-    iso_image_destroy(&t->image);
-    *t = (trial){0};
-}
-
-/* Chooses for a predicted error, renders, measures. */
-static iso_status try_rmse(planner *p, double rmse, trial *t, iso_error *err)
-{
-    *t = (trial){0};
-    t->predicted_rmse = iso_plan_choose(&p->plan, p->nodes, rmse);
-    t->levels = malloc(p->plan.brick_count);
-    if (!t->levels)
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", p->plan.brick_count);
-    memcpy(t->levels, p->plan.levels, p->plan.brick_count);
-    iso_status status = render_levels(p, t->levels, false, &t->image, &t->stats, err);
+    iso_brick_store store = {0}, scratch = {0};
+    iso_status status = iso_brick_store_update(&store, older, older_drawn, threads, NULL, err);
+    double start = iso_clock_seconds();
     if (status == ISO_OK)
-        status = iso_metrics_measure(&t->image, &p->full, &t->measured, err);
-    if (status != ISO_OK)
-        drop_trial(t);
+        status = iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err);
+    double middle = iso_clock_seconds();
+    if (status == ISO_OK)
+        status = iso_brick_store_update(&scratch, newer, drawn, threads, &u->drawn_count, err);
+    u->scratch_seconds = iso_clock_seconds() - middle;
+    u->update_seconds = middle - start;
+    u->equal = status == ISO_OK && iso_brick_store_equal(&store, &scratch, newer->nodes);
+    if (status == ISO_OK && !u->equal)
+        status = iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks are not those that are baked from nothing");
+    iso_brick_store_destroy(&scratch);
+    iso_brick_store_destroy(&store);
     return status;
 }
 
-/* Does it meet what is asked for? */
-static bool is_good(const plan_arguments *a, const trial *t)
+static iso_status update_from(const plan_arguments *a, const iso_planner *p, int threads, plan_update *u, iso_error *err)
 {
-    return a->memory > 0 ? bytes_of(&t->stats) <= a->memory : t->measured.rmse <= a->error;
-}
-
-/* The largest predicted error that is still good, by bisection of its logarithm. Both the measured error and the bytes
- * follow the prediction but for small steps, so the best good trial is kept, not the last one. */
-static iso_status search(planner *p, const plan_arguments *a, const iso_progress *progress, iso_error *err)
-{
-    enum { steps = 9 };
-    double low = -8, high = 0; /* decades */
-    if (a->memory <= 0) { /* the prediction is about right: start around it */
-        low = log10(a->error) - 2;
-        high = log10(a->error) + 2;
-    }
-    for (int i = 0; i < steps; ++i) {
-        double middle = 0.5 * (low + high);
-        trial t;
-        iso_status status = try_rmse(p, pow(10, middle), &t, err);
-        if (status != ISO_OK)
-            return status;
-        bool good = is_good(a, &t), larger = good == (a->memory <= 0);
-        *(larger ? &low : &high) = middle;
-        bool better = !p->best.levels || (a->memory > 0 ? t.measured.rmse < p->best.measured.rmse
-                                                        : t.stats.node_count < p->best.stats.node_count);
-        if (good && better) {
-            drop_trial(&p->best);
-            p->best = t;
-        } else {
-            drop_trial(&t);
-        }
-        iso_progress_report(progress, "verify", (double)(i + 1) / steps);
-    }
-    if (p->best.levels)
+    iso_plan_file old;
+    *u = (plan_update){0};
+    if (!a->update)
         return ISO_OK;
-    if (a->memory > 0)
-        return iso_fail(err, ISO_E_RANGE, "--memory is %g bytes; the coarsest plan needs more: allow more levels", a->memory);
-    return try_rmse(p, 0, &p->best, err); /* level 0 everywhere, without what does not show */
+    iso_status status = iso_plan_file_load(a->update, &old, err);
+    if (status != ISO_OK)
+        return status;
+    if (old.brick_voxels != p->nodes->brick_voxels || memcmp(old.count, p->nodes->count, sizeof old.count) != 0 ||
+        old.level_count > p->nodes->level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: a plan of other bricks than these", a->update);
+    if (status == ISO_OK) {
+        const iso_brick_field older = {p->nodes, old.levels, p->faces}, newer = {p->nodes, p->best.levels, p->faces};
+        for (size_t i = 0; i < p->plan.brick_count; ++i)
+            u->changed_count += old.drawn[i] != p->best.drawn[i] || old.levels[i] != p->best.levels[i];
+        status = bake_both(&older, old.drawn, &newer, p->best.drawn, threads, u, err);
+    }
+    iso_plan_file_destroy(&old);
+    return status;
 }
 
-static json_t *to_json(const planner *p, const plan_arguments *a)
+/* ---- the report ------------------------------------------------------------------ */
+
+static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan_update *u)
 {
     size_t by_level[ISO_BRICK_MAX_LEVELS] = {0};
-    const trial *t = &p->best;
-    json_t *levels = json_array(), *counts = json_array();
-    for (size_t i = 0; i < p->plan.brick_count; ++i) {
-        by_level[t->levels[i]] += p->plan.footprints[i] > 0 && p->plan.shown[i];
-        json_array_append_new(levels, json_integer(p->plan.footprints[i] > 0 && p->plan.shown[i] ? t->levels[i] : -1));
-    }
+    const iso_plan_trial *t = &p->best;
+    const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
+    json_t *counts = json_array();
+    for (size_t i = 0; i < p->plan.brick_count; ++i)
+        by_level[t->levels[i]] += t->drawn[i];
     for (size_t l = 0; l < p->plan.level_count; ++l)
         json_array_append_new(counts, json_integer((json_int_t)by_level[l]));
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:o}", "error",
-                     a->error, "predicted_rmse", t->predicted_rmse, "measured_rmse", t->measured.rmse, "measured_max_abs",
-                     t->measured.max_abs, "measured_p99_abs", t->measured.p99_abs, "brick_count",
-                     (json_int_t)p->plan.brick_count, "shown_count", (json_int_t)t->stats.shown_count, "voxel_count",
-                     (json_int_t)t->stats.node_count, "bytes", bytes_of(&t->stats), "full_bytes", bytes_of(&p->full_stats),
-                     "bytes_part", bytes_of(&t->stats) / bytes_of(&p->full_stats), "renders", p->render_count,
-                     "bricks_by_level", counts, "bricks", (int)p->nodes->count[0], (int)p->nodes->count[1],
-                     (int)p->nodes->count[2], "brick_voxels", (int)p->nodes->brick_voxels, "levels", levels);
+    json_t *plan = json_pack("{s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:i}", "error",
+                             a->error, "views", (int)p->view_count, "predicted_rmse", t->predicted_rmse, "measured_rmse",
+                             t->measured.rmse, "measured_max_abs", t->measured.max_abs, "measured_p99_abs",
+                             t->measured.p99_abs, "blank_rmse", p->blank_rmse, "brick_count", (json_int_t)p->plan.brick_count,
+                             "shown_count", (json_int_t)t->drawn_count, "voxel_count", (json_int_t)t->node_count, "bytes",
+                             iso_plan_trial_bytes(t), "full_bytes", full_bytes, "bytes_part", iso_plan_trial_bytes(t) / full_bytes,
+                             "renders", p->render_count, "bricks_by_level", counts, "bricks", (int)p->nodes->count[0],
+                             (int)p->nodes->count[1], (int)p->nodes->count[2], "brick_voxels", (int)p->nodes->brick_voxels,
+                             "level_count", (int)p->nodes->level_count);
+    if (a->update)
+        json_object_set_new(plan, "update", json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
+                                                      "baked_count", (json_int_t)u->baked_count, "drawn_count",
+                                                      (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
+    json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
+    json_object_update(plan, bricks);
+    json_decref(bricks);
+    return plan;
 }
 
-static iso_status report(const planner *p, const plan_arguments *a, const iso_cli *cli, iso_error *err)
+/* An image that is nearly as far from the full one as an empty one is. */
+static bool shows_little(const iso_planner *p) { return p->blank_rmse > 0 && p->best.measured.rmse > 0.5 * p->blank_rmse; }
+
+static void print_report(const iso_planner *p, const plan_arguments *a, const plan_update *u)
 {
-    json_t *plan = to_json(p, a), *root = iso_cli_json(cli);
-    const trial *t = &p->best;
+    const iso_plan_trial *t = &p->best;
+    const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
+    printf("bricks   %zu of %zu shown, of %zu voxels a side\n"
+           "model    %.3g of %.3g bytes (%.1f %%)\n"
+           "error    RMSE %.3g predicted, %.3g measured, largest %.3g; %zu views, %d renders\n",
+           t->drawn_count, p->plan.brick_count, p->nodes->brick_voxels, iso_plan_trial_bytes(t), full_bytes,
+           100 * iso_plan_trial_bytes(t) / full_bytes, t->predicted_rmse, t->measured.rmse, t->measured.max_abs,
+           p->view_count, p->render_count);
+    if (a->update)
+        printf("update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of all; the same bytes as from nothing\n",
+               u->changed_count, u->baked_count, u->drawn_count, u->update_seconds / u->scratch_seconds);
+}
+
+static iso_status report(const iso_planner *p, const plan_arguments *a, const plan_update *u, const iso_cli *cli, iso_error *err)
+{
+    json_t *plan = to_json(p, a, u), *root = iso_cli_json(cli);
     json_object_update(root, plan);
     json_decref(plan);
     iso_status status = a->output ? iso_json_save(a->output, root, err) : ISO_OK;
+    if (status == ISO_OK && shows_little(p) && !cli->quiet)
+        fprintf(stderr, "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left in so few bytes\n",
+                p->best.measured.rmse, p->blank_rmse);
     if (status == ISO_OK && cli->json) {
         iso_cli_print_json(root);
         return ISO_OK;
     }
     json_decref(root);
     if (status == ISO_OK)
-        printf("bricks   %zu of %zu shown, of %zu voxels a side\n"
-               "model    %.3g of %.3g bytes (%.1f %%)\n"
-               "error    RMSE %.3g predicted, %.3g measured, largest %.3g; %d renders\n",
-               t->stats.shown_count, p->plan.brick_count, p->nodes->brick_voxels, bytes_of(&t->stats),
-               bytes_of(&p->full_stats), 100 * bytes_of(&t->stats) / bytes_of(&p->full_stats), t->predicted_rmse,
-               t->measured.rmse, t->measured.max_abs, p->render_count);
+        print_report(p, a, u);
     return status;
 }
 
-static iso_status save_images(const planner *p, const plan_arguments *a, iso_error *err)
+static iso_status save_image(const iso_image *image, const char *path, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    if (a->image)
-        status = iso_path_ends_with(a->image, ".png") ? iso_image_save_png(&p->best.image, a->image, 1, err)
-                                                      : iso_image_save_exr(&p->best.image, a->image, NULL, err);
-    if (status == ISO_OK && a->full_image)
-        status = iso_path_ends_with(a->full_image, ".png") ? iso_image_save_png(&p->full, a->full_image, 1, err)
-                                                           : iso_image_save_exr(&p->full, a->full_image, NULL, err);
-    return status;
+    if (!path)
+        return ISO_OK;
+    return iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err) : iso_image_save_exr(image, path, NULL, err);
 }
 
-static iso_status plan_nodes(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes,
-                             const iso_view *view, iso_error *err)
+static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes, const iso_view *views,
+                             size_t view_count, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    planner p = {.nodes = nodes, .view = view,
-                 .faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED};
-    iso_status status = iso_gl_create(&p.gl, NULL, err);
+    const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
+    iso_planner p;
+    plan_update update;
+    iso_status status = iso_planner_create(&p, nodes, views, view_count, faces, cli->threads, &progress, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_planner_search(&p, a->error, a->memory, &progress, err);
     if (status == ISO_OK)
-        status = iso_plan_create(&p.plan, nodes, view, cli->threads, &progress, err);
-    if (status == ISO_OK && !(p.wanted = malloc(p.plan.brick_count)))
-        status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", p.plan.brick_count);
-    for (size_t i = 0; status == ISO_OK && i < p.plan.brick_count; ++i)
-        p.wanted[i] = p.plan.footprints[i] > 0;
-    if (status == ISO_OK) /* levels are still all 0 */
-        status = render_levels(&p, p.plan.levels, true, &p.full, &p.full_stats, err);
+        status = update_from(a, &p, cli->threads, &update, err);
     if (status == ISO_OK)
-        status = search(&p, a, &progress, err);
+        status = save_image(&p.best.image, a->image, err);
     if (status == ISO_OK)
-        status = save_images(&p, a, err);
+        status = save_image(&p.full[0], a->full_image, err);
     if (status == ISO_OK)
-        status = report(&p, a, cli, err);
-    drop_trial(&p.best);
-    iso_image_destroy(&p.full);
-    free(p.wanted);
-    iso_plan_destroy(&p.plan);
-    iso_gl_destroy(p.gl);
+        status = report(&p, a, &update, cli, err);
+    iso_planner_destroy(&p);
+    return status;
+}
+
+static iso_status check(const plan_arguments *a, iso_error *err)
+{
+    iso_status status = iso_cli_check_range("--error", a->error, 1e-6, 1, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--memory", a->memory, 0, 1e15, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--views", a->views, 1, 360, err);
+    if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
+        status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
     return status;
 }
 
@@ -212,45 +189,42 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid pyramid = {0};
     iso_node_levels nodes = {0};
-    iso_view view = {0};
+    iso_view *views = NULL;
+    size_t view_count = 0;
     build.level_count = 1;
     build.threads = cli->threads;
-    iso_status status = iso_cli_check_range("--error", a->error, 1e-6, 1, err);
-    if (status == ISO_OK)
-        status = iso_cli_check_range("--memory", a->memory, 0, 1e15, err);
-    if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
-    if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
+    iso_status status = check(a, err);
     if (status == ISO_OK)
         status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
-        status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
+        status = iso_planner_load_views(a->scene, (size_t)a->views, &pyramid, a->size, &views, &view_count, err);
     if (status == ISO_OK)
         status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,
                                         cli->threads, err);
     if (status == ISO_OK) {
         iso_node_levels_round(&nodes);
-        status = plan_nodes(a, cli, &nodes, &view, err);
+        status = plan_views(a, cli, &nodes, views, view_count, err);
     }
     iso_node_levels_destroy(&nodes);
-    iso_view_destroy(&view);
+    iso_planner_destroy_views(views, view_count);
     iso_pyramid_destroy(&pyramid);
     return status;
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    plan_arguments a = {.error = 1.0 / 255, .brick = 32, .levels = 4};
+    plan_arguments a = {.error = 1.0 / 255, .brick = 16, .levels = 4, .views = 1};
     iso_cli_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "RMSE of the image that is allowed", "E"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all", "SCENE.scene.json"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0, "sides to see each scene from, turned round its up axis: the plan holds for all", "N"},
+        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "RMSE of each image that is allowed", "E"},
         {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead: bytes that the bricks may take", "BYTES"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "voxels a side: 16, 32 or 64", "N"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "with level 0", "N"},
         {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
+        {"update", 0, POPT_ARG_STRING, &a.update, 0, "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan, with the level of each brick", "PLAN.json"},
         {"image", 0, POPT_ARG_STRING, &a.image, 0, "the plan rendered, .exr or .png", "FILE"},
         {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "the full model rendered, .exr or .png", "FILE"},
@@ -263,7 +237,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = plan(&a, &cli, err);
     iso_cli_end(&cli);
-    char *texts[] = {a.scene, a.faces, a.size, a.output, a.image, a.full_image};
+    char *texts[] = {a.scene, a.faces, a.size, a.output, a.image, a.full_image, a.update};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
@@ -273,9 +247,9 @@ const iso_command iso_command_plan = {
     .name = "plan",
     .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [--error E | --memory BYTES] [options]",
-    .details = "Bricks that the TF does not show or that lie outside the view are left out; each other one gets the coarsest level\n"
+    .details = "Bricks that no TF shows or that lie outside every view are left out; each other one gets the coarsest level\n"
                "that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
-               "against all bricks at level 0.",
+               "against all bricks at level 0. `isoshade export --plan` writes what is left.",
     .examples = "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
                 "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
     .run = run,

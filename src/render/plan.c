@@ -101,7 +101,7 @@ static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8
 }
 
 /* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its entry. */
-static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, double *seen)
+static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown, double *seen)
 {
     const iso_node_levels *n = f->nodes;
     double t0, t1, step = iso_geometry_min_spacing_mm(&n->geometry), transmittance = 1;
@@ -121,6 +121,8 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
         if (here != last)
             seen[here] += transmittance * transmittance;
         last = here;
+        if (!shown[here])
+            continue;
         iso_brick_sample(f, p, node);
         iso_tf_lookup(&view->tf, node[0], entry);
         transmittance *= exp(-entry[3] * step);
@@ -129,10 +131,10 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
 
 /* Rays through every `stride`-th pixel, so that the smallest brick meets several. A brick that is passed is counted for
  * stride^2 pixels a ray. */
-static iso_status find_footprints(iso_plan *plan, const iso_node_levels *n, const iso_view *view, int threads,
-                                  iso_error *err)
+static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view, const uint8_t *shown,
+                                  int threads, float *footprints, iso_error *err)
 {
-    size_t larger = view->width > view->height ? view->width : view->height, stride = larger / 128 + 1;
+    size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
     size_t columns = (view->width + stride - 1) / stride, rows = (view->height + stride - 1) / stride;
     double *seen = calloc(plan->brick_count * rows, sizeof *seen);
@@ -144,55 +146,74 @@ static iso_status find_footprints(iso_plan *plan, const iso_node_levels *n, cons
             size_t x = column * stride + stride / 2, y = row * stride + stride / 2;
             iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, x < view->width ? x : view->width - 1,
                                          y < view->height ? y : view->height - 1);
-            trace(&finest, view, &ray, seen + row * plan->brick_count);
+            trace(&finest, view, &ray, shown, seen + row * plan->brick_count);
         }
     /* Row by row and then in order: the sum does not depend on threads. */
     for (size_t i = 0; i < plan->brick_count; ++i) {
         double sum = 0;
         for (size_t row = 0; row < rows; ++row)
             sum += seen[row * plan->brick_count + i];
-        plan->footprints[i] = (float)(sum * (double)(stride * stride));
+        footprints[i] = (float)(sum * (double)(stride * stride));
     }
     free(seen);
     return ISO_OK;
 }
 
-iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *view, int threads,
-                           const iso_progress *progress, iso_error *err)
+/* Adds what one view sees. */
+static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_view *view, uint8_t *shown,
+                           float *footprints, int threads, iso_error *err)
 {
-    size_t count = iso_brick_count(n), done = 0;
-    *plan = (iso_plan){.brick_count = count, .level_count = n->level_count,
-                       .pixel_count = (double)(view->width * view->height)};
-    plan->errors = calloc(count * n->level_count, sizeof *plan->errors);
-    plan->footprints = malloc(count * sizeof *plan->footprints);
-    plan->levels = calloc(count, 1);
-    plan->shown = malloc(count);
-    if (!plan->errors || !plan->footprints || !plan->levels || !plan->shown) {
-        iso_plan_destroy(plan);
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
-    }
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
-    iso_brick_cull(&finest, &view->tf, threads, plan->shown);
-    iso_status status = find_footprints(plan, n, view, threads, err);
-    if (status != ISO_OK) {
-        iso_plan_destroy(plan);
+    iso_brick_cull(&finest, &view->tf, threads, shown);
+    iso_status status = find_footprints(plan, n, view, shown, threads, footprints, err);
+    if (status != ISO_OK)
         return status;
-    }
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
-    for (size_t i = 0; i < count; ++i) {
-        if (plan->footprints[i] > 0 && plan->shown[i])
-            estimate_brick(n, view, plan->levels, i, plan->errors + i * n->level_count);
-#pragma omp critical(iso_plan_progress)
-        iso_progress_report(progress, "plan", (double)++done / (double)count);
+    for (size_t i = 0; i < plan->brick_count; ++i) {
+        float errors[ISO_BRICK_MAX_LEVELS] = {0};
+        plan->footprints[i] += footprints[i];
+        if (footprints[i] <= 0 || !shown[i])
+            continue;
+        plan->shown[i] = 1;
+        estimate_brick(n, view, plan->levels, i, errors);
+        for (size_t l = 0; l < n->level_count; ++l)
+            plan->squares[i * n->level_count + l] += footprints[i] * errors[l] * errors[l];
     }
+    plan->pixel_count += (double)(view->width * view->height);
     return ISO_OK;
+}
+
+iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *views, size_t view_count,
+                           int threads, const iso_progress *progress, iso_error *err)
+{
+    size_t count = iso_brick_count(n);
+    *plan = (iso_plan){.brick_count = count, .level_count = n->level_count};
+    plan->squares = calloc(count * n->level_count, sizeof *plan->squares);
+    plan->footprints = calloc(count, sizeof *plan->footprints);
+    plan->levels = calloc(count, 1);
+    plan->shown = calloc(count, 1);
+    uint8_t *shown = malloc(count);
+    float *footprints = malloc(count * sizeof *footprints);
+    iso_status status = ISO_OK;
+    if (!plan->squares || !plan->footprints || !plan->levels || !plan->shown || !shown || !footprints)
+        status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    for (size_t v = 0; v < view_count && status == ISO_OK; ++v) {
+        iso_progress_report(progress, "plan", (double)v / (double)view_count);
+        status = add_view(plan, n, &views[v], shown, footprints, threads, err);
+    }
+    iso_progress_report(progress, "plan", 1);
+    free(shown);
+    free(footprints);
+    if (status != ISO_OK)
+        iso_plan_destroy(plan);
+    return status;
 }
 
 void iso_plan_destroy(iso_plan *plan)
 {
     if (!plan)
         return;
-    free(plan->errors);
+    free(plan->squares);
     free(plan->footprints);
     free(plan->levels);
     free(plan->shown);
@@ -206,21 +227,20 @@ static double choose_for(iso_plan *plan, const iso_node_levels *n, double lambda
 {
     double sum = 0;
     for (size_t i = 0; i < plan->brick_count; ++i) {
-        const float *errors = plan->errors + i * plan->level_count;
+        const float *squares = plan->squares + i * plan->level_count;
         double least = INFINITY, square = 0;
         plan->levels[i] = 0;
         if (!plan->shown[i] || plan->footprints[i] <= 0)
             continue;
         for (size_t l = plan->level_count; l-- > 0;) {
-            double side = (double)iso_brick_side(n, l), error = (double)errors[l];
-            double cost = side * side * side + lambda * (double)plan->footprints[i] * error * error;
+            double side = (double)iso_brick_side(n, l), cost = side * side * side + lambda * (double)squares[l];
             if (cost < least) {
                 least = cost;
-                square = error * error;
+                square = (double)squares[l];
                 plan->levels[i] = (uint8_t)l;
             }
         }
-        sum += square * (double)plan->footprints[i];
+        sum += square;
     }
     return sqrt(sum / plan->pixel_count);
 }

@@ -1,0 +1,59 @@
+/* lattice.h - the nodes that a scene needs of a field of bricks, as a sparse grid for other programs.
+ *
+ * A lattice holds every 2^level-th node of level 0. Two kinds:
+ *
+ *   merged     All drawn bricks at the finest level that any of them has; coarser ones are sampled. The baked field is
+ *              multilinear in each cell of its own brick, and these cells are whole numbers of the lattice's, so nothing
+ *              is lost. One plain grid that any program reads.
+ *   one level  The bricks that are drawn at this level alone. With a lattice for each level and the table of the bricks'
+ *              levels, a program has the field as it is, in as many values as it has nodes; C0 because the field is.
+ *
+ * Active are the corners of every cell that a transfer function shows in a brick that is drawn, so that what is
+ * interpolated there is exact. All other nodes are `background`, which the TF does not show. Where a cell has corners
+ * of both kinds, values between them occur that are nowhere in the field; where the TF would show one of these,
+ * the cell's other corners are active too, though nothing is seen in it (halo).
+ *
+ *     o---o---o---o---o        o active   . background     the TF shows cells marked #
+ *     | # | # |   |   |
+ *     o---o---o---.---.        Beyond the volume's last nodes the edge is repeated once, as far as the box goes.
+ *     | # |   |   |   |
+ *     o---o---.---.---.
+ *
+ * Bricks that no view sees may be cut hard: nobody sees their faces either. */
+#ifndef ISO_LATTICE_H
+#define ISO_LATTICE_H
+
+#include "brick/bricks.h"
+#include "tf/tf.h"
+
+typedef struct iso_lattice {
+    size_t level;
+    long first[3];         /* of its nodes, counted in nodes of the level from node (0, 0, 0); may be -1 */
+    size_t size[3];        /* the box of the active nodes */
+    iso_geometry geometry; /* its voxels have the nodes as centres; the box is all of them */
+    float *nodes;          /* owned; ISO_NODE_CHANNELS a node, x fastest */
+    uint8_t *active;       /* owned; one byte a node */
+    size_t active_count;
+    double background;     /* of the scalar; directions are 0 */
+    double min, max;       /* of the scalar, background included */
+} iso_lattice;
+
+typedef struct iso_lattice_options {
+    const uint8_t *drawn;      /* one byte a brick: what pack.h's cull and the plan leave */
+    const uint8_t *seen;       /* one byte a brick, 0: in no view, may be cut hard; NULL: all are seen */
+    const iso_tf_table *tfs;   /* a node is needed when one of them shows a cell round it */
+    size_t tf_count;
+    size_t level;              /* one level: which; merged: ignored */
+    bool merged;
+    bool whole_box;            /* the box of the bricks instead of that of the active nodes: its corners are made active */
+    int threads;
+} iso_lattice_options;
+
+/* ISO_E_RANGE when nothing would be left, or the field's faces are not baked; ISO_E_MEMORY. */
+iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err);
+void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
+
+/* A value in [min, max] that no TF shows, in the range that most of the field's level 0 lies in; min when they show all. */
+double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count);
+
+#endif
