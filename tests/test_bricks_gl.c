@@ -1,5 +1,6 @@
 /* Mixed resolution on the GPU against the reference on the same bricks, and its seams. */
 #include "test.h"
+#include "gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +13,6 @@
 /* As in test_raycaster.c: floats. */
 #define MAX_ABS 2e-5
 #define RMSE 1e-6
-
-static iso_gl *gl;
 
 typedef struct scene {
     iso_level level;
@@ -171,23 +170,6 @@ static void a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it(void 
     assert_int_equal(stats.shown_count, sizeof s.levels);
     iso_image_destroy(&image);
     destroy_scene(&s);
-}
-
-static int open_gl(void **state)
-{
-    (void)state;
-    iso_error err = {""};
-    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
-        return 0;
-    print_error("%s\n", err.text);
-    return -1;
-}
-
-static int close_gl(void **state)
-{
-    (void)state;
-    iso_gl_destroy(gl);
-    return 0;
 }
 
 int main(void)

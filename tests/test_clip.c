@@ -1,5 +1,6 @@
 /* Clip planes: a slab's closed form, the ray caster against the reference, bricks that are left out. */
 #include "test.h"
+#include "gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -7,8 +8,6 @@
 #include "render/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
-
-static iso_gl *gl;
 
 typedef struct scene {
     iso_pyramid pyramid;
@@ -173,23 +172,6 @@ static void planes_that_leave_nothing_of_a_box_are_told(void **state)
     const double lo[3] = {0, 0, 0}, below[3] = {2.4, 4, 4}, above[3] = {2.6, 4, 4};
     assert_false(iso_view_keeps(&view, &g, lo, below));
     assert_true(iso_view_keeps(&view, &g, lo, above));
-}
-
-static int open_gl(void **state)
-{
-    (void)state;
-    iso_error err = {""};
-    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
-        return 0;
-    print_error("%s\n", err.text);
-    return -1;
-}
-
-static int close_gl(void **state)
-{
-    (void)state;
-    iso_gl_destroy(gl);
-    return 0;
 }
 
 int main(void)

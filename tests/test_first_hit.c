@@ -1,5 +1,6 @@
 /* First-hit isosurfaces by OpenGL: the reference's hits, on one texture and on bricks, and no steps where bricks meet. */
 #include "test.h"
+#include "gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,8 +9,6 @@
 #include "render/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
-
-static iso_gl *gl;
 
 typedef struct scene {
     iso_pyramid pyramid;
@@ -262,23 +261,6 @@ static void surfaces_do_not_step_where_bricks_meet(void **state)
     assert_more_than(turn[1], 10 * turn[0]);
     iso_node_levels_destroy(&nodes);
     destroy_scene(&s);
-}
-
-static int open_gl(void **state)
-{
-    (void)state;
-    iso_error err = {""};
-    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
-        return 0;
-    print_error("%s\n", err.text);
-    return -1;
-}
-
-static int close_gl(void **state)
-{
-    (void)state;
-    iso_gl_destroy(gl);
-    return 0;
 }
 
 int main(void)

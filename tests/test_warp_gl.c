@@ -1,5 +1,6 @@
 /* The paper's transitions in GLSL: what the CPU has from the same definition, and continuous where that is. */
 #include "test.h"
+#include "gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +12,6 @@
 
 #define BRICK 8
 
-static iso_gl *gl;
 static uint64_t random_state;
 
 static double random_unit(void) /* splitmix64 */
@@ -225,23 +225,6 @@ static void images_agree_with_the_reference_in_every_mode(void **state)
     iso_warp_field_destroy(&f);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
-}
-
-static int open_gl(void **state)
-{
-    (void)state;
-    iso_error err = {""};
-    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
-        return 0;
-    print_error("%s\n", err.text);
-    return -1;
-}
-
-static int close_gl(void **state)
-{
-    (void)state;
-    iso_gl_destroy(gl);
-    return 0;
 }
 
 int main(void)
