@@ -23,7 +23,7 @@ static void fit_one(const float *direction, uint8_t *bytes)
 {
     double u[3] = {direction[0], direction[1], direction[2]}, best = INFINITY, best_e[3] = {0};
     double length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]), aim = 127 * length;
-    double mu = ISO_FIT_MU + ISO_FIT_MU_SHORT * fmax(1 - length, 0);
+    double mu = fmin(ISO_FIT_MU + ISO_FIT_MU_SHORT * fmax(1 - length, 0), 1);
     int order[3];
     for (int a = 0; a < 3 && length > 0; ++a)
         u[a] /= length;

@@ -19,7 +19,7 @@
 INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight, float first)
 {
     float best = INFINITY, best_at = 0;
-    for (int k = 0; k <= 2 * ISO_FIT_WINDOW; ++k) {
+    for (int k = 0; k <= ISO_FIT_BELOW + ISO_FIT_ABOVE; ++k) {
         const float at = first + (float)k, eb = at * b_step, ec = at * c_step;
         const float rb = rintf(eb) - eb, rc = rintf(ec) - ec, along = rb * b + rc * c;
         const float radial = (at * step - aim) + along;
@@ -39,9 +39,9 @@ INLINE uint32_t fit_word(float x, float y, float z)
     const float high = xy < az ? az : xy, c = xy < az ? xy : az;
     const float product = length * high, both = 1 / (product > 1e-30f ? product : 1e-30f);
     const float per_length = both * high, per_high = both * length;
-    const float mu = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * (length < 1 ? 1 - length : 0);
-    const float middle = rintf(127 * high), limit = 127 - ISO_FIT_WINDOW;
-    const float first = (middle < limit ? middle : limit) - ISO_FIT_WINDOW;
+    const float slack = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * (length < 1 ? 1 - length : 0), mu = slack < 1 ? slack : 1;
+    const float below = floorf(127 * high), limit = 127 - ISO_FIT_ABOVE;
+    const float first = (below < limit ? below : limit) - ISO_FIT_BELOW;
     const float s = per_high * best_candidate(b * per_length, c * per_length, b * per_high, c * per_high, length * per_high,
                                               127 * length, mu * mu, first);
     return ((uint32_t)(int32_t)rintf(s * x) & 0xFF) | ((uint32_t)(int32_t)rintf(s * y) & 0xFF) << 8 |
