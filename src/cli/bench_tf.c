@@ -139,11 +139,29 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     return status;
 }
 
+/* Table 1 of the paper: bytes beside the levels' voxels, at a byte a voxel. histograms: of all coarse levels, 8 bits.
+ * Younesy et al. keep four bytes a coarse voxel (mean, deviation, gradient), three of them beside its value. */
+static void report_storage(const tf_bench *b, const iso_pyramid *p, double histograms, json_t *root)
+{
+    const double table = 256 * 4 * sizeof(float), levels = (double)(p->level_count - 1);
+    double coarse = 0, all = (double)iso_geometry_voxel_count(&p->levels[0].geometry);
+    for (size_t k = 1; k < p->level_count; ++k)
+        coarse += (double)iso_geometry_voxel_count(&p->levels[k].geometry);
+    all += coarse;
+    const double value_table = histograms + levels * table, deviation_table = coarse + value_table + levels * ISO_CLASSES * table;
+    json_object_set_new(root, "storage", json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "value_table_bytes", value_table,
+                                                   "deviation_table_bytes", deviation_table, "four_bytes_a_coarse_voxel", 3 * coarse));
+    if (!b->cli->json)
+        printf("storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with tables over deviation %.3g MB;\n"
+               "         four bytes a coarse voxel (Younesy et al. 2006) would add %.4g MB\n",
+               all / 1e6, value_table / 1e6, deviation_table / 1e6, 3 * coarse / 1e6);
+}
+
 static iso_status run_all(const tf_bench *b, iso_error *err)
 {
     iso_pyramid p = {0};
     iso_tf_table tf = {0};
-    double frame = NAN, copy = NAN;
+    double frame = NAN, copy = NAN, histograms = 0;
     json_t *root = iso_cli_json(b->cli), *rows = json_array();
     iso_status status = make_pyramid(b, &p, err);
     if (status == ISO_OK)
@@ -164,6 +182,7 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
             status = measure(b, &p, level, bits, &tf, &t, err);
             if (status != ISO_OK)
                 break;
+            histograms += bits == 8 ? t.stored_bytes : 0;
             double ns = 1e9 * t.histogram_seconds / voxels, cpu_ns = 1e9 * t.histogram_cpu_seconds / voxels;
             if (!b->cli->json)
                 printf("%zu %4d  %6.3f  %9.3f  %19.2f  %12.3f %10.4f %8.4f  %10.5f  %8zu  %8.0f\n", level, bits, ns, cpu_ns,
@@ -174,6 +193,8 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
                                                   t.adapt_seconds, "edit_seconds", t.edit_seconds, "entries", (json_int_t)t.entry_count,
                                                   "stored_bytes", t.stored_bytes));
         }
+    if (status == ISO_OK)
+        report_storage(b, &p, histograms, root);
     json_object_set_new(root, "cases", rows);
     json_object_set_new(root, "copy_ns_per_voxel", json_real(1e9 * copy / voxels));
     json_object_set_new(root, "threads", json_integer(iso_threads(b->cli->threads)));

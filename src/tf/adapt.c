@@ -82,8 +82,8 @@ size_t iso_adapter_entry_count(const iso_adapter *a)
     return a->s.count;
 }
 
-/* Flat: the widest of 1.5, 1.6, 1.75, 2, 2.5 and 3 with which no volume left out of the choice fell behind the original
- * TF, each of seven left out in turn; the same each time. */
+/* Flat: of 1.5, 1.6, 1.75, 2 and 3 the one of least SSIM dissimilarity that left no case of six volumes behind the original
+ * TF, each of seven left out in turn; the same each time, and the one left out was not behind either. */
 static double default_window(iso_adapt_weight w)
 {
     return w == ISO_WEIGHT_FLAT ? 1.75 : w == ISO_WEIGHT_GAUSS ? 3 : 2.5;
