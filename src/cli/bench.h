@@ -17,6 +17,7 @@
     X(plan) \
     X(seams) \
     X(render) \
+    X(roi) \
     X(tf)
 
 #endif
