@@ -1,7 +1,7 @@
 /* validate_methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it. The ray caster and POV-Ray by the same samples, Cycles by its limit; exports carry directions, so
+ * adapting changes it; with the pyramid's own directions also under the tables over two values. The ray caster and POV-Ray by the same samples, Cycles by its limit; exports carry directions, so
  * gradients on the fly are the ray caster's alone. The quick run keeps to the ray caster. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,19 +47,27 @@ static iso_status adapt(const iso_validation *v, const iso_pyramid *p, size_t le
     return status;
 }
 
+/* Which transfer function a row is under: its name in the row, in files, and on the command line. */
+typedef struct used_tf {
+    const char *name, *file, *options;
+} used_tf;
+static const used_tf original_tf = {"", "", ""}, adapted_tf = {", adapted TF", "adapted-", " --adapt"},
+                     deviation_tf = {", TF over value and deviation", "deviation-", " --adapt --table deviation"},
+                     gradient_tf = {", TF over value and gradient", "gradient-", " --adapt --table gradient"};
+
 /* The validation of one row's kind: copy of v with another pyramid, view and name. */
-static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view, bool adapted,
-                          iso_error *err)
+static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
+                          const used_tf *tf, iso_error *err)
 {
     char variant[64], prefix[96], build[64] = "", render[96];
     const bool own = m->filter == v->pyramid->options.direction_filter || m->source != ISO_FROM_CODES;
     iso_validation w = *v;
-    snprintf(variant, sizeof variant, "%s%s", m->name, adapted ? ", adapted TF" : "");
-    snprintf(prefix, sizeof prefix, "%.50s%s-%s", v->image_prefix, m->name, adapted ? "adapted-" : "");
+    snprintf(variant, sizeof variant, "%s%s", m->name, tf->name);
+    snprintf(prefix, sizeof prefix, "%.50s%s-%s", v->image_prefix, m->name, tf->file);
     if (!own)
         snprintf(build, sizeof build, "--direction-filter %s", iso_direction_filter_name(m->filter));
     snprintf(render, sizeof render, "%s%s", m->source == ISO_FROM_ON_THE_FLY ? " --gradients on-the-fly" : "",
-             adapted ? " --adapt" : "");
+             tf->options);
     w.pyramid = p, w.view = view, w.source = m->source;
     w.variant = variant, w.image_prefix = prefix, w.build_options = build, w.render_options = render;
     iso_status status = iso_validate_variant(&w, level, err);
@@ -67,17 +75,36 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
     return status;
 }
 
-static iso_status both_tfs(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_error *err)
+/* The same of a table over two values. */
+static iso_status compare_table(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
+                                iso_joint_split split, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_class_tables classes, *own = view->classes;
+    opt.threads = v->threads;
+    iso_status status = iso_adapt_classes(p, NULL, level, split, &v->view->tf, &opt, &classes, err);
+    if (status != ISO_OK)
+        return status;
+    view->classes = &classes;
+    status = compare(v, p, m, level, view, split == ISO_SPLIT_GRADIENT ? &gradient_tf : &deviation_tf, err);
+    view->classes = own;
+    iso_class_tables_destroy(&classes);
+    return status;
+}
+
+static iso_status all_tfs(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_error *err)
 {
     iso_view view = {0};
     bool adapted = false, covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
     iso_status status = small_view(v->view, &view, err);
     if (status == ISO_OK && !covered)
-        status = compare(v, p, m, level, &view, false, err);
+        status = compare(v, p, m, level, &view, &original_tf, err);
     if (status == ISO_OK && level > 0)
         status = adapt(v, p, level, &view, &adapted, err);
     if (status == ISO_OK && adapted)
-        status = compare(v, p, m, level, &view, true, err);
+        status = compare(v, p, m, level, &view, &adapted_tf, err);
+    for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
+        status = compare_table(v, p, m, level, &view, (iso_joint_split)split, err);
     free(view.tf.entries);
     return status;
 }
@@ -94,7 +121,7 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
             p = &own;
         }
         for (size_t level = 0; level < p->level_count && status == ISO_OK; ++level)
-            status = both_tfs(v, p, m, level, err);
+            status = all_tfs(v, p, m, level, err);
         iso_pyramid_destroy(&own);
     }
     return status;
