@@ -11,9 +11,10 @@ for file in pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json; do
 done
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
-# 2 steps of: level 0: 2 codes, floats, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats and
-# palettes by 2 filters, on the fly
-check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (6 + 2 * (2 * 5 + 1))))
+# 2 steps of: level 0: 2 codes, floats, flipped, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats,
+# flipped and palettes by 2 filters, on the fly
+check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (7 + 2 * (2 * 6 + 1))))
+check flipped_directions_are_there grep -q 'gl; level 1; flipped moments' "$dir/c/pareto.csv"
 check adapted_transfer_functions_are_there grep -q 'level 1 adapted TF; snorm moments' "$dir/c/pareto.csv"
 check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
 check the_text_of_the_svg_is_text grep -q '>bytes of the level: scalars and directions<' "$dir/c/pareto.svg"
@@ -26,10 +27,10 @@ check a_finer_step_has_a_smaller_error finer_is_better "$dir/c/pareto.csv"
 awk -F, -v OFS=, 'NR > 1 {$5 = $5 == 1 ? 0.25 : 1} 1' "$dir/c/pareto.csv" >"$dir/swapped.csv"
 if finer_is_better "$dir/swapped.csv"; then echo "not ok swapped_steps_are_noticed: they pass"; failed=1; else echo "ok swapped_steps_are_noticed"; fi
 
-# Pre-integrated settings and plans double the two steps of level 0's codes, floats, palettes and on the fly, and add two
+# Pre-integrated settings and plans double the two steps of level 0's codes, floats, flipped, palettes and on the fly, and add two
 # plans for each step; a plan for a larger error has fewer bytes or as many, and holds less than every voxel of level 0.
 expect pre_integration_and_plans_are_charted 0 chart --levels 1 --steps 1,0.5 --codes snorm --quadratures midpoint,preintegrated --plans 8/255,1/255 -o "$dir/c2"
-check both_quadratures_and_plans_are_there test "$(wc -l <"$dir/c2/pareto.csv")" = $((1 + 2 * 2 * 5 + 2 * 2))
+check both_quadratures_and_plans_are_there test "$(wc -l <"$dir/c2/pareto.csv")" = $((1 + 2 * 2 * 6 + 2 * 2))
 check pre_integrated_settings_are_named grep -q 'gl; level 0; snorm; step 0.5 pre-integrated' "$dir/c2/pareto.csv"
 plans_shrink() { awk -F, '/plan for/ {b[$2 ~ /0.031/ ? 1 : 0] = $7; e[$2 ~ /0.031/ ? 1 : 0] = $8} END {exit !(b[1] <= b[0] && e[0] <= e[1] && b[0] > 0)}' "$1"; }
 check a_plan_for_less_error_has_more_bytes_and_less_error plans_shrink "$dir/c2/pareto.csv"

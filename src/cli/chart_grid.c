@@ -180,7 +180,7 @@ static double level_bytes(const iso_level *level, const iso_chart_case *c)
     return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction);
 }
 
-/* Relative: 1 fetch of the scalar, 1 of a code, 6 more scalars on the fly; the reference and other programs are slower
+/* Relative: 1 fetch of the scalar, 1 of a code, 8 to flip them, 6 more scalars on the fly; the reference and other programs are slower
  * throughout. */
 static double relative_cost(const iso_level *level, const iso_chart_case *c)
 {
@@ -188,7 +188,7 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
         [ISO_WITH_GL] = 1, [ISO_WITH_REFERENCE] = 10, [ISO_WITH_CYCLES] = 100, [ISO_WITH_POVRAY] = 100};
     const size_t *n = level->geometry.size;
     double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
-    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_PALETTE ? 4 : 2;
+    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
     return longest / c->step_voxels * (fetches + (c->preintegrated ? 1 : 0)) * slower[c->renderer];
 }
 
@@ -238,7 +238,8 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     static const struct {
         iso_direction_source source;
         size_t palette;
-    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_ON_THE_FLY, 0}, {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
+    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_FLIPPED, 0}, {ISO_FROM_ON_THE_FLY, 0},
+                 {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
     const size_t source_count = sizeof sources / sizeof *sources;
     iso_chart_case c = {.metrics = {.rmse = NAN}};
     c.step_voxels = g->steps[i % g->step_count], i /= g->step_count;
