@@ -243,13 +243,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_validate = {
     .name = "validate",
     .summary = "the main job: is the shading the same at every level, in every renderer? A report",
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options]",
+    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options] | --suite DIR -o DIR [options]",
     .details = "Calibrates each renderer on volumes whose images are known in closed form; compares each, at every level, with the\n"
-               "double-precision reference; measures how far each level is from level 0 with each way to make directions.\n"
-               "DIR/index.html shows it, DIR/report.json holds it. Exit code 0: all agree; 1: something differs; 7: a renderer is\n"
-               "missing; 9: a renderer failed its calibration.",
+               "double-precision reference by the same samples, and by the limit of halved steps, which has to lie within its own\n"
+               "error bars; repeats that for each way to make directions and for adapted TFs; measures how far each level is from\n"
+               "level 0. --suite does it for scenes that break renderers, at level 0. DIR/index.html shows it, DIR/report.json holds it.\n"
+               "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick -o report\n"
-                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n",
+                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n"
+                "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .run = run,
 };

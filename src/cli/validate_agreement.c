@@ -260,7 +260,9 @@ static iso_limit_options limit_options(const iso_validation *v, iso_renderer ren
     o.bars = v->scene->agreement.sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
     o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
     if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
-        o.wanted_bar /= 4;
+        o.wanted_bar /= 3;
+    if (v->scene->agreement.sharp) /* the first pair would seldom do */
+        o.step_voxels = 1.0 / 8;
     if (renderer == ISO_WITH_GL) /* costs nothing */
         o.step_voxels = 1.0 / 16;
     return o;
