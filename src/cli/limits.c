@@ -12,7 +12,7 @@ enum { most_seeds = 32 };
 iso_limit_options iso_limit_defaults(void)
 {
     return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550,
-                               .bars = ISO_LIMIT_BARS_SMOOTH, .seeds = 4};
+                               .bars = ISO_LIMIT_BARS_SMOOTH, .wanted_left = 0.354, .seeds = 4};
 }
 
 void iso_limit_destroy(iso_limit *limit)
@@ -165,7 +165,8 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
     for (double step = opt->step_voxels; status == ISO_OK; step /= 2) {
         iso_limit_destroy(out);
         status = find_pair(r, p, level, view, reference, which, opt, step, out, progress, err);
-        if (out->bar <= opt->wanted_bar || !(step / 2 >= opt->finest_voxels))
+        bool good = out->bar <= opt->wanted_bar && out->rmse <= out->allowed && iso_limit_left(out) <= opt->wanted_left;
+        if (good || !(step / 2 >= opt->finest_voxels))
             break;
     }
     if (status != ISO_OK)

@@ -3,8 +3,10 @@
  * Two steps h and 2h, of second order: the limit (Richardson), and the error bar of
  * the finer image. Cycles puts its steps at random phases: it is run with several
  * seeds, each gives a limit of its own, and their mean has a standard error, which
- * the bar includes and by which each pixel is tested (compare/statistics.h). Where
- * the bar is wider than wanted, the step is halved. */
+ * the bar includes and by which each pixel is tested (compare/statistics.h). While
+ * the bar is wider than wanted, the error does not fall at its order, or the limit
+ * is out of its bars, the step is halved: what is right gets there, sooner where
+ * many pixels show it, and what is wrong is the farther out. */
 #ifndef ISO_CLI_LIMITS_H
 #define ISO_CLI_LIMITS_H
 
@@ -16,10 +18,11 @@ typedef struct iso_limit_options {
     double finest_voxels; /* where halving ends */
     double wanted_bar;    /* RMSE */
     double bars;          /* ISO_LIMIT_BARS_... */
+    double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
     size_t seeds;         /* of Cycles, at least 2 */
     int first_seed, threads;
 } iso_limit_options;
-/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, of which a limit may be 2 off. */
+/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, of which a limit may be 2 off; 0.354 left by halving. */
 iso_limit_options iso_limit_defaults(void);
 
 typedef struct iso_limit {

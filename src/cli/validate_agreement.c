@@ -257,6 +257,7 @@ static iso_limit_options limit_options(const iso_validation *v, iso_renderer ren
     iso_limit_options o = iso_limit_defaults();
     o.seeds = v->seeds;
     o.threads = v->threads;
+    o.wanted_left = v->scene->agreement.sharp ? sharp_left : smooth_left;
     o.bars = v->scene->agreement.sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
     o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
     if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
