@@ -20,6 +20,10 @@ accept info_says_what_rounding_loses 'rounding   to float changes' info wide.nrr
 head -c 147840 /dev/zero >plain.raw
 accept raw_options '40 x 56 x 33 = 73920 voxels of int16' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 1x1x2 --raw-big-endian
 
+{ header uchar '2 2 2' | sed '$d'; printf 'scale_slope:=0.5\nscale_intercept:=-10\n\nABCDEFGH'; } >scaled.nrrd
+accept a_scale_is_noted '(--physical applies it)' info scaled.nrrd
+accept and_applied 'range      22.5 to 26' info scaled.nrrd --physical
+accept in_pyramids_too 'level 0  2 x 2 x 2  float  22.5 to 26' build scaled.nrrd --physical --levels 1 -o scaled.iso -q
 header uchar '2 2 2' >short.nrrd; printf 1234567 >>short.nrrd
 refuse truncated 4 'short.nrrd: truncated: holds 7 bytes of samples' "$ISOSHADE" info short.nrrd
 head -c 60 v.nrrd >cut.nrrd

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <nifti1.h>
+#include <nifti2.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -407,6 +408,92 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
     assert_status(iso_volume_load(folder, &v, &err), ISO_E_IO);
 }
 
+static void swap8(void *p, int count)
+{
+    unsigned char *b = p;
+    for (int i = 0; i < count; ++i, b += 8)
+        for (int k = 0; k < 4; ++k) {
+            unsigned char t = b[k];
+            b[k] = b[7 - k], b[7 - k] = t;
+        }
+}
+
+static nifti_2_header nifti_2(void)
+{
+    nifti_2_header h = {.sizeof_hdr = 540, .magic = "n+2\0\r\n\032\n", .datatype = 4, .bitpix = 16, .dim = {3, 2, 3, 2, 1, 1, 1, 1},
+                        .pixdim = {1, 1, 2, 3, 0, 0, 0, 0}, .vox_offset = 544, .xyzt_units = 2, .sform_code = 1, .scl_slope = 2,
+                        .scl_inter = -1024};
+    const double rows[3][4] = {{0, -2, 0, 10.000000001}, {1, 0, 0, 20}, {0, 0, 3, 30}};
+    memcpy(h.srow_x, rows[0], 32), memcpy(h.srow_y, rows[1], 32), memcpy(h.srow_z, rows[2], 32);
+    return h;
+}
+
+static void write_nifti_2(const char *name, nifti_2_header h, const void *samples, size_t bytes, bool gzip)
+{
+    gzFile gz = gzopen(in_dir(name), gzip ? "wb" : "wbT");
+    gzwrite(gz, &h, 540);
+    gzwrite(gz, "\0\0\0\0", 4);
+    gzwrite(gz, samples, (unsigned)bytes);
+    gzclose(gz);
+}
+
+static void nifti_2_is_read_in_both_byte_orders(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; ++i) {
+        nifti_2_header h = nifti_2();
+        int16_t samples[12];
+        memcpy(samples, nifti_samples, 24);
+        if (i & 1) { /* every field, by the table of its header */
+            swap4(&h.sizeof_hdr, 1), swap2(&h.datatype, 2), swap8(h.dim, 8), swap8(h.pixdim, 8), swap8(&h.vox_offset, 3);
+            swap4(&h.sform_code, 1), swap8(h.srow_x, 12), swap4(&h.xyzt_units, 1);
+            swap2(samples, 12);
+        }
+        iso_volume v;
+        write_nifti_2("two.nii", h, samples, 24, i & 2);
+        assert_ok(iso_volume_load(in_dir("two.nii"), &v, &err));
+        assert_memory_equal(v.data, nifti_samples, 24);
+        iso_vec3 at = iso_geometry_to_world(&v.geometry, iso_v3(1.5, 2.5, 0.5));
+        assert_within(iso_norm(iso_sub(at, iso_v3(10.000000001 - 4, 20 + 1, 30))), 0, 1e-14); /* a float has no such 10 */
+        assert_within(v.notes.scale_slope, 2, 0);
+        iso_volume_destroy(&v);
+    }
+    nifti_2_header h = nifti_2();
+    write_bytes("bad.nii", &h, 539);
+    assert_refused("bad.nii", ISO_E_FORMAT, "truncated: 539 bytes, a NIfTI-2 header has 540");
+    h.magic[4] = 'x'; /* as a transfer that turned the line's end would */
+    write_nifti_2("bad.nii", h, nifti_samples, 24, false);
+    assert_refused("bad.nii", ISO_E_FORMAT, "NIfTI-2 has \"n+2\"");
+    h = nifti_2(), h.vox_offset = 352;
+    write_nifti_2("bad.nii", h, nifti_samples, 24, false);
+    assert_refused("bad.nii", ISO_E_RANGE, "samples start at byte 352, must be 544");
+    h = nifti_2(), h.dim[1] = (int64_t)1 << 40;
+    write_nifti_2("bad.nii", h, nifti_samples, 24, false);
+    assert_refused("bad.nii", ISO_E_FORMAT, "need 13194139533312");
+}
+
+static void a_scale_is_applied_where_asked_for(void **state)
+{
+    (void)state;
+    write_nifti_2("scaled.nii", nifti_2(), nifti_samples, 24, false);
+    for (int apply = 0; apply < 2; ++apply) {
+        iso_volume_source *source;
+        float planes[6];
+        assert_ok(iso_source_open(in_dir("scaled.nii"), &source, &err));
+        if (apply)
+            iso_source_apply_scale(source);
+        assert_int_equal(iso_source_volume(source)->type, apply ? ISO_F32 : ISO_I16);
+        assert_within(iso_source_volume(source)->notes.scale_slope, apply ? 1 : 2, 0);
+        assert_ok(iso_source_skip(source, 1, &err));
+        assert_ok(iso_source_read(source, 1, planes, &err));
+        for (int i = 0; i < 6; ++i)
+            assert_within(apply ? (double)planes[i] : ((int16_t *)(void *)planes)[i],
+                          apply ? 2 * nifti_samples[6 + i] - 1024 : nifti_samples[6 + i], 0);
+        assert_status(iso_source_skip(source, 1, &err), ISO_E_RANGE);
+        iso_source_close(source);
+    }
+}
+
 static void bad_nifti_files_are_refused_with_the_reason(void **state)
 {
     (void)state;
@@ -549,8 +636,11 @@ static void damaged_files_never_crash_the_readers(void **state)
     iso_volume_destroy(&v);
     nifti_1_header h = nifti_header(2, 3, 2);
     h.qform_code = 1;
-    for (int gzip = 0; gzip < 2; ++gzip) {
-        write_nifti("seed.nii", h, nifti_samples, 24, gzip);
+    for (int i = 0; i < 4; ++i) {
+        if (i < 2)
+            write_nifti("seed.nii", h, nifti_samples, 24, i);
+        else
+            write_nifti_2("seed.nii", nifti_2(), nifti_samples, 24, i == 3);
         assert_ok(iso_file_read(in_dir("seed.nii"), &bytes, &size, &err));
         fuzz_file("fuzz.nii", bytes, size, size, &random, rounds);
         free(bytes);
@@ -573,6 +663,8 @@ int main(void)
         cmocka_unit_test(nifti_of_the_other_byte_order_and_in_two_files_is_read),
         cmocka_unit_test(raw_files_follow_the_layout_that_is_given),
         cmocka_unit_test(bad_nrrd_files_are_refused_with_the_reason),
+        cmocka_unit_test(nifti_2_is_read_in_both_byte_orders),
+        cmocka_unit_test(a_scale_is_applied_where_asked_for),
         cmocka_unit_test(bad_nifti_files_are_refused_with_the_reason),
         cmocka_unit_test(non_finite_voxels_are_counted_and_the_first_is_named),
         cmocka_unit_test(damage_inside_compressed_samples_is_found),

@@ -100,7 +100,7 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
         putchar(shades[f->bins[b] ? 1 + (int)(8 * log((double)f->bins[b]) / log((double)most + 1)) : 0]);
     printf("| (log)\n");
     if (v->notes.scale_slope != 1 || v->notes.scale_intercept != 0)
-        printf("  scale      physical value = %.9g * sample + %.9g (noted, not applied)\n", v->notes.scale_slope,
+        printf("  scale      physical value = %.9g * sample + %.9g (--physical applies it)\n", v->notes.scale_slope,
                v->notes.scale_intercept);
     if (f->loss_count > 0)
         printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->loss_count, f->loss_max);

@@ -30,22 +30,28 @@ static iso_status parse_layout(const iso_cli_input *in, iso_raw_layout *layout, 
     return status;
 }
 
-iso_status iso_cli_load_volume(const char *path, const iso_cli_input *in, iso_volume *v, iso_error *err)
+static iso_status open_stored(const char *path, const iso_cli_input *in, iso_volume_source **source, iso_error *err)
 {
-    *v = (iso_volume){0};
-    iso_raw_layout layout;
-    if (!is_raw(in))
-        return iso_volume_load(path, v, err);
-    iso_status status = parse_layout(in, &layout, err);
-    return status == ISO_OK ? iso_volume_load_raw(path, &layout, v, err) : status;
-}
-
-iso_status iso_cli_open_source(const char *path, const iso_cli_input *in, iso_volume_source **source, iso_error *err)
-{
-    *source = NULL;
     iso_raw_layout layout;
     if (!is_raw(in))
         return iso_source_open(path, source, err);
     iso_status status = parse_layout(in, &layout, err);
     return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
+}
+
+iso_status iso_cli_open_source(const char *path, const iso_cli_input *in, iso_volume_source **source, iso_error *err)
+{
+    *source = NULL;
+    iso_status status = open_stored(path, in, source, err);
+    if (status == ISO_OK && in->physical)
+        iso_source_apply_scale(*source);
+    return status;
+}
+
+iso_status iso_cli_load_volume(const char *path, const iso_cli_input *in, iso_volume *v, iso_error *err)
+{
+    iso_volume_source *source;
+    *v = (iso_volume){0};
+    iso_status status = iso_cli_open_source(path, in, &source, err);
+    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
 }

@@ -14,7 +14,7 @@
 
 typedef struct iso_cli_input {
     char *raw_size, *raw_type, *raw_spacing; /* by popt; live until the process ends */
-    int raw_big_endian;
+    int raw_big_endian, physical;
     long raw_skip_bytes;
 } iso_cli_input;
 
@@ -23,7 +23,8 @@ typedef struct iso_cli_input {
     {"raw-type", 0, POPT_ARG_STRING, &(in)->raw_type, 0, "its type: uint8, int16, float, ...", "TYPE"},        \
     {"raw-spacing", 0, POPT_ARG_STRING, &(in)->raw_spacing, 0, "its spacing in mm (1)", "SXxSYxSZ"},           \
     {"raw-big-endian", 0, POPT_ARG_NONE, &(in)->raw_big_endian, 0, "its bytes are big-endian", NULL},          \
-    {"raw-skip", 0, POPT_ARG_LONG, &(in)->raw_skip_bytes, 0, "bytes before its samples", "BYTES"}
+    {"raw-skip", 0, POPT_ARG_LONG, &(in)->raw_skip_bytes, 0, "bytes before its samples", "BYTES"},      \
+    {"physical", 0, POPT_ARG_NONE, &(in)->physical, 0, "apply the file's slope and intercept; samples become float", NULL}
 
 void iso_cli_input_defaults(iso_cli_input *input);
 

@@ -1,21 +1,100 @@
-/* nifti_open.c - NIfTI-1 headers. The header is read and checked here, since
+/* nifti_open.c - headers of NIfTI-1 and NIfTI-2. The header is read and checked here, since
  * libnifti prints and trusts what it reads; its part is the affine of a qform. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
 #include <nifti1_io.h>
+#include <nifti2.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "volume/stream_kernel.h"
 
+/* What both versions say; of the first the numbers were shorter. */
+typedef struct nifti_header {
+    const char *version; /* for messages */
+    bool one_file, known;
+    char magic[4];
+    int64_t dim[8];
+    int datatype, qform_code, sform_code, units;
+    double pixdim[8], vox_offset, slope, intercept, quatern[3], qoffset[3], srow[3][4];
+    double least_offset; /* of the samples in one file: behind the header and its extension flag */
+} nifti_header;
+
 bool iso_nifti_starts_like(const unsigned char *head, size_t size)
 {
     int32_t first = 0;
     if (size >= 4)
         memcpy(&first, head, 4);
-    return first == 348 || __builtin_bswap32((uint32_t)first) == 348;
+    const int32_t swapped = (int32_t)__builtin_bswap32((uint32_t)first);
+    return first == 348 || swapped == 348 || first == 540 || swapped == 540;
+}
+
+static nifti_header from_nifti_1(const nifti_1_header *h)
+{
+    nifti_header out = {.version = "NIfTI-1", .one_file = memcmp(h->magic, "n+1", 4) == 0, .datatype = h->datatype,
+                        .qform_code = h->qform_code, .sform_code = h->sform_code, .units = h->xyzt_units,
+                        .vox_offset = h->vox_offset, .slope = h->scl_slope, .intercept = h->scl_inter,
+                        .quatern = {h->quatern_b, h->quatern_c, h->quatern_d},
+                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z}, .least_offset = 352};
+    out.known = out.one_file || memcmp(h->magic, "ni1", 4) == 0;
+    memcpy(out.magic, h->magic, 3);
+    for (int i = 0; i < 8; ++i) {
+        out.dim[i] = h->dim[i];
+        out.pixdim[i] = h->pixdim[i];
+    }
+    for (int c = 0; c < 4; ++c) {
+        out.srow[0][c] = h->srow_x[c];
+        out.srow[1][c] = h->srow_y[c];
+        out.srow[2][c] = h->srow_z[c];
+    }
+    return out;
+}
+
+static void swap_each(void *values, size_t width, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        char *at = (char *)values + i * width;
+        for (size_t b = 0; b < width / 2; ++b) {
+            const char c = at[b];
+            at[b] = at[width - 1 - b];
+            at[width - 1 - b] = c;
+        }
+    }
+}
+
+/* The fields that are used. */
+static void swap_nifti_2(nifti_2_header *h)
+{
+    swap_each(&h->datatype, 2, 1);
+    swap_each(h->dim, 8, 8);
+    swap_each(h->pixdim, 8, 8);
+    swap_each(&h->vox_offset, 8, 3);  /* and scl_slope, scl_inter */
+    swap_each(&h->qform_code, 4, 2);  /* and sform_code */
+    swap_each(&h->quatern_b, 8, 18);  /* to the end of srow_z */
+    swap_each(&h->xyzt_units, 4, 1);
+}
+
+static nifti_header from_nifti_2(const nifti_2_header *h)
+{
+    nifti_header out = {.version = "NIfTI-2", .one_file = memcmp(h->magic, "n+2\0\r\n\032\n", 8) == 0, .datatype = h->datatype,
+                        .qform_code = h->qform_code, .sform_code = h->sform_code, .units = h->xyzt_units,
+                        .vox_offset = (double)h->vox_offset, .slope = h->scl_slope, .intercept = h->scl_inter,
+                        .quatern = {h->quatern_b, h->quatern_c, h->quatern_d},
+                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z}, .least_offset = 544};
+    out.known = out.one_file || memcmp(h->magic, "ni2\0\r\n\032\n", 8) == 0;
+    memcpy(out.magic, h->magic, 3);
+    for (int i = 0; i < 8; ++i) {
+        out.dim[i] = h->dim[i];
+        out.pixdim[i] = h->pixdim[i];
+    }
+    for (int c = 0; c < 4; ++c) {
+        out.srow[0][c] = h->srow_x[c];
+        out.srow[1][c] = h->srow_y[c];
+        out.srow[2][c] = h->srow_z[c];
+    }
+    return out;
 }
 
 static bool our_type(int datatype, iso_type *type)
@@ -43,30 +122,27 @@ static double millimetres(int units)
 }
 
 /* The affine of voxel centres; false when the file gives only spacings. */
-static bool centre_affine(const nifti_1_header *h, double m[3][4])
+static bool centre_affine(const nifti_header *h, double m[3][4])
 {
     if (h->sform_code > 0) {
-        for (int c = 0; c < 4; ++c) {
-            m[0][c] = h->srow_x[c];
-            m[1][c] = h->srow_y[c];
-            m[2][c] = h->srow_z[c];
-        }
+        memcpy(m, h->srow, sizeof h->srow);
         return true;
     }
     if (h->qform_code <= 0)
         return false;
-    mat44 q = nifti_quatern_to_mat44(h->quatern_b, h->quatern_c, h->quatern_d, h->qoffset_x, h->qoffset_y, h->qoffset_z,
-                                     h->pixdim[1], h->pixdim[2], h->pixdim[3], h->pixdim[0] < 0 ? -1.0f : 1.0f);
+    mat44 q = nifti_quatern_to_mat44((float)h->quatern[0], (float)h->quatern[1], (float)h->quatern[2], (float)h->qoffset[0],
+                                     (float)h->qoffset[1], (float)h->qoffset[2], (float)h->pixdim[1], (float)h->pixdim[2],
+                                     (float)h->pixdim[3], h->pixdim[0] < 0 ? -1.0f : 1.0f);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             m[r][c] = q.m[r][c];
     return true;
 }
 
-static void read_geometry(const nifti_1_header *h, iso_volume *header)
+static void read_geometry(const nifti_header *h, iso_volume *header)
 {
     iso_geometry *g = &header->geometry;
-    double mm = millimetres(h->xyzt_units), m[3][4];
+    double mm = millimetres(h->units), m[3][4];
     double spacing[3] = {h->pixdim[1] * mm, h->pixdim[2] * mm, h->pixdim[3] * mm};
     size_t size[3] = {(size_t)h->dim[1], (size_t)h->dim[2], (size_t)h->dim[3]};
     *g = iso_geometry_axis_aligned(size, spacing);
@@ -80,25 +156,25 @@ static void read_geometry(const nifti_1_header *h, iso_volume *header)
                            iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
 }
 
-static iso_status check_header(const nifti_1_header *h, const char *path, iso_error *err)
+static iso_status check_header(const nifti_header *h, const char *path, iso_error *err)
 {
-    bool one_file = memcmp(h->magic, "n+1", 4) == 0, two_files = memcmp(h->magic, "ni1", 4) == 0;
-    if (!one_file && !two_files)
-        return iso_fail(err, ISO_E_FORMAT, "%s: the magic at byte 344 is \"%.3s\", NIfTI-1 has \"n+1\" or \"ni1\"", path, h->magic);
-    int dim = h->dim[0];
+    const int digit = h->version[6];
+    if (!h->known)
+        return iso_fail(err, ISO_E_FORMAT, "%s: the magic is \"%.3s\", %s has \"n+%c\" or \"ni%c\"", path, h->magic, h->version, digit,
+                        digit);
+    int64_t dim = h->dim[0];
     if (dim < 1 || dim > 7)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d axes, must be 1 to 7", path, dim);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, must be 1 to 7", path, (long long)dim);
     for (int a = 1; a <= dim; ++a)
         if (h->dim[a] < 1)
-            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size %d, must be at least 1", path, a, h->dim[a]);
+            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size %lld, must be at least 1", path, a, (long long)h->dim[a]);
     while (dim > 3 && h->dim[dim] == 1)
         --dim;
     if (dim != 3)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d axes, a scalar volume has 3", path, dim);
-    if (one_file && !(h->vox_offset >= 352 && h->vox_offset <= 1e9f))
-        return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be 352 to 1e9", path, (double)h->vox_offset);
-    if (two_files && !(h->vox_offset >= 0 && h->vox_offset <= 1e9f))
-        return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be 0 to 1e9", path, (double)h->vox_offset);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, a scalar volume has 3", path, (long long)dim);
+    const double least = h->one_file ? h->least_offset : 0;
+    if (!(h->vox_offset >= least && h->vox_offset <= 1e9))
+        return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be %g to 1e9", path, h->vox_offset, least);
     return ISO_OK;
 }
 
@@ -115,11 +191,11 @@ static char *image_path(const char *path)
 }
 
 /* The file of the samples, positioned at the first one. */
-static iso_status open_samples(iso_volume_source *source, const nifti_1_header *h, iso_error *err)
+static iso_status open_samples(iso_volume_source *source, const nifti_header *h, iso_error *err)
 {
-    char *image = memcmp(h->magic, "n+1", 4) == 0 ? strdup(source->path) : image_path(source->path);
+    char *image = h->one_file ? strdup(source->path) : image_path(source->path);
     if (!image)
-        return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\") is named .hdr, its samples .img", source->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img", source->path);
     struct stat st;
     iso_status status = ISO_OK;
     source->gz = stat(image, &st) == 0 ? gzopen(image, "rb") : NULL;
@@ -146,28 +222,47 @@ static iso_status open_samples(iso_volume_source *source, const nifti_1_header *
     return status;
 }
 
-iso_status iso_nifti_open(iso_volume_source *source, iso_error *err)
+/* The header, in the machine's byte order. */
+static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_error *err)
 {
-    nifti_1_header h;
+    union {
+        int32_t size;
+        nifti_1_header one;
+        nifti_2_header two;
+    } h;
+    memset(&h, 0, sizeof h);
     gzFile gz = gzopen(source->path, "rb");
     int n = gz ? gzread(gz, &h, sizeof h) : -1;
     if (gz)
         gzclose(gz);
-    if (n != (int)sizeof h)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %d bytes, a NIfTI-1 header has %zu", source->path, n > 0 ? n : 0, sizeof h);
-    source->swap_bytes = h.sizeof_hdr != 348;
-    if (source->swap_bytes)
-        swap_nifti_header(&h, 1);
-    iso_status status = check_header(&h, source->path, err);
+    const int32_t swapped = (int32_t)__builtin_bswap32((uint32_t)h.size);
+    const bool second = h.size == 540 || swapped == 540;
+    const int need = second ? (int)sizeof h.two : (int)sizeof h.one;
+    if (n < need)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %d bytes, a NIfTI-%d header has %d", source->path, n > 0 ? n : 0,
+                        second ? 2 : 1, need);
+    source->swap_bytes = swapped == need;
+    if (source->swap_bytes && second)
+        swap_nifti_2(&h.two);
+    else if (source->swap_bytes)
+        swap_nifti_header(&h.one, 1);
+    *out = second ? from_nifti_2(&h.two) : from_nifti_1(&h.one);
+    return check_header(out, source->path, err);
+}
+
+iso_status iso_nifti_open(iso_volume_source *source, iso_error *err)
+{
+    nifti_header h;
+    iso_status status = read_header(source, &h, err);
     if (status != ISO_OK)
         return status;
     if (!our_type(h.datatype, &source->header.type))
         return iso_fail(err, ISO_E_FORMAT, "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float or double",
                         source->path, h.datatype, nifti_datatype_string(h.datatype));
     read_geometry(&h, &source->header);
-    if (isfinite(h.scl_slope) && h.scl_slope != 0 && isfinite(h.scl_inter)) {
-        source->header.notes.scale_slope = h.scl_slope;
-        source->header.notes.scale_intercept = h.scl_inter;
+    if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {
+        source->header.notes.scale_slope = h.slope;
+        source->header.notes.scale_intercept = h.intercept;
     }
     status = iso_geometry_check(&source->header.geometry, source->path, err);
     return status == ISO_OK ? open_samples(source, &h, err) : status;

@@ -13,9 +13,14 @@
 #define GZ_CHUNK_BYTES ((size_t)1 << 30)
 #define DROP_BYTES ((size_t)4 << 20)
 
+static iso_type stored_type(const iso_volume_source *source)
+{
+    return source->scaled ? source->stored : source->header.type;
+}
+
 size_t iso_source_bytes(const iso_volume_source *source)
 {
-    return iso_geometry_voxel_count(&source->header.geometry) * iso_type_bytes(source->header.type);
+    return iso_geometry_voxel_count(&source->header.geometry) * iso_type_bytes(stored_type(source));
 }
 
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err)
@@ -77,7 +82,7 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     char shown[9] = "";
     for (size_t i = 0; i < 8 && i < size; ++i)
         shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
-    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is neither NRRD (\"NRRD000N\") nor NIfTI-1 (348 as its first number)",
+    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is neither NRRD (\"NRRD000N\") nor NIfTI (348 or 540 as its first number)",
                     s->path, shown);
 }
 
@@ -208,10 +213,10 @@ static bool read_plain(iso_volume_source *s, char *out, size_t bytes)
     return true;
 }
 
-iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
+static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
     const size_t *n = s->header.geometry.size;
-    size_t sample = iso_type_bytes(s->header.type), plane = n[0] * n[1] * sample;
+    size_t sample = iso_type_bytes(stored_type(s)), plane = n[0] * n[1] * sample;
     if (plane_count > n[2] - s->planes_done)
         return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
     size_t bytes = plane * plane_count;
@@ -231,9 +236,53 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
     return s->gz && s->planes_done == n[2] ? check_compressed_end(s, err) : ISO_OK;
 }
 
+void iso_source_apply_scale(iso_volume_source *s)
+{
+    const iso_volume_notes *notes = &s->header.notes;
+    if (s->scaled || (notes->scale_slope == 1 && notes->scale_intercept == 0))
+        return;
+    s->scaled = true;
+    s->slope = notes->scale_slope;
+    s->intercept = notes->scale_intercept;
+    s->stored = s->header.type;
+    s->header.type = ISO_F32;
+    s->header.notes.scale_slope = 1;
+    s->header.notes.scale_intercept = 0;
+}
+
+static void scale_row(const iso_volume *row, double slope, double intercept, float *restrict out)
+{
+    const size_t n = row->geometry.size[0];
+#define ISO_SCALE_CASE(name, text, ctype)                                    \
+    case name:                                                               \
+        for (size_t x = 0; x < n; ++x)                                       \
+            out[x] = (float)(slope * (double)((const ctype *)row->data)[x] + intercept); \
+        break;
+    switch (row->type) {
+        ISO_TYPE_LIST(ISO_SCALE_CASE)
+    }
+#undef ISO_SCALE_CASE
+}
+
+iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
+{
+    if (!s->scaled)
+        return read_stored(s, plane_count, out, err);
+    const size_t *n = s->header.geometry.size, plane = n[0] * n[1];
+    iso_volume row = {.geometry = {.size = {plane, 1, 1}}, .type = s->stored, .data = malloc(plane * iso_type_bytes(s->stored))};
+    iso_status status = row.data ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    for (size_t z = 0; z < plane_count && status == ISO_OK; ++z) {
+        status = read_stored(s, 1, row.data, err);
+        if (status == ISO_OK)
+            scale_row(&row, s->slope, s->intercept, (float *)out + z * plane);
+    }
+    free(row.data);
+    return status;
+}
+
 iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *err)
 {
-    const size_t *n = s->header.geometry.size, plane = n[0] * n[1] * iso_type_bytes(s->header.type);
+    const size_t *n = s->header.geometry.size, plane = n[0] * n[1] * iso_type_bytes(stored_type(s));
     if (plane_count > n[2] - s->planes_done)
         return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
     if (s->file && fseeko(s->file, (off_t)(plane * plane_count), SEEK_CUR) != 0)
@@ -245,7 +294,7 @@ iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *
     char *unwanted = malloc(plane);
     iso_status status = unwanted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
     for (size_t i = 0; i < plane_count && status == ISO_OK; ++i)
-        status = iso_source_read(s, 1, unwanted, err);
+        status = read_stored(s, 1, unwanted, err);
     free(unwanted);
     return status;
 }

@@ -13,7 +13,7 @@
  *          step along each axis. Without a space: spacings along the world's
  *          axes, axis mins where all three are given, else the box is centred.
  *          Units mm, um, cm, m are converted; others are taken for mm.
- *   NIfTI  sform before qform before bare pixdim (centred); its matrix maps
+ *   NIfTI  (1 and 2) sform before qform before bare pixdim (centred); its matrix maps
  *          voxel centres, so the corner lies at (-1/2, -1/2, -1/2).
  * Trailing axes of one sample are dropped. Volumes of two axes, of several
  * components a voxel or of several time steps are refused. */
@@ -32,6 +32,10 @@ iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, i
 /* What the header says; data is NULL. Valid until close. */
 const iso_volume *iso_source_volume(const iso_volume_source *source);
 
+/* From now on samples come as physical values, slope * sample + intercept, as float (iso_volume_notes, whose scale then is
+ * 1 and 0). Nothing changes where the file names no scale. Before the first read. */
+void iso_source_apply_scale(iso_volume_source *source);
+
 /* The next plane_count planes, in the machine's byte order, into
  * plane_count * nx * ny * iso_type_bytes(type) bytes. With the last plane the
  * end of compressed data is checked too. NaN and Inf are not looked for. */
@@ -39,6 +43,9 @@ iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *
 /* Passes over planes: at once where samples are plain, unpacking them where compressed. */
 iso_status iso_source_skip(iso_volume_source *source, size_t plane_count, iso_error *err);
 void iso_source_close(iso_volume_source *source); /* accepts NULL */
+
+/* All of it as a volume, from before the first read; closes the source in every case. As iso_volume_load. */
+iso_status iso_volume_load_source(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err);
 
 typedef struct iso_volume_sink iso_volume_sink;
 

@@ -14,6 +14,9 @@ struct iso_volume_source {
     gzFile gz;        /* compressed ones, or */
     char *preloaded;  /* all of them, of encodings that are read at once */
     bool swap_bytes;
+    iso_type stored;  /* the type in the file; header.type is another one where the scale is applied */
+    bool scaled;
+    double slope, intercept;
     size_t planes_done;
 };
 
@@ -22,7 +25,7 @@ struct iso_volume_source {
 iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err);
 iso_status iso_nifti_open(iso_volume_source *source, iso_error *err);
 
-/* True when the first bytes are those of a NIfTI-1 header of either byte order. */
+/* True when the first bytes are those of a NIfTI-1 or NIfTI-2 header of either byte order. */
 bool iso_nifti_starts_like(const unsigned char *head, size_t size);
 
 /* header.geometry is checked, and that `available` bytes are just its samples. */

@@ -157,7 +157,7 @@ iso_volume_stats iso_volume_measure(const iso_volume *v)
 }
 
 /* All planes of a source, which is closed. */
-static iso_status load_all(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err)
+iso_status iso_volume_load_source(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err)
 {
     const iso_volume *header = iso_source_volume(source);
     iso_volume_notes notes = header->notes;
@@ -185,7 +185,7 @@ iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err)
     *v = (iso_volume){0};
     iso_volume_source *source;
     iso_status status = iso_source_open(path, &source, err);
-    return status == ISO_OK ? load_all(source, path, v, err) : status;
+    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
 }
 
 iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err)
@@ -193,7 +193,7 @@ iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, i
     *v = (iso_volume){0};
     iso_volume_source *source;
     iso_status status = iso_source_open_raw(path, layout, &source, err);
-    return status == ISO_OK ? load_all(source, path, v, err) : status;
+    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
 }
 
 iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err)

@@ -37,7 +37,7 @@ iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
 /* What a file says besides geometry and samples. */
 typedef struct iso_volume_notes {
     bool world_is_ras;                   /* world = right, anterior, superior; else the file's own frame */
-    double scale_slope, scale_intercept; /* physical value = slope * sample + intercept: kept, never applied */
+    double scale_slope, scale_intercept; /* physical value = slope * sample + intercept; iso_source_apply_scale() */
 } iso_volume_notes;
 
 typedef struct iso_volume {
