@@ -12,9 +12,10 @@ done
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
 # 2 steps of: level 0: 2 codes, floats, flipped, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats,
-# flipped and palettes by 2 filters, on the fly
-check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (7 + 2 * (2 * 6 + 1))))
+# flipped and palettes by 2 filters, on the fly; and 2 codes by both tables over two values
+check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (7 + 2 * (2 * 6 + 1) + 2 * 2)))
 check flipped_directions_are_there grep -q 'gl; level 1; flipped moments' "$dir/c/pareto.csv"
+check tables_over_two_values_are_there grep -q 'level 1 TF over deviation; snorm moments; step 0.25' "$dir/c/pareto.csv"
 check adapted_transfer_functions_are_there grep -q 'level 1 adapted TF; snorm moments' "$dir/c/pareto.csv"
 check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
 check the_text_of_the_svg_is_text grep -q '>bytes of the level: scalars and directions<' "$dir/c/pareto.svg"

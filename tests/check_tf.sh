@@ -70,6 +70,15 @@ fi
 check consistency_with_povray "$ISOSHADE" bench consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
 refuse consistency_of_an_unknown_tf 2 '--tfs' "$ISOSHADE" bench consistency shells.nrrd --tfs hard
 refuse consistency_with_an_unknown_renderer 2 '--with' "$ISOSHADE" bench consistency shells.nrrd --with mental
+check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --table gradient --roi 8,8,8,30,30,30 -o roi.exr -q
+refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
+refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
+refuse roi_outside 5 'must grow and lie in 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
+refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
+refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
+check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --table deviation --roi 8,8,8,30,30,30 -o pov -q
+[ -s pov/pov_fine_scalar.df3 ] && [ -s pov/pov_class.df3 ] && echo "ok its_files_are_there" || not_ok its_files_are_there "$(ls pov)"
+check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x

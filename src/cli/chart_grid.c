@@ -156,7 +156,10 @@ void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
     char gradients[64];
     iso_chart_name_gradients(c, gradients, sizeof gradients);
     snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", iso_renderer_name(c->renderer), c->level,
-             c->adapted ? " adapted TF" : "", gradients, on_the_fly || c->level == 0 ? "" : " ",
+             !c->adapted                       ? ""
+             : c->table == ISO_SPLIT_DEVIATION ? " TF over deviation"
+             : c->table == ISO_SPLIT_GRADIENT  ? " TF over gradient"
+                                               : " adapted TF", gradients, on_the_fly || c->level == 0 ? "" : " ",
              on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter), on_the_fly || usual ? "" : " ",
              on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels, c->preintegrated ? " pre-integrated" : "");
 }
@@ -177,7 +180,8 @@ static double level_bytes(const iso_level *level, const iso_chart_case *c)
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
     if (c->source == ISO_FROM_PALETTE)
         direction = iso_chart_palettes[c->palette] <= 255 ? 1 : 2;
-    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction);
+    double second = c->table == ISO_SPLIT_NONE ? 0 : 1;
+    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction + second);
 }
 
 /* Relative: 1 fetch of the scalar, 1 of a code, 8 to flip them, 6 more scalars on the fly; the reference and other programs are slower
@@ -189,7 +193,7 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
     const size_t *n = level->geometry.size;
     double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
     double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
-    return longest / c->step_voxels * (fetches + (c->preintegrated ? 1 : 0)) * slower[c->renderer];
+    return longest / c->step_voxels * (fetches + (c->preintegrated || c->table != ISO_SPLIT_NONE ? 1 : 0)) * slower[c->renderer];
 }
 
 static int by_turn(const void *a, const void *b)
@@ -213,6 +217,10 @@ static bool is_distinct(const iso_chart_case *c, iso_code usual_code, iso_gradie
     if (on_the_fly && c->estimator != first_estimator)
         return false;
     if (c->level == 0 && c->adapted)
+        return false;
+    /* tables over two values: by the first filter and estimator alone, which say what they gain */
+    if (c->table != ISO_SPLIT_NONE && (c->source != ISO_FROM_CODES || c->preintegrated || c->filter != first_filter ||
+                                       c->estimator != first_estimator))
         return false;
     return c->source == ISO_FROM_CODES || c->code == usual_code;
 }
@@ -249,7 +257,8 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     i /= source_count;
     c.filter = (iso_direction_filter)(i % ISO_DIRECTION_COUNT), i /= ISO_DIRECTION_COUNT;
     c.estimator = (iso_gradient_method)(i % ISO_GRADIENT_COUNT), i /= ISO_GRADIENT_COUNT;
-    c.adapted = i % 2, i /= 2;
+    static const iso_joint_split tables[] = {ISO_SPLIT_NONE, ISO_SPLIT_NONE, ISO_SPLIT_DEVIATION, ISO_SPLIT_GRADIENT};
+    c.adapted = i % 4 > 0, c.table = tables[i % 4], i /= 4;
     c.level = i % levels, i /= levels;
     c.renderer = i < ISO_RENDERER_COUNT ? (iso_renderer)i : ISO_RENDERER_COUNT; /* the count: no more */
     return c;
@@ -259,7 +268,7 @@ static void add_plans(const iso_chart_grid *g, const iso_level *level0, iso_char
 {
     for (size_t i = 0; i < g->plan_count && g->with[ISO_WITH_GL]; ++i)
         for (size_t k = 0; k < g->step_count; ++k) {
-            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .metrics = {.rmse = NAN}};
+            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .table = ISO_SPLIT_NONE, .metrics = {.rmse = NAN}};
             c.plan_error = g->plans[i];
             c.step_voxels = g->steps[k];
             c.relative_cost = c.turn = relative_cost(level0, &c);

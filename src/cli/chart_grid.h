@@ -5,6 +5,7 @@
 
 #include "cli/renderers.h"
 #include "compare/metrics.h"
+#include "tf/histogram.h"
 
 /* Palettes in the grid: one byte and ten bits an index. Each is fitted to the finest level and serves all. */
 #define ISO_CHART_PALETTES 2
@@ -35,6 +36,7 @@ typedef struct iso_chart_case {
     iso_code code;
     size_t palette;      /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
     bool adapted;        /* the level's own transfer function */
+    iso_joint_split table; /* adapted over two values (tf/class_tables.h), or ISO_SPLIT_NONE */
     bool preintegrated;
     double plan_error;   /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
     double step_voxels;

@@ -37,6 +37,7 @@ typedef struct chart_run {
     iso_direction_filter first_filter; /* of the pyramids that are there */
     iso_view view;
     iso_tf_table adapted[64]; /* one a level, from 1 on */
+    iso_class_tables tables[64][2]; /* the same over deviation and over gradient */
     iso_palette palettes[ISO_CHART_PALETTES];
     iso_node_levels nodes;       /* bricks, where the grid has plans */
     iso_plan plan;
@@ -141,6 +142,8 @@ static iso_status measure(chart_run *run, iso_chart_case *c, int threads, iso_er
     uint8_t *codes = NULL;
     if (c->adapted)
         view.tf = run->adapted[c->level];
+    if (c->table != ISO_SPLIT_NONE)
+        view.classes = &run->tables[c->level][c->table - ISO_SPLIT_DEVIATION];
     iso_status status = c->plan_error > 0 ? ISO_OK : with_code(base, c, run->palettes, levels, &p, &codes, err);
     c->seconds = INFINITY;
     for (int k = 0; k < 3 && status == ISO_OK && (k == 0 || c->seconds < 0.2); ++k) {
@@ -233,7 +236,10 @@ static json_t *case_json(const iso_chart_case *c)
     json_object_set_new(o, "estimator", c->source == ISO_FROM_ON_THE_FLY ? json_null() : json_string(iso_gradient_name(c->estimator)));
     json_object_set_new(o, "quadrature", json_string(c->preintegrated ? "preintegrated" : "midpoint"));
     json_object_set_new(o, "plan_error", c->plan_error > 0 ? json_real(c->plan_error) : json_null());
-    json_object_set_new(o, "tf", json_string(c->adapted ? "adapted" : "original"));
+    json_object_set_new(o, "tf", json_string(!c->adapted                       ? "original"
+                                              : c->table == ISO_SPLIT_DEVIATION ? "deviation"
+                                              : c->table == ISO_SPLIT_GRADIENT  ? "gradient"
+                                                                                : "adapted"));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
     json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
@@ -382,6 +388,9 @@ static iso_status adapt_levels(chart_run *run, const iso_cli *cli, iso_error *er
     iso_status status = ISO_OK;
     for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k)
         status = iso_adapt_level(p, NULL, k, &run->view.tf, &opt, &run->adapted[k], NULL, err);
+    for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k)
+        for (int i = 0; i < 2 && status == ISO_OK; ++i)
+            status = iso_adapt_classes(p, NULL, k, (iso_joint_split)(ISO_SPLIT_DEVIATION + i), &run->view.tf, &opt, &run->tables[k][i], err);
     return status;
 }
 
@@ -447,6 +456,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     free(run.cases);
     for (size_t k = 0; k < sizeof run.adapted / sizeof *run.adapted; ++k)
         iso_tf_table_destroy(&run.adapted[k]);
+    for (size_t k = 0; k < 2 * sizeof run.adapted / sizeof *run.adapted; ++k)
+        iso_class_tables_destroy(&run.tables[k / 2][k % 2]);
     for (size_t i = 0; i < ISO_CHART_PALETTES; ++i)
         iso_palette_destroy(&run.palettes[i]);
     iso_plan_destroy(&run.plan);
