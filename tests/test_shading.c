@@ -146,11 +146,44 @@ static void the_default_is_nearer_to_level_0_than_gradients_on_the_fly(void **st
     iso_pyramid_destroy(&p);
 }
 
+/* Cosine of the two views that are nearest to each other, up to sign where axes count. */
+static double nearest(const iso_vec3 *views, int count, bool axes)
+{
+    double most = -1;
+    for (int i = 0; i < count; ++i)
+        for (int j = 0; j < i; ++j) {
+            const double c = iso_dot(views[i], views[j]);
+            most = fmax(most, axes ? fabs(c) : c);
+        }
+    return most;
+}
+
+static void views_are_evenly_spread_and_off_the_axes(void **state)
+{
+    (void)state;
+    iso_vec3 faces[ISO_FACE_VIEWS], diagonals[ISO_DIAGONAL_VIEWS];
+    for (int i = 0; i < ISO_FACE_VIEWS; ++i)
+        faces[i] = iso_view_through_face(i);
+    for (int i = 0; i < ISO_DIAGONAL_VIEWS; ++i)
+        diagonals[i] = iso_view_along_diagonal(i);
+    assert_within(nearest(faces, ISO_FACE_VIEWS, false), sqrt(5) / 3, 1e-12);       /* a dodecahedron's edge: 41.8 degrees */
+    assert_within(nearest(diagonals, ISO_DIAGONAL_VIEWS, true), 1 / sqrt(5), 1e-12); /* six equal angles, 63.4 degrees */
+    for (int i = 0; i < ISO_FACE_VIEWS + ISO_DIAGONAL_VIEWS; ++i) {
+        const iso_vec3 d = i < ISO_FACE_VIEWS ? faces[i] : diagonals[i - ISO_FACE_VIEWS];
+        assert_within(iso_norm(d), 1, 1e-15);
+        assert_at_most(fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))), 0.95);
+        assert_at_most(fabs(iso_dot(d, iso_view_up(d))), 0.95);
+    }
+    faces[3] = faces[2]; /* the fault: a view twice */
+    assert_more_than(nearest(faces, ISO_FACE_VIEWS, false), 0.99);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(level_0_is_at_no_distance_from_itself),
         cmocka_unit_test(angles_are_those_by_which_directions_were_turned),
+        cmocka_unit_test(views_are_evenly_spread_and_off_the_axes),
         cmocka_unit_test(otsu_parts_two_classes_between_them),
         cmocka_unit_test(the_default_is_nearer_to_level_0_than_gradients_on_the_fly),
     };

@@ -182,6 +182,11 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
     }
 }
 
+json_t *iso_json_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
 json_t *iso_json_numbers(const double *values, size_t count)
 {
     json_t *list = json_array();

@@ -45,6 +45,8 @@ json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char 
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
 
+/* null for NaN and infinities, which JSON has no word for. */
+json_t *iso_json_number(double value);
 /* [a, b, c] */
 json_t *iso_json_numbers(const double *values, size_t count);
 

@@ -13,6 +13,7 @@
 
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "cli/shading.h"
 #include "cli/shading_method.h"
 #include "compare/chart.h"
@@ -143,8 +144,8 @@ static json_t *cases_to_json(const filters_run *run)
     for (size_t at = 0; at < SCENE_COUNT; ++at)
         for (size_t m = 0; m < METHOD_COUNT; ++m)
             for (size_t k = 1; k < LEVELS; ++k)
-                json_array_append_new(cases, json_pack("{s:s, s:s, s:i, s:f, s:f, s:b, s:b}", "scene", scenes[at].name, "filter", methods[m].name,
-                                                       "level", (int)k, "truth_angle_mean_deg", figure_of(run, at, m, k, true), "dssim_mean",
+                json_array_append_new(cases, json_pack("{s:s, s:s, s:i, s:o, s:f, s:b, s:b}", "scene", scenes[at].name, "filter", methods[m].name,
+                                                       "level", (int)k, "truth_angle_mean_deg", iso_json_number(figure_of(run, at, m, k, true)), "dssim_mean",
                                                        figure_of(run, at, m, k, false), "best_angle", best_of(run, at, k, true) == m,
                                                        "best_image", best_of(run, at, k, false) == m));
     return cases;
@@ -286,7 +287,7 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
         status = measure_holes(run, &s, &v, i, dir, &h[i], err);
         if (status == ISO_OK && !run->cli->json)
             printf("  %-15s %6.2f %%   DSSIM %.4f\n", methods[holes_methods[i]].name, 100 * h[i].fraction, h[i].dssim);
-        json_array_append_new(rows, json_pack("{s:s, s:f, s:f}", "filter", methods[holes_methods[i]].name, "hole_fraction", h[i].fraction,
+        json_array_append_new(rows, json_pack("{s:s, s:o, s:f}", "filter", methods[holes_methods[i]].name, "hole_fraction", iso_json_number(h[i].fraction),
                                               "dssim_mean", h[i].dssim));
     }
     json_object_set_new(root, "holes", rows);

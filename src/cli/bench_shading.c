@@ -207,11 +207,6 @@ static iso_status run_subject(shading_run *run, size_t at, iso_error *err)
 
 /* ---- the report ---- */
 
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 typedef struct summary {
     size_t images, better, levels_better, cases;
     double ratio, angle, truth; /* geometric mean of DSSIM / that on the fly; means of angles */
@@ -263,9 +258,9 @@ static void report_block(const shading_run *run, block b, json_t *rows)
             levels_better += s.levels_better;
             cases += s.cases;
             json_array_append_new(rows, json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "block", block_names[b], "method",
-                                                  methods[m].name, "level", (int)k, "dssim_ratio", json_real(s.ratio),
-                                                  "gradient_angle_mean_deg", number(s.angle),
-                                                  "truth_angle_mean_deg", number(s.truth),
+                                                  methods[m].name, "level", (int)k, "dssim_ratio", iso_json_number(s.ratio),
+                                                  "gradient_angle_mean_deg", iso_json_number(s.angle),
+                                                  "truth_angle_mean_deg", iso_json_number(s.truth),
                                                   "images", (int)s.images, "images_better", (int)s.better, "volumes", (int)s.cases,
                                                   "volumes_better", (int)s.levels_better));
         }
@@ -302,7 +297,7 @@ static void report_exceptions(const shading_run *run, json_t *rows)
                            count++ ? "" : "\nnot better than on the fly:\n", run->subjects[at].name, k, i, own, fly, least,
                            r->error[DEFAULT].length_mean, cause);
                 json_array_append_new(rows, json_pack("{s:s, s:i, s:o, s:i, s:f, s:f, s:f, s:s}", "volume", run->subjects[at].name, "level", (int)k,
-                                                      "length_mean", number(r->error[DEFAULT].length_mean), "view", i, "dssim", own, "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
+                                                      "length_mean", iso_json_number(r->error[DEFAULT].length_mean), "view", i, "dssim", own, "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
             }
         }
 }
@@ -318,8 +313,8 @@ static json_t *cases_to_json(const shading_run *run)
                                                        "block", block_names[run->subjects[at].block], "level", (int)k, "method",
                                                        methods[m].name, "dssim_mean", e->dssim_mean, "dssim",
                                                        iso_json_numbers(e->dssim, (size_t)run->views), "gradient_angle_mean_deg",
-                                                       number(e->angle_mean_deg), "gradient_angle_p95_deg", number(e->angle_p95_deg),
-                                                       "truth_angle_mean_deg", number(e->truth_mean_deg)));
+                                                       iso_json_number(e->angle_mean_deg), "gradient_angle_p95_deg", iso_json_number(e->angle_p95_deg),
+                                                       "truth_angle_mean_deg", iso_json_number(e->truth_mean_deg)));
             }
     return cases;
 }
@@ -444,7 +439,7 @@ static const iso_command command = {
 
 iso_status iso_bench_shading(int argc, const char **argv, iso_error *err)
 {
-    shading_run run = {.views = ISO_DIAGONAL_VIEWS, .size = 192, .levels = 4, .analytic_size = 96};
+    shading_run run = {.views = ISO_DIAGONAL_VIEWS, .size = 160, .levels = 4, .analytic_size = 96};
     int shading = 1;
     iso_cli_input_defaults(&run.input);
     struct poptOption options[] = {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/validate.h"
+#include "cli/views.h"
 #include "render/sampler.h"
 
 const iso_method iso_methods[] = {
@@ -15,23 +16,15 @@ const iso_method iso_methods[] = {
     {"moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES},
 };
 const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
-enum { max_views = 6 };
-
-/* The six diagonals of an icosahedron: evenly spread, none along an axis. */
-static iso_vec3 view_direction(size_t i)
-{
-    const double g = 0.5 * (1 + sqrt(5));
-    const iso_vec3 diagonals[max_views] = {{0, 1, g}, {1, g, 0}, {g, 0, 1}, {0, -1, g}, {-1, g, 0}, {-g, 0, 1}};
-    return iso_normalize(diagonals[i % max_views]);
-}
+enum { max_views = ISO_DIAGONAL_VIEWS };
 
 static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0];
     iso_scene scene = *v->scene; /* borrowed, but for the camera and the size */
     scene.camera_fit = true;
-    scene.camera_direction = view_direction(i);
-    scene.camera_up = fabs(scene.camera_direction.z) < 0.8 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0);
+    scene.camera_direction = iso_view_along_diagonal((int)i);
+    scene.camera_up = iso_view_up(scene.camera_direction);
     scene.width = scene.height = v->consistency_size;
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
