@@ -65,6 +65,22 @@ if command -v blender >/dev/null; then
         not_ok bench_plan_runs "$(cat err)"
     holds cycles_of_a_plan_is_cycles_of_the_volume "$(number bench.json cycles_rmse) > 0 && $(number bench.json cycles_rmse) <= 0.011"
 fi
+# A cache that is too small: mixed, coarser the smaller, never more bytes than allowed; pages change nothing.
+cached=("$ISOSHADE" render v.nrrd --scene "$scene" --size 64 --brick 8 --brick-levels 3)
+rmse_to_full() { "$ISOSHADE" compare "$1" c-full.exr --json 2>err | sed -n 's/.*"rmse": \([-0-9.e]*\),*$/\1/p' | head -1; }
+"${cached[@]}" --cache-bytes 1e9 -o c-full.exr >full.out 2>err || not_ok cache_runs "$(cat err)"
+for bytes in 400000 340000; do
+    "${cached[@]}" --cache-bytes $bytes -o c-$bytes.exr >$bytes.out 2>err || not_ok "cache_of_$bytes runs" "$(cat err)"
+    holds "cache_of_$bytes is_kept" "$(sed -n 's/cache: \([0-9.e+]*\) bytes.*/\1/p' $bytes.out) <= $bytes"
+    holds "cache_of_$bytes is_mixed" "$(grep -o 'at level' $bytes.out | wc -l) > 1"
+done
+holds a_smaller_cache_errs_more "$(rmse_to_full c-400000.exr) < $(rmse_to_full c-340000.exr) && $(rmse_to_full c-340000.exr) < 0.1"
+predicted=$(sed -n 's/.*RMSE \([0-9.e-]*\) predicted/\1/p' 400000.out)
+holds a_cache_is_within_what_is_predicted "$(rmse_to_full c-400000.exr) <= 4 * $predicted"
+"${cached[@]}" --cache-bytes 1e9 --page-side 30 -o c-pages.exr >pages.out 2>err || not_ok pages_run "$(cat err)"
+grep -q "on [2-4] pages" pages.out && "$ISOSHADE" compare c-pages.exr c-full.exr --max-abs 2e-5 >out 2>&1 && ok pages_change_nothing || not_ok pages_change_nothing "$(cat pages.out out)"
+refuse cache_that_nothing_fits_is_refused 5 "allow more levels" "${cached[@]}" --cache-bytes 1000 -o refused.exr --quiet
+refuse cache_of_another_renderer_is_refused 2 "cache-bytes" "${cached[@]}" --cache-bytes 1000 --with reference -o refused.exr --quiet
 refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused.json
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json
 

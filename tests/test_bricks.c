@@ -307,7 +307,13 @@ static void eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none(void **st
     assert_within((double)pack.layout[4 * 3 + 3], 0, 0);
     iso_brick_pack_destroy(&pack);
     assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, 2048, 2, &err), ISO_E_RANGE);
-    assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, 60, 0, &err), ISO_E_RANGE);
+    /* A slot a texture: as many pages as slots; not even one slot in a texture. */
+    assert_ok(iso_brick_pack_create(&pack, &n, levels, NULL, pack.slot_side, 0, &err));
+    assert_int_equal(pack.page_count, 3);
+    assert_int_equal(iso_brick_pack_texels(&n, levels, NULL, pack.slot_side), 3 * pack.slot_side * pack.slot_side * pack.slot_side);
+    size_t slot_side = pack.slot_side;
+    iso_brick_pack_destroy(&pack);
+    assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, slot_side - 1, 0, &err), ISO_E_RANGE);
     iso_node_levels_destroy(&n);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brick/pack.h"
 #include "render/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
@@ -172,12 +173,46 @@ static void a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it(void 
     destroy_scene(&s);
 }
 
+/* Pages as if a texture had no more than a few slots a side: the same samples from other textures. z + page keeps fewer
+ * bits of z: a hundred-thousandth of a texel here. */
+static void pages_show_what_one_texture_shows(void **state)
+{
+    (void)state;
+    scene s;
+    make_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
+    iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
+    iso_gl_brick_options opt = iso_gl_brick_defaults();
+    iso_gl_brick_stats stats;
+    iso_image one, paged;
+    double rmse;
+    opt.cache_bits = 32;
+    opt.keep_hidden = true;
+    assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &one, &stats, &err));
+    assert_int_equal(stats.page_count, 1);
+    for (size_t side = 4; side >= 3; --side) {
+        opt.page_side = side * stats.slot_side;
+        for (int skip = ISO_GL_SKIP_NEVER; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
+            opt.skip = (iso_gl_skip)skip;
+            assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &paged, &stats, &err));
+            assert_true(stats.page_count == (stats.slot_count - 1) / (side * side * side) + 1);
+            assert_at_most(max_difference(&one, &paged, &rmse), MAX_ABS);
+            iso_image_destroy(&paged);
+        }
+    }
+    assert_true(stats.page_count > 1);
+    opt.page_side = stats.slot_side;
+    assert_status(iso_gl_render_bricks(gl, &f, &s.view, &opt, &paged, &stats, &err), ISO_E_RANGE);
+    iso_image_destroy(&one);
+    destroy_scene(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_layouts_agree_with_the_reference_in_every_loop),
         cmocka_unit_test(cache_of_16_bits_is_close),
         cmocka_unit_test(bricks_all_at_the_finest_level_are_the_volume),
+        cmocka_unit_test(pages_show_what_one_texture_shows),
         cmocka_unit_test(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it),
     };
     return cmocka_run_group_tests(tests, open_gl, close_gl);

@@ -59,16 +59,37 @@ static void take_part(free_parts *parts, size_t level, size_t *slot, size_t offs
         offset[a] = parts->split[level].offset[a] + (octant >> a & 1 ? parts->slot_side >> level : 0);
 }
 
-/* Near a cube, so that no axis is long. */
-static void arrange(iso_brick_pack *pack)
+/* As few slots as may be left over, and among such the nearest to a cube. */
+static void arrange_page(iso_brick_pack *pack, size_t count, size_t most)
 {
-    size_t count = pack->slot_count > 0 ? pack->slot_count : 1;
-    pack->slots[0] = (size_t)ceil(cbrt((double)count) - 1e-9);
-    size_t rows = (count + pack->slots[0] - 1) / pack->slots[0];
-    pack->slots[1] = (size_t)ceil(sqrt((double)rows) - 1e-9);
-    pack->slots[2] = (rows + pack->slots[1] - 1) / pack->slots[1];
+    size_t best = SIZE_MAX, root = (size_t)ceil(cbrt((double)count));
+    size_t last = 2 * root < most ? 2 * root : most;
+    for (size_t x = root < last ? root : last; x <= last; ++x)
+        for (size_t y = (root + 1) / 2; y <= x; ++y) {
+            size_t z = (count + x * y - 1) / (x * y);
+            if (z > x || x * y * z >= best)
+                continue;
+            best = x * y * z;
+            pack->slots[0] = x, pack->slots[1] = y, pack->slots[2] = z;
+        }
+}
+
+static void arrange(iso_brick_pack *pack, size_t max_side)
+{
+    size_t count = pack->slot_count > 0 ? pack->slot_count : 1, most = max_side / pack->slot_side;
+    most = most > 0 ? most : 1;
+    pack->page_count = (count - 1) / (most * most * most) + 1;
+    arrange_page(pack, (count - 1) / pack->page_count + 1, most);
     for (int a = 0; a < 3; ++a)
         pack->size[a] = pack->slots[a] * pack->slot_side;
+}
+
+size_t iso_brick_pack_texels(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible, size_t max_side)
+{
+    iso_brick_pack pack = {0};
+    pack.slot_count = iso_brick_pack_slots(n, levels, visible, &pack.slot_side);
+    arrange(&pack, max_side);
+    return pack.page_count * pack.size[0] * pack.size[1] * pack.size[2];
 }
 
 static void place(iso_brick_pack *pack, const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible)
@@ -97,14 +118,13 @@ iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n,
 {
     *pack = (iso_brick_pack){0};
     pack->slot_count = iso_brick_pack_slots(n, levels, visible, &pack->slot_side);
-    arrange(pack);
+    arrange(pack, max_side);
     if (max_slots > 0 && pack->slot_count > max_slots)
         return iso_fail(err, ISO_E_RANGE, "bricks: %zu slots of %zu^3 are needed, the cache holds %zu",
                         pack->slot_count, pack->slot_side, max_slots);
-    for (int a = 0; a < 3; ++a)
-        if (pack->size[a] > max_side)
-            return iso_fail(err, ISO_E_RANGE, "bricks: a cache texture of %zu x %zu x %zu is needed, at most %zu a side",
-                            pack->size[0], pack->size[1], pack->size[2], max_side);
+    if (pack->page_count > ISO_BRICK_MAX_PAGES || pack->slot_side > max_side)
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu cache textures of %zu x %zu x %zu are needed, at most %d of %zu a side",
+                        pack->page_count, pack->size[0], pack->size[1], pack->size[2], ISO_BRICK_MAX_PAGES, max_side);
     pack->layout = calloc(iso_brick_count(n), 4 * sizeof *pack->layout);
     if (!pack->layout)
         return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the layout of %zu bricks", iso_brick_count(n));

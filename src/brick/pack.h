@@ -16,6 +16,8 @@
  * that no large numbers cancel in float): u = q - n b, clamped to the brick, is at
  * texel  xyz + 1/2 + u w.
  *
+ * What does not fit one texture goes on pages of one size, stacked along z: z above size[2] is the next page's.
+ *
  * Placement depends on the levels and the visible bricks alone: fine bricks first,
  * then by index. */
 #ifndef ISO_PACK_H
@@ -24,25 +26,31 @@
 #include "brick/bricks.h"
 #include "tf/tf.h"
 
+#define ISO_BRICK_MAX_PAGES 4 /* textures that one program reads */
+
 typedef struct iso_brick_pack {
     size_t slot_side;   /* texels */
     size_t slot_count;  /* used */
-    size_t slots[3];    /* of the texture, along x, y, z */
-    size_t size[3];     /* texels of the texture */
+    size_t slots[3];    /* of a page, along x, y, z */
+    size_t size[3];     /* texels of a page */
+    size_t page_count;
     size_t brick_count; /* in the cache */
     size_t node_count;  /* that these bricks hold */
     float *layout;      /* owned; 4 a brick */
 } iso_brick_pack;
 
-/* visible: one byte a brick, 0 leaves it out; NULL keeps all. ISO_E_RANGE when the
- * texture would have more than max_side texels along an axis, or the cache more
- * than max_slots slots (0: no limit), with both numbers; ISO_E_MEMORY. */
+/* visible: one byte a brick, 0 leaves it out; NULL keeps all. A page has at most
+ * max_side texels along an axis. ISO_E_RANGE when there would be more than ISO_BRICK_MAX_PAGES,
+ * or more than max_slots slots (0: no limit), with both numbers; ISO_E_MEMORY. */
 iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n, const uint8_t *levels,
                                  const uint8_t *visible, size_t max_side, size_t max_slots, iso_error *err);
 void iso_brick_pack_destroy(iso_brick_pack *pack); /* accepts empty and NULL */
 
 /* How many slots these levels need: what a cache of a given size is compared with. */
 size_t iso_brick_pack_slots(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible, size_t *slot_side);
+
+/* Texels of all pages of the cache that these levels need. */
+size_t iso_brick_pack_texels(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible, size_t max_side);
 
 /* All nodes of a brick as the field has them, x fastest, ISO_NODE_CHANNELS a node:
  * iso_brick_side()^3 of them. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/cached.h"
 #include "cli/cli.h"
 #include "cli/palette_level.h"
 #include "cli/renderers.h"
@@ -15,8 +16,8 @@ typedef struct render_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, shade_table;
-    double step;
+    int level, intervals, planes, samples, seed, shade_table, brick, brick_levels, page_side;
+    double step, cache_bytes;
     const char *shader_dir;
 } render_arguments;
 
@@ -65,6 +66,21 @@ static iso_status take_quadrature(const char *word, iso_renderer renderer, iso_q
                     renderer == ISO_WITH_REFERENCE ? "converged, midpoint, preintegrated or povray" : "midpoint or preintegrated");
 }
 
+/* Bricks choose their levels themselves, and are what the ray caster has decoded. */
+static iso_status check_cache(const render_arguments *a, iso_renderer renderer, iso_error *err)
+{
+    if (a->cache_bytes == 0)
+        return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes") : ISO_OK;
+    if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->isosurface || a->quadrature ||
+        a->adapted.wanted || a->roi.box)
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes is for --with gl, without --level, --gradients, --palette, --shade-table, "
+                                          "--isosurface, --quadrature, --adapt and --roi");
+    iso_status status = iso_cli_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
+    return status == ISO_OK ? iso_cli_check_range("--page-side", a->page_side, 0, 65536, err) : status;
+}
+
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
 {
     iso_renderer renderer = ISO_WITH_GL;
@@ -84,6 +100,8 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         status = iso_cli_check_range("--level", a->level, 0, 63, err);
     if (status == ISO_OK)
         status = check_for_renderer(a, renderer, err);
+    if (status == ISO_OK)
+        status = check_cache(a, renderer, err);
     if (status != ISO_OK)
         return status;
     if (a->quadrature)
@@ -164,6 +182,33 @@ static void report(const render_arguments *a, const iso_cli *cli, const iso_pyra
     iso_cli_print_json(root);
 }
 
+static void report_cache(const iso_cached_report *r, const iso_cli *cli)
+{
+    if (cli->json || cli->quiet)
+        return;
+    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count, r->page_count == 1 ? "" : "s", r->brick_count);
+    for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
+        if (r->bricks_by_level[l] > 0)
+            printf(" %zu at level %zu", r->bricks_by_level[l], l);
+    printf("; RMSE %.3g predicted\n", r->predicted_rmse);
+}
+
+/* By bricks, in a cache of so many bytes. */
+static iso_status render_cached(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
+                                const iso_view *view, iso_image *image, double *seconds, const iso_progress *progress, iso_error *err)
+{
+    const iso_cached_options o = {.cache_bytes = a->cache_bytes, .brick_voxels = (size_t)a->brick, .level_count = (size_t)a->brick_levels,
+                                  .page_side = (size_t)a->page_side, .step_voxels = a->step, .threads = cli->threads};
+    iso_cached_report r;
+    iso_status status = iso_renderers_need_gl(renderers, err);
+    if (status == ISO_OK)
+        status = iso_cached_render(renderers->gl, &p->levels[0], view, &o, image, &r, progress, err);
+    *seconds = r.seconds;
+    if (status == ISO_OK)
+        report_cache(&r, cli);
+    return status;
+}
+
 static iso_status render(const render_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -194,7 +239,9 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
         status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && a->cache_bytes > 0)
+        status = render_cached(a, cli, &renderers, &pyramid, &view, &image, &seconds, &progress, err);
+    else if (status == ISO_OK)
         status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
     if (status == ISO_OK)
         status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
@@ -212,7 +259,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    render_arguments a = {.with = "gl"};
+    render_arguments a = {.with = "gl", .brick = 16, .brick_levels = 4};
     iso_cli_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
@@ -233,6 +280,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
+        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, "gl: by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits", "BYTES"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "with --cache-bytes: voxels a side", "N"},
+        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "with --cache-bytes: levels of the bricks, with level 0", "N"},
+        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "with --cache-bytes: texels a side of a texture at most; more textures are made where one is too small", "TEXELS"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -259,6 +310,7 @@ const iso_command iso_command_render = {
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n",
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
     .run = run,
 };

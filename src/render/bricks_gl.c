@@ -10,10 +10,15 @@
 #include "render/gl_context.h"
 #include "render/gl_uniforms.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_PAGES };
+enum { MORE_PAGES = ISO_BRICK_MAX_PAGES - 1 };
+
+/* Of page k: the first has the units of an unpaged cache. */
+static GLenum unit_of_scalar(size_t k) { return (GLenum)(k == 0 ? UNIT_SCALAR : UNIT_PAGES + k - 1); }
+static GLenum unit_of_directions(size_t k) { return (GLenum)(k == 0 ? UNIT_DIRECTIONS : UNIT_PAGES + MORE_PAGES + k - 1); }
 
 typedef struct brick_textures {
-    GLuint scalar, directions, tf, occupancy, layout;
+    GLuint scalar[ISO_BRICK_MAX_PAGES], directions[ISO_BRICK_MAX_PAGES], tf, occupancy, layout;
     bool skip_empty;
 } brick_textures;
 
@@ -24,8 +29,10 @@ iso_gl_brick_options iso_gl_brick_defaults(void)
 
 static void destroy_textures(brick_textures *t)
 {
-    const GLuint names[5] = {t->scalar, t->directions, t->tf, t->occupancy, t->layout};
-    glDeleteTextures(5, names);
+    const GLuint names[3] = {t->tf, t->occupancy, t->layout};
+    glDeleteTextures(3, names);
+    glDeleteTextures(ISO_BRICK_MAX_PAGES, t->scalar);
+    glDeleteTextures(ISO_BRICK_MAX_PAGES, t->directions);
 }
 
 /* ---- the cache ---------------------------------------------------------------- */
@@ -71,16 +78,17 @@ static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, s
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
     size_t side = iso_brick_side(n, f->levels[i]);
     const float *at = pack->layout + 4 * i;
-    const GLint x = (GLint)at[0], y = (GLint)at[1], z = (GLint)at[2];
+    const size_t page = (size_t)at[2] / pack->size[2];
+    const GLint x = (GLint)at[0], y = (GLint)at[1], z = (GLint)((size_t)at[2] % pack->size[2]);
     GLsizei m = (GLsizei)side;
     iso_brick_bake(f, brick, s->baked);
     convert(n, opt->cache_bits, side * side * side, s);
-    glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
+    glActiveTexture(GL_TEXTURE0 + unit_of_scalar(page));
     glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RED, opt->cache_bits == 16 ? GL_UNSIGNED_SHORT : GL_FLOAT,
                     s->scalars);
     if (!opt->shaded)
         return;
-    glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
+    glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
     if (opt->cache_bits == 16)
         glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGB, GL_SHORT, s->vectors16);
     else
@@ -97,13 +105,15 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
     iso_status status = ISO_OK;
     if (!s.baked || !s.vectors || !s.scalars || !s.vectors16)
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a brick of %zu nodes", count);
-    glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar, err);
-    glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
-    if (status == ISO_OK && opt->shaded)
-        status = iso_gl_create_texture_3d(gl, small ? GL_RGBA16_SNORM : GL_RGB32F, pack->size,
-                                          "a brick cache of directions", &t->directions, err);
+    for (size_t k = 0; k < pack->page_count; ++k) {
+        glActiveTexture(GL_TEXTURE0 + unit_of_scalar(k));
+        if (status == ISO_OK)
+            status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k], err);
+        glActiveTexture(GL_TEXTURE0 + unit_of_directions(k));
+        if (status == ISO_OK && opt->shaded)
+            status = iso_gl_create_texture_3d(gl, small ? GL_RGBA16_SNORM : GL_RGB32F, pack->size,
+                                              "a brick cache of directions", &t->directions[k], err);
+    }
     for (size_t i = 0; status == ISO_OK && i < iso_brick_count(f->nodes); ++i)
         if (pack->layout[4 * i + 3] > 0)
             upload_brick(f, pack, i, opt, &s);
@@ -175,8 +185,9 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
     double shown = iso_brick_cull(f, &surface, 0, visible);
     for (size_t i = 0; i < count; ++i)
         visible[i] = visible[i] && (!opt->wanted || opt->wanted[i]) && is_kept(n, view, i);
-    iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible,
-                                              (size_t)gl->max_texture_3d_size, opt->max_slots, err);
+    size_t largest = (size_t)gl->max_texture_3d_size, page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
+    iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible, page_side,
+                                              opt->max_slots, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &t->tf, err);
@@ -188,7 +199,8 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
         status = upload_occupancy(gl, n, visible, shown, opt, t, err);
     *stats = (iso_gl_brick_stats){.brick_count = count, .shown_count = pack->brick_count,
                                   .slot_count = pack->slot_count, .slot_side = pack->slot_side,
-                                  .texel_count = pack->size[0] * pack->size[1] * pack->size[2],
+                                  .texel_count = pack->page_count * pack->size[0] * pack->size[1] * pack->size[2],
+                                  .page_count = pack->page_count,
                                   .node_count = pack->node_count};
     free(visible);
     if (status != ISO_OK)
@@ -211,6 +223,13 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
     iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
     iso_gl_set_int(program, "layout_of_bricks", UNIT_LAYOUT);
+    for (size_t k = 1; k < pack->page_count; ++k) {
+        char name[48];
+        snprintf(name, sizeof name, "scalar_pages[%zu]", k - 1);
+        iso_gl_set_int(program, name, (int)unit_of_scalar(k));
+        snprintf(name, sizeof name, "direction_pages[%zu]", k - 1);
+        iso_gl_set_int(program, name, (int)unit_of_directions(k));
+    }
     iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));
     iso_gl_set_vec3(program, "brick_in_cache", iso_v3(side / (double)pack->size[0], side / (double)pack->size[1],
                                                       side / (double)pack->size[2]));
@@ -223,14 +242,14 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
 }
 
 static iso_status get_program(iso_gl *gl, const iso_view *view, const iso_gl_brick_options *opt, bool skip_empty,
-                              GLuint *program, iso_error *err)
+                              size_t page_count, GLuint *program, iso_error *err)
 {
     char defines[256];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
-             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define FIRST_HIT %d\n",
+             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define FIRST_HIT %d\n#define PAGES %zu\n",
              opt->shaded ? view->light_count : 0, opt->shaded && view->shading.specular > 0, skip_empty,
-             opt->surface ? (int)opt->surface->output + 1 : 0);
+             opt->surface ? (int)opt->surface->output + 1 : 0, page_count);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -239,7 +258,7 @@ static iso_status draw(iso_gl *gl, const iso_brick_field *f, const iso_brick_pac
                        iso_gl_brick_stats *stats, iso_error *err)
 {
     GLuint program;
-    iso_status status = get_program(gl, view, opt, t->skip_empty, &program, err);
+    iso_status status = get_program(gl, view, opt, t->skip_empty, pack->page_count, &program, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
     if (status != ISO_OK)

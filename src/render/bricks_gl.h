@@ -1,7 +1,7 @@
 /* bricks_gl.h - the ray caster on bricks of mixed resolution (brick/bricks.h).
  *
- * One cache texture for the scalar, one for the directions, one layout texel a
- * brick; the same loop, shading and quadrature as raycaster.h. Baked faces and
+ * One cache texture for the scalar, one for the directions, more of them (pages)
+ * where GL allows none so large, one layout texel a brick; the same loop, shading and quadrature as raycaster.h. Baked faces and
  * bricks on their own run the same shader: smoothness costs nothing there. */
 #ifndef ISO_BRICKS_GL_H
 #define ISO_BRICKS_GL_H
@@ -12,7 +12,8 @@
 typedef struct iso_gl_brick_options {
     bool shaded;          /* else directions are not uploaded and the light is ambient alone */
     int cache_bits;       /* 16 (unorm scalar, snorm directions) or 32 (floats) */
-    size_t max_slots;     /* what the cache may hold; 0: as much as one texture */
+    size_t max_slots;     /* what the cache may hold; 0: as much as its pages */
+    size_t page_side;     /* texels along an axis of a page at most; 0: as many as GL takes */
     bool keep_hidden;     /* also bricks that the TF does not show */
     const uint8_t *wanted; /* one byte a brick, 0 leaves it out; NULL: all */
     double step_voxels;   /* 0: the view's */
@@ -26,7 +27,8 @@ typedef struct iso_gl_brick_stats {
     double seconds;              /* the drawing alone */
     double bake_seconds;         /* culling, baking, packing and uploading */
     size_t brick_count, shown_count, slot_count, slot_side;
-    size_t texel_count;          /* of the cache texture */
+    size_t texel_count;          /* of the cache, all pages */
+    size_t page_count;
     size_t node_count;           /* that the shown bricks hold */
 } iso_gl_brick_stats;
 

@@ -8,5 +8,5 @@ void main()
     ivec3 count = textureSize(layout_of_bricks, 0);
     int index = int(point.w);
     vec4 where = address_in(ivec3(index % count.x, index / count.x % count.y, index / (count.x * count.y)), point.xyz);
-    color = vec4(scalar_at(where.xyz), fetch(directions, where.xyz).rgb);
+    color = vec4(scalar_at(where.xyz), fetch_direction(where.xyz).rgb);
 }

@@ -53,6 +53,12 @@ uniform sampler3D layout_of_bricks; // xyz: where the brick's node (0,0,0) is in
 uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinates of the cache
 uniform vec3 last_node;             // p of the volume's last node
 #endif
+#ifndef PAGES
+#define PAGES 1
+#endif
+#if PAGES > 1                       // of the cache: coordinates z + page
+uniform sampler3D scalar_pages[PAGES - 1], direction_pages[PAGES - 1]; // those behind the first
+#endif
 
 #if DIRECTION_SOURCE == 3 || DIRECTION_SOURCE == 4
 uniform usampler3D palette_index;
@@ -193,7 +199,25 @@ vec4 address(vec3 p)
 vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
 #endif
 
-float scalar_at(vec3 p) { return fetch(scalar, p).r; }
+#if PAGES > 1
+vec4 fetch_page(sampler3D first, sampler3D others[PAGES - 1], vec3 p)
+{
+    int page = int(p.z);
+    p.z -= float(page);
+    vec4 texel = fetch(first, p);
+    for (int i = 1; i < PAGES; ++i)
+        if (page == i)
+            texel = fetch(others[i - 1], p);
+    return texel;
+}
+vec4 fetch_scalar(vec3 p) { return fetch_page(scalar, scalar_pages, p); }
+vec4 fetch_direction(vec3 p) { return fetch_page(directions, direction_pages, p); }
+#else
+vec4 fetch_scalar(vec3 p) { return fetch(scalar, p); }
+vec4 fetch_direction(vec3 p) { return fetch(directions, p); }
+#endif
+
+float scalar_at(vec3 p) { return fetch_scalar(p).r; }
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
 vec4 tf_row(float s, int row)
@@ -309,14 +333,14 @@ vec3 flipped_at(vec3 p)
 vec3 normal_at(vec3 p)
 {
 #if DIRECTION_SOURCE == 0
-    vec3 e = fetch(directions, p).rgb * direction_scale + direction_offset;
+    vec3 e = fetch_direction(p).rgb * direction_scale + direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
 #elif DIRECTION_SOURCE == 5
     return iso_shading_normal(flipped_at(p));
 #elif DIRECTION_SOURCE >= 3
     return iso_shading_normal(entry_at(p).xyz);
 #elif DIRECTION_SOURCE == 1
-    return iso_shading_normal(fetch(directions, p).rgb);
+    return iso_shading_normal(fetch_direction(p).rgb);
 #else
     vec3 dx = vec3(voxel.x, 0.0, 0.0), dy = vec3(0.0, voxel.y, 0.0), dz = vec3(0.0, 0.0, voxel.z);
     vec3 g = gradient_to_world * vec3(scalar_at(p + dx) - scalar_at(p - dx), scalar_at(p + dy) - scalar_at(p - dy),
