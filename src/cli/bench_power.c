@@ -153,7 +153,7 @@ static iso_status test_lock_step(iso_renderers *r, uint64_t seed, size_t pixels,
 {
     power_scene s;
     iso_image image = {0};
-    iso_report_agreement row = {.limits = iso_validate_gl_lock_step};
+    iso_report_agreement row = {.limits = iso_validate_gl_lock_step(false)};
     iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
     iso_status status = make_scene(seed, pixels, &s, err);
     iso_fault_plant(fault, &s.pyramid, 0, &s.view);

@@ -57,8 +57,9 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
 
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 
-/* What the ray caster's lock-step is held to: the same samples in float instead of double. */
-extern const iso_limits iso_validate_gl_lock_step;
+/* What the ray caster's lock-step is held to: the same samples in float instead of double, whose difference a TF that is
+ * steep (sharp) multiplies. */
+iso_limits iso_validate_gl_lock_step(bool sharp);
 
 /* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
  * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
