@@ -43,18 +43,19 @@ typedef struct scene {
     const char *name;
     iso_field_kind kind;
     double noise;
+    int coarser; /* times fewer voxels along an edge: what is thin in them */
 } scene;
 
 static const scene scenes[] = {
-    {"smooth", ISO_FIELD_NOISE, 0},
-    {"noise 0.3 %", ISO_FIELD_SPHERE, 0.003},
-    {"noise 1 %", ISO_FIELD_SPHERE, 0.01},
-    {"noise 3 %", ISO_FIELD_SPHERE, 0.03},
-    {"thin plate", ISO_FIELD_PLATE, 0},
-    {"noisy plate", ISO_FIELD_PLATE, 0.1},
-    {"shells", ISO_FIELD_SHELLS, 0},
-    {"two surfaces", ISO_FIELD_BALLS, 0},
-    {"vessels", ISO_FIELD_VESSELS, 0},
+    {"smooth", ISO_FIELD_NOISE, 0, 1},
+    {"noise 1 %", ISO_FIELD_SPHERE, 0.01, 1},
+    {"noise 3 %", ISO_FIELD_SPHERE, 0.03, 1},
+    {"plate", ISO_FIELD_PLATE, 0, 1},
+    {"noisy plate", ISO_FIELD_PLATE, 0.1, 1},
+    {"thin plate", ISO_FIELD_PLATE, 0, 3},
+    {"shells", ISO_FIELD_SHELLS, 0, 1},
+    {"two surfaces", ISO_FIELD_BALLS, 0, 1},
+    {"vessels", ISO_FIELD_VESSELS, 0, 1},
 };
 enum { SCENE_COUNT = sizeof scenes / sizeof *scenes };
 
@@ -66,6 +67,11 @@ typedef struct filters_run {
     iso_shading_error error[SCENE_COUNT][METHOD_COUNT][LEVELS];
 } filters_run;
 
+static size_t scene_voxels(const filters_run *run, const scene *s)
+{
+    return (size_t)run->voxels / (size_t)s->coarser;
+}
+
 /* Level 0 of the field without noise, to which all else is compared. */
 static iso_status begin_scene(const filters_run *run, const scene *s, int size, iso_shading_subject *subject, iso_error *err)
 {
@@ -73,7 +79,7 @@ static iso_status begin_scene(const filters_run *run, const scene *s, int size, 
     iso_field field;
     iso_volume v = {0};
     iso_pyramid p = {0};
-    iso_status status = iso_shading_sample(s->kind, (size_t)run->voxels, 0, &field, &v, err);
+    iso_status status = iso_shading_sample(s->kind, scene_voxels(run, s), 0, &field, &v, err);
     if (status == ISO_OK)
         status = iso_shading_build(&methods[0], &v, s->name, 1, run->cli->threads, &p, err);
     if (status == ISO_OK)
@@ -86,13 +92,16 @@ static iso_status begin_scene(const filters_run *run, const scene *s, int size, 
 static iso_status run_scene(filters_run *run, size_t at, iso_error *err)
 {
     const scene *s = &scenes[at];
+    for (size_t m = 0; m < METHOD_COUNT; ++m)
+        for (size_t k = 0; k < LEVELS; ++k) /* of levels that so few voxels do not have */
+            run->error[at][m][k] = (iso_shading_error){.dssim_mean = NAN, .truth_mean_deg = NAN};
     iso_field field;
     iso_volume v = {0};
     iso_shading_subject subject = {0};
     iso_progress progress = iso_cli_progress(run->cli);
     iso_status status = begin_scene(run, s, run->size, &subject, err);
     if (status == ISO_OK)
-        status = iso_shading_sample(s->kind, (size_t)run->voxels, s->noise, &field, &v, err);
+        status = iso_shading_sample(s->kind, scene_voxels(run, s), s->noise, &field, &v, err);
     for (size_t m = 0; m < METHOD_COUNT && status == ISO_OK; ++m) {
         iso_pyramid p = {0};
         iso_progress_report(&progress, s->name, (double)m / METHOD_COUNT);
@@ -114,13 +123,13 @@ static double figure_of(const filters_run *run, size_t at, size_t m, size_t k, b
     return angle ? run->error[at][m][k].truth_mean_deg : run->error[at][m][k].dssim_mean;
 }
 
-static size_t best_of(const filters_run *run, size_t at, size_t k, bool angle)
+static bool is_best(const filters_run *run, size_t at, size_t m, size_t k, bool angle)
 {
-    size_t best = 0;
-    for (size_t m = 1; m < METHOD_COUNT; ++m)
-        if (figure_of(run, at, m, k, angle) < figure_of(run, at, best, k, angle))
-            best = m;
-    return best;
+    const double own = figure_of(run, at, m, k, angle);
+    for (size_t other = 0; other < METHOD_COUNT; ++other)
+        if (figure_of(run, at, other, k, angle) < own)
+            return false;
+    return isfinite(own);
 }
 
 static void print_scene(const filters_run *run, size_t at)
@@ -129,10 +138,10 @@ static void print_scene(const filters_run *run, size_t at)
     for (size_t m = 0; m < METHOD_COUNT; ++m) {
         printf("  %-15s", methods[m].name);
         for (size_t k = 1; k < LEVELS; ++k)
-            printf(" %6.2f%c", figure_of(run, at, m, k, true), best_of(run, at, k, true) == m ? '*' : ' ');
+            printf(" %6.2f%c", figure_of(run, at, m, k, true), is_best(run, at, m, k, true) ? '*' : ' ');
         printf("  ");
         for (size_t k = 1; k < LEVELS; ++k)
-            printf(" %7.4f%c", figure_of(run, at, m, k, false), best_of(run, at, k, false) == m ? '*' : ' ');
+            printf(" %7.4f%c", figure_of(run, at, m, k, false), is_best(run, at, m, k, false) ? '*' : ' ');
         printf("\n");
     }
     fflush(stdout);
@@ -144,10 +153,10 @@ static json_t *cases_to_json(const filters_run *run)
     for (size_t at = 0; at < SCENE_COUNT; ++at)
         for (size_t m = 0; m < METHOD_COUNT; ++m)
             for (size_t k = 1; k < LEVELS; ++k)
-                json_array_append_new(cases, json_pack("{s:s, s:s, s:i, s:o, s:f, s:b, s:b}", "scene", scenes[at].name, "filter", methods[m].name,
+                json_array_append_new(cases, json_pack("{s:s, s:s, s:i, s:o, s:o, s:b, s:b}", "scene", scenes[at].name, "filter", methods[m].name,
                                                        "level", (int)k, "truth_angle_mean_deg", iso_json_number(figure_of(run, at, m, k, true)), "dssim_mean",
-                                                       figure_of(run, at, m, k, false), "best_angle", best_of(run, at, k, true) == m,
-                                                       "best_image", best_of(run, at, k, false) == m));
+                                                       iso_json_number(figure_of(run, at, m, k, false)), "best_angle", is_best(run, at, m, k, true),
+                                                       "best_image", is_best(run, at, m, k, false)));
     return cases;
 }
 
@@ -189,7 +198,7 @@ static iso_status run_filters(filters_run *run, const char *dir, json_t *root, i
 
 /* Thin shells with a little grain: a coarse voxel holds both faces of a shell, or nothing but grain, where the coarse
  * surface is seen. */
-static const scene holes_scene = {"grainy shells", ISO_FIELD_SHELLS, 0.02};
+static const scene holes_scene = {"grainy shells", ISO_FIELD_SHELLS, 0.02, 1};
 static const size_t holes_methods[] = {0, 1, 2, 8, 9}; /* on the fly, naive, Eq. 1, default, flipped */
 enum { HOLES_METHODS = sizeof holes_methods / sizeof *holes_methods, HOLES_LEVEL = 2 };
 static const double hole_depth = 0.8;
@@ -333,7 +342,7 @@ static const iso_command command = {
     .name = "bench consistency",
     .summary = "where each direction filter holds and gives way, and the holes of undefined directions",
     .usage = "--filters and/or --holes [-o DIR] [options]",
-    .details = "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, a thin plate, shells, two balls that\n"
+    .details = "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, plates, shells, two balls that\n"
                "nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each, with its data and script.",
     .examples = "  isoshade bench consistency --holes --size 48 --voxels 32\n",
 };
