@@ -62,6 +62,14 @@ else not_ok output_that_does_not_fit "exit code $(cat code): $(cat err)"; fi
 (ulimit -f 100; trap '' XFSZ; "$ISOSHADE" build v.nrrd -o full.iso -q >out 2>err; echo $? >code)
 if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.iso ] && grep -q ': full.iso/level_0' err; then echo "ok a_pyramid_that_does_not_fit_is_named_as_the_user_did"
 else not_ok a_pyramid_that_does_not_fit_is_named_as_the_user_did "exit code $(cat code): $(cat err)"; fi
+"$ISOSHADE" build v.nrrd -o v.iso -q --levels 2 >out
+for to in povray vdb; do
+    scene="--scene $top/refscenes/marschner-lobb.scene.json"
+    [ $to = vdb ] && scene=
+    (ulimit -f 8; trap '' XFSZ; "$ISOSHADE" export v.iso --to $to $scene -o full.$to -q >out 2>err; echo $? >code)
+    if [ "$(cat code)" -ge 3 ] && grep -q "full.$to" err && [ ! -e full.$to ] && ! grep -q '/\.[0-9]*-' err; then echo "ok an_export_to_${to}_that_does_not_fit_names_no_temporary"
+    else not_ok an_export_to_${to}_that_does_not_fit_names_no_temporary "exit code $(cat code): $(cat err)"; fi
+done
 left=$(find . -name '.*nrrd' -o -name 'x.nrrd')
 [ -z "$left" ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$left"
 # 2048 x 2048 x 48 of uint16 are 384 MiB; made slab by slab they pass through less address space than that.

@@ -196,6 +196,15 @@ void iso_output_rename_in(const char *temp_path, const char *final_path, iso_err
     snprintf(err->text, sizeof err->text, "%.*s%s%s", (int)before, found.text, final_path, found.text + before + strlen(temp_path));
 }
 
+void iso_output_rename_all_in(iso_error *err)
+{
+    char mark[32]; /* as reserve() puts it before the name */
+    snprintf(mark, sizeof mark, "/.%ld-", (long)getpid());
+    const size_t length = strlen(mark);
+    for (char *at = strstr(err->text, mark); at; at = strstr(at + 1, mark))
+        memmove(at + 1, at + length, strlen(at + length) + 1);
+}
+
 /* A directory cannot be renamed over a full one: the old one steps aside first. */
 static int rename_dir(const char *from, const char *to)
 {

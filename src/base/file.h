@@ -35,6 +35,9 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
 /* In a message of a writer that was given the temporary, its name becomes the one that the user knows. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
 
+/* The same for temporaries of iso_output_begin() and iso_output_begin_dir(), whichever they are: main calls it. */
+void iso_output_rename_all_in(iso_error *err);
+
 /* Removes what is in a temporary directory. */
 void iso_output_clear(const iso_output *out);
 

@@ -1,6 +1,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "cli/cli.h"
 #include "cli/commands.h"
 
@@ -45,6 +46,7 @@ int main(int argc, const char **argv)
         iso_status status = (*c)->run(*c, argc - 1, argv + 1, &err);
         if (fflush(stdout) != 0 && status == ISO_OK)
             status = iso_fail(&err, ISO_E_IO, "standard output: cannot be written");
+        iso_output_rename_all_in(&err);
         if (err.text[0] && status != ISO_OK)
             fprintf(stderr, "isoshade %s: %s\n", argv[1], err.text);
         return status;

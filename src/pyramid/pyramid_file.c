@@ -110,7 +110,6 @@ iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *er
     status = save_into(p, out.temp_path, err);
     if (status == ISO_OK)
         return iso_output_commit(&out, err);
-    iso_output_rename_in(out.temp_path, dir, err);
     iso_output_abandon(&out);
     return status;
 }
