@@ -28,6 +28,11 @@ for s in report['schemes']:
 assert abs(schemes['region48']['hole_deg'] - 0.17303) < 1e-4
 assert abs(schemes['cube']['hole_deg'] - 0.31776) < 1e-4
 assert schemes['squeeze']['hole_deg'] <= 0.098
+default = schemes['fit']  # of `build`; a mean of 500 is right to 3 %
+assert default['filtered_mean_error_deg'] <= 0.1 and default['filtered_max_error_deg'] <= 0.5 and default['max_error_deg'] <= 0.33
+assert schemes['snorm']['filtered_mean_error_deg'] > 0.12 and schemes['snorm']['max_error_deg'] > 0.33  # the planted fault
+stiffness = {round(row['mu'], 2): row['filtered_15_mean_error_deg'] for row in report['stiffness']}
+assert stiffness[0.08] < stiffness[0.15] < stiffness[1.0]
 assert abs(report['convexity']['counter_example']['off_arc_deg'] - 1.96) < 0.01
 assert abs(report['table1']['best_lambda']['lambda'] - 0.61) < 0.01
 PY

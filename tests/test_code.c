@@ -112,6 +112,29 @@ static void zero_is_kept_exactly(void **unused)
     assert_int_equal(bytes[2], 128);
 }
 
+/* "Undefined" has a code of its own: what every code makes of zero stays apart from what it makes of directions, the
+ * poles of the octahedral map and the middle of the lattices included. */
+static void no_direction_is_stored_as_undefined(void **unused)
+{
+    (void)unused;
+    for (int code = 0; code < ISO_CODE_COUNT; ++code) {
+        const size_t size = iso_code_describe(code)->bytes;
+        uint8_t undefined[8], bytes[8];
+        iso_code_encode(code, (float[3]){0, 0, 0}, undefined, 1);
+        for (int i = 0; i < 27 + 5000; ++i) {
+            iso_vec3 d = i < 27 ? iso_v3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1) : random_direction();
+            if (i == 13) /* zero */
+                continue;
+            if (i % 2) /* near the axis or the plane */
+                d = iso_v3(d.x + 1e-6, d.y * 1e-3, d.z);
+            d = iso_normalize(d);
+            iso_code_encode(code, (float[3]){(float)d.x, (float)d.y, (float)d.z}, bytes, 1);
+            assert_true(memcmp(bytes, undefined, size) != 0);
+            assert_more_than(iso_norm(round_trip(code, d)), 0.9);
+        }
+    }
+}
+
 static void defined_directions_have_full_length_in_region48(void **unused)
 {
     (void)unused;
@@ -515,6 +538,7 @@ int main(void)
         cmocka_unit_test(snorm_rounding_stays_within_half_a_step),
         cmocka_unit_test(every_code_stays_within_its_largest_error),
         cmocka_unit_test(zero_is_kept_exactly),
+        cmocka_unit_test(no_direction_is_stored_as_undefined),
         cmocka_unit_test(defined_directions_have_full_length_in_region48),
         cmocka_unit_test(snorm_keeps_the_length),
         cmocka_unit_test(all_48_regions_are_alike),

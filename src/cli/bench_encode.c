@@ -213,6 +213,8 @@ static iso_status bench(const iso_cli *cli, size_t count, const char *chart_dir,
     if (status == ISO_OK)
         status = iso_bench_encode_convexity(text, root, err);
     if (status == ISO_OK)
+        status = iso_bench_encode_stiffness(text, count / 4, root, err);
+    if (status == ISO_OK)
         status = iso_bench_encode_coherence(text, count, root, err);
     if (status == ISO_OK)
         status = bench_schemes(count, text, tables, root, err);

@@ -1,5 +1,6 @@
-/* bench_encode_coherence.c - directions whose length is how far they can be
- * trusted: what filtering makes of it, by the way the length is stored. */
+/* bench_encode_coherence.c - what filtering makes of a best fit, by how much it
+ * heeds the length; and of directions whose length is how far they can be trusted,
+ * by the way it is stored. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,6 +106,48 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
         for (int i = 0; i < APART_COUNT; ++i)
             e[i] = separate_length(apart_deg[i] * 0.017453292519943295, count, at_voxels);
         put(at_voxels ? "fit of d, L^2 a byte, mixed by 8 fetches" : "fit of d, L^2 a byte, filtered apart", 4, e, text, list);
+    }
+    return ISO_OK;
+}
+
+/* ---- how stiff the length is ---- */
+
+#define STIFFNESS_LIST(X) X(5) X(7) X(8) X(10) X(12) X(15) X(20) X(30) X(100)
+#define STIFFNESS_FUNCTION(percent)                                                                                      \
+    static void fit_##percent(const float *restrict directions, uint8_t *restrict bytes, size_t count)                   \
+    {                                                                                                                    \
+        iso_encode_fit_with_mu(percent / 100.0, directions, bytes, count);                                               \
+    }
+STIFFNESS_LIST(STIFFNESS_FUNCTION)
+
+iso_status iso_bench_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err)
+{
+#define STIFFNESS_ROW(percent) {percent / 100.0, {"fit", ISO_CODE_FIT, fit_##percent, NULL}},
+    static const struct {
+        double mu;
+        iso_scheme scheme;
+    } rows[] = {STIFFNESS_LIST(STIFFNESS_ROW)};
+    json_t *list = json_array();
+    json_object_set_new(root, "stiffness", list);
+    if (text)
+        printf("Best fit by mu, a length's error counted so many times: mean error, degrees\n"
+               "     mu  at voxels  15 apart  60 apart\n");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        static const double apart[] = {0, 15, 60};
+        iso_code_error_options opt = iso_code_error_defaults();
+        iso_code_error e[3];
+        opt.count = count;
+        opt.climb = false;
+        for (int a = 0; a < 3; ++a) {
+            opt.apart_deg = apart[a];
+            iso_status status = iso_code_error_measure(&rows[i].scheme, &opt, &e[a], err);
+            if (status != ISO_OK)
+                return status;
+        }
+        json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f}", "mu", rows[i].mu, "mean_error_deg", e[0].mean_deg,
+                                              "filtered_15_mean_error_deg", e[1].mean_deg, "filtered_60_mean_error_deg", e[2].mean_deg));
+        if (text)
+            printf("  %5.2f  %9.4f  %8.4f  %8.4f\n", rows[i].mu, e[0].mean_deg, e[1].mean_deg, e[2].mean_deg);
     }
     return ISO_OK;
 }

@@ -19,11 +19,12 @@ static double fit_cost(const double e[3], const double u[3], double aim, double 
     return rr - along * along + mu * mu * along * along;
 }
 
-static void fit_one(const float *direction, uint8_t *bytes)
+/* mu < 0: that of the code, which depends on the length. */
+static void fit_one(const float *direction, double mu, uint8_t *bytes)
 {
     double u[3] = {direction[0], direction[1], direction[2]}, best = INFINITY, best_e[3] = {0};
     double length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]), aim = 127 * length;
-    double mu = fmin(ISO_FIT_MU + ISO_FIT_MU_SHORT * fmax(1 - length, 0), 1);
+    mu = mu >= 0 ? mu : fmin(ISO_FIT_MU + ISO_FIT_MU_SHORT * fmax(1 - length, 0), 1);
     int order[3];
     for (int a = 0; a < 3 && length > 0; ++a)
         u[a] /= length;
@@ -48,7 +49,13 @@ static void fit_one(const float *direction, uint8_t *bytes)
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count)
 {
     for (size_t i = 0; i < count; ++i)
-        fit_one(directions + 3 * i, bytes + 3 * i);
+        fit_one(directions + 3 * i, -1, bytes + 3 * i);
+}
+
+void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        fit_one(directions + 3 * i, mu, bytes + 3 * i);
 }
 
 /* ---- region48: the transform T inverts Eq. 2 of gradients-2017. In place of

@@ -30,6 +30,8 @@ void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, 
  * win, in double precision: slow, the yardstick of those above. */
 void iso_encode_squeeze_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+/* The best fit with another mu (fit.h), whatever the length. */
+void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
 #endif
