@@ -162,7 +162,7 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t classes,
     memcpy(b->fine, fine_size, sizeof b->fine);
     memcpy(b->coarse, coarse_size, sizeof b->coarse);
     size_t pairs = pair_count(b);
-    b->dense = pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 4 <= fine_size[0] * fine_size[1] * fine_size[2]);
+    b->dense = pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 8 <= fine_size[0] * fine_size[1] * fine_size[2]);
     b->table_count = pairs <= TWIN_PAIRS ? 2 : 1;
     b->shared = b->dense && pairs * b->table_count * (size_t)b->thread_count > OWN_PAIRS;
     b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
