@@ -317,7 +317,8 @@ const iso_command iso_command_export = {
     .details = "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
                "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
                "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume. With --plan only what the scene\n"
-               "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.",
+               "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
+               "Other programs filter directions themselves: there is no flipped fetch (render --gradients flipped) in what is exported.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
                 "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
