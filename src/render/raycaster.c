@@ -25,7 +25,7 @@ typedef struct level_textures {
 
 iso_gl_options iso_gl_defaults(void)
 {
-    return (iso_gl_options){.source = ISO_FROM_CODES, .brick_voxels = 16, .repeats = 1};
+    return (iso_gl_options){.source = ISO_FROM_CODES, .brick_voxels = 8, .repeats = 1};
 }
 
 /* ---- upload ----------------------------------------------------------------- */

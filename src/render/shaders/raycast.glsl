@@ -149,23 +149,25 @@ Segment segment(Ray ray, float k)
 }
 
 #if SKIP_EMPTY
-// The first segment from k on whose middle lies in an occupied brick. The cube of bricks nearer than `distance` is
-// empty; brick ranges reach half a voxel further than the brick, so rounding at its faces does not matter.
-float leave_empty_bricks(Ray ray, float k)
+// Moves k to the first segment from there on whose middle lies in an occupied brick; segments before `until` are known
+// to. The cube of bricks nearer than `distance` is empty; brick ranges reach half a voxel further than the brick, so
+// rounding at its faces does not matter. Software GL passes by a loop that no pixel enters: most samples look nothing up.
+void leave_empty_bricks(Ray ray, inout float k, inout float until)
 {
-    while (k < ray.length) {
+    while (k >= until && k < ray.length) {
         vec3 p = segment(ray, k).p * bricks_per_volume;
         ivec3 brick = clamp(ivec3(p), ivec3(0), textureSize(occupancy, 0) - 1);
-        int empty = int(texelFetch(occupancy, brick, 0).r);
-        if (empty == 0)
-            break;
+        int empty = int(texelFetch(occupancy, brick, 0).r), reach = max(empty, 1);
         vec3 stride = ray.stride * bricks_per_volume;
-        vec3 face = vec3(brick) + mix(vec3(1 - empty), vec3(empty), greaterThan(stride, vec3(0.0)));
+        vec3 face = vec3(brick) + mix(vec3(1 - reach), vec3(reach), greaterThan(stride, vec3(0.0)));
         vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
         steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
-        k += floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
+        float end = k + floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
+        if (empty == 0)
+            until = end;
+        else
+            k = end;
     }
-    return k;
 }
 #endif
 
@@ -407,21 +409,26 @@ void main()
     float transmittance = 1.0, segment_mm = float(step_mm);
 #if SKIP_EMPTY
     // Software GL runs both sides of a branch but leaves a loop when all its pixels have: so the search for the next
-    // segment that shows is a loop, with the light outside it.
+    // segment that shows is a loop, with the light outside it. Without light there is nothing to keep out.
+    float until = 0.0;
     for (float k = 0.0; transmittance >= 1e-7; k += 1.0) {
         vec4 c = vec4(0.0);
         Segment at;
         vec4 where;
+#if LIGHT_COUNT
         for (;; k += 1.0) {
-            k = leave_empty_bricks(ray, k);
+#endif
+            leave_empty_bricks(ray, k, until);
             if (k >= ray.length)
                 break;
             at = segment(ray, k);
             where = address(at.p);
             c = classify(at, where);
+#if LIGHT_COUNT
             if (c.a > 0.0)
                 break;
         }
+#endif
         if (k >= ray.length)
             break;
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
