@@ -317,6 +317,113 @@ static void eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none(void **st
     iso_node_levels_destroy(&n);
 }
 
+/* A field of waves six voxels long and more, as a pyramid. */
+static iso_pyramid make_waves(void)
+{
+    const size_t size[3] = {37, 41, 35};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid p;
+    iso_volume v = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .type = ISO_F32};
+    float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i)
+        values[i] = (float)(sin((double)(i % 37)) + cos(0.7 * (double)(i / 37 % 41)) + sin(0.9 * (double)(i / 37 / 41)));
+    v.data = values;
+    build.level_count = 3;
+    assert_ok(iso_pyramid_build(&v, "waves", &build, &p, NULL, &err));
+    free(values);
+    return p;
+}
+
+/* How far a whole level of nodes is from level 0 at its voxels, RMS. */
+static double distance_to_level0(const iso_node_levels *n, const iso_level *level0, uint8_t level)
+{
+    uint8_t *levels = malloc(iso_brick_count(n));
+    assert_non_null(levels);
+    memset(levels, level, iso_brick_count(n));
+    const iso_brick_field f = {n, levels, ISO_FACES_BAKED};
+    const size_t *size = level0->geometry.size;
+    double sum = 0;
+    size_t count = 0;
+    for (size_t z = 5; z < 30; ++z)
+        for (size_t y = 5; y < 36; ++y)
+            for (size_t x = 5; x < 32; ++x, ++count) {
+                double value[ISO_NODE_CHANNELS];
+                iso_brick_sample(&f, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5), value);
+                const double e = value[0] - (double)level0->scalar[x + size[0] * (y + size[1] * z)];
+                sum += e * e;
+            }
+    free(levels);
+    return sqrt(sum / (double)count);
+}
+
+static void sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range(void **state)
+{
+    (void)state;
+    iso_pyramid p = make_waves();
+    iso_node_levels smooth, sharp, cells;
+    assert_ok(iso_node_levels_create_by(&smooth, &p.levels[0], 8, 3, ISO_NODES_SMOOTH, false, 0, &err));
+    assert_ok(iso_node_levels_create(&sharp, &p.levels[0], 8, 3, false, 0, &err));
+    assert_ok(iso_node_levels_create_from_cells(&cells, &p, 8, 3, 0, &err));
+    assert_at_most(distance_to_level0(&cells, &p.levels[0], 0), 1e-6);
+    for (uint8_t l = 1; l < 3; ++l) {
+        const double a = distance_to_level0(&smooth, &p.levels[0], l), b = distance_to_level0(&sharp, &p.levels[0], l);
+        printf("level %d: smooth %.3f, sharp %.3f, from cells %.3f\n", l, a, b, distance_to_level0(&cells, &p.levels[0], l));
+        assert_at_most(b, 0.95 * a); /* at level 2 the waves are near the limit of what nodes can show */
+        assert_at_most(distance_to_level0(&cells, &p.levels[0], l), 1.3 * a);
+    }
+    for (size_t l = 0; l < 3; ++l)
+        for (size_t i = 0, side = ((size_t)40 >> l) + 1; i < side * side * side; ++i) {
+            assert_true((double)sharp.nodes[l][4 * i] >= p.levels[0].min && (double)sharp.nodes[l][4 * i] <= p.levels[0].max);
+            assert_true((double)cells.nodes[l][4 * i] >= p.levels[0].min && (double)cells.nodes[l][4 * i] <= p.levels[0].max);
+        }
+    iso_node_levels_destroy(&smooth);
+    iso_node_levels_destroy(&sharp);
+    iso_node_levels_destroy(&cells);
+    assert_status(iso_node_levels_create_from_cells(&cells, &p, 8, 4, 0, &err), ISO_E_RANGE);
+    iso_pyramid_destroy(&p);
+}
+
+static void nodes_from_cells_are_continuous_and_linear_fields_stay_linear(void **state)
+{
+    (void)state;
+    const size_t size[3] = {33, 40, 37};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_volume v = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .type = ISO_F32};
+    float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
+    assert_non_null(values);
+    iso_pyramid p;
+    iso_node_levels n;
+    for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i)
+        values[i] = (float)(i % 33) - 2 * (float)(i / 33 % 40) + 0.5f * (float)(i / 33 / 40);
+    v.data = values;
+    build.level_count = 3;
+    assert_ok(iso_pyramid_build(&v, "ramp", &build, &p, NULL, &err));
+    assert_ok(iso_node_levels_create_from_cells(&n, &p, 8, 3, 0, &err));
+    uint8_t levels[5 * 5 * 5];
+    assert_int_equal(iso_brick_count(&n), 4 * 5 * 5);
+    random_state = 9;
+    for (size_t i = 0; i < sizeof levels; ++i)
+        levels[i] = (uint8_t)(3 * random_unit());
+    const iso_brick_field f = {&n, levels, ISO_FACES_BAKED}, own = {&n, levels, ISO_FACES_OWN};
+    double jump = 0, worst = 0, own_jump = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double q[3] = {8 * (1 + floor(3 * random_unit())), 39 * random_unit(), 36 * random_unit()};
+        jump = fmax(jump, jump_at(&f, q));
+        own_jump = fmax(own_jump, jump_at(&own, q));
+        const double inner[3] = {10 + 12 * random_unit(), 10 + 18 * random_unit(), 10 + 15 * random_unit()};
+        double value[ISO_NODE_CHANNELS];
+        iso_brick_sample(&f, iso_v3(inner[0] + 0.5, inner[1] + 0.5, inner[2] + 0.5), value);
+        worst = fmax(worst, fabs(value[0] - (inner[0] - 2 * inner[1] + 0.5 * inner[2])));
+    }
+    assert_at_most(jump, 40 * CONTINUOUS); /* values up to 80 */
+    assert_at_most(worst, 1e-4);          /* floats of up to 80 */
+    assert_more_than(own_jump, 0.1);      /* at the edge, where a ramp is continued */
+    iso_node_levels_destroy(&n);
+    iso_pyramid_destroy(&p);
+    free(values);
+}
+
 static void bad_bricks_are_refused(void **state)
 {
     (void)state;
@@ -342,6 +449,8 @@ int main(void)
         cmocka_unit_test(any_layout_reproduces_a_ramp_away_from_the_continued_edge),
         cmocka_unit_test(packed_bricks_do_not_overlap_and_give_the_field),
         cmocka_unit_test(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none),
+        cmocka_unit_test(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range),
+        cmocka_unit_test(nodes_from_cells_are_continuous_and_linear_fields_stay_linear),
         cmocka_unit_test(bad_bricks_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -73,6 +73,35 @@ static void filter_node(const size_t size[3], const float *fine, const float *fi
         *sum = s;
 }
 
+/* The scalar of one coarse node by [-1 2 6 2 -1]^3 / 512, the low-pass of the 5/3 wavelets (Le Gall and Tabatabai 1988):
+ * its samples are those from which linear interpolation comes nearest to the fine ones. Held within the range of the 27
+ * nodes around, so that nothing is shown that is not there. */
+static float filter_scalar(const size_t size[3], const float *fine, const size_t at[3])
+{
+    static const float weights[5] = {-0.125f, 0.25f, 0.75f, 0.25f, -0.125f};
+    size_t p[3][5];
+    for (int a = 0; a < 3; ++a)
+        for (size_t d = 0; d < 5; ++d)
+            p[a][d] = least(2 * at[a] + d > 2 ? 2 * at[a] + d - 2 : 0, size[a] - 1);
+    float sum = 0, lowest = INFINITY, highest = -INFINITY;
+    for (size_t z = 0; z < 5; ++z)
+        for (size_t y = 0; y < 5; ++y) {
+            const float *row = fine + ISO_NODE_CHANNELS * size[0] * (p[1][y] + size[1] * p[2][z]);
+            const bool near = y > 0 && y < 4 && z > 0 && z < 4;
+            float along = 0;
+            for (size_t x = 0; x < 5; ++x) {
+                const float value = row[ISO_NODE_CHANNELS * p[0][x]];
+                along += weights[x] * value;
+                if (near && x > 0 && x < 4) {
+                    lowest = fminf(lowest, value);
+                    highest = fmaxf(highest, value);
+                }
+            }
+            sum += weights[y] * weights[z] * along;
+        }
+    return fminf(fmaxf(sum, lowest), highest);
+}
+
 static void filter_level(iso_node_levels *n, size_t level, const float *fine_sums, float *sums, int threads)
 {
     const size_t fine[3] = {node_count(n, level - 1, 0), node_count(n, level - 1, 1), node_count(n, level - 1, 2)};
@@ -81,9 +110,11 @@ static void filter_level(iso_node_levels *n, size_t level, const float *fine_sum
     for (size_t z = 0; z < nz; ++z)
         for (size_t y = 0; y < ny; ++y)
             for (size_t x = 0; x < nx; ++x) {
-                size_t i = x + nx * (y + ny * z);
-                filter_node(fine, n->nodes[level - 1], fine_sums, (const size_t[3]){x, y, z},
-                            n->nodes[level] + ISO_NODE_CHANNELS * i, sums + (fine_sums ? i : 0));
+                const size_t i = x + nx * (y + ny * z), at[3] = {x, y, z};
+                float *node = n->nodes[level] + ISO_NODE_CHANNELS * i;
+                filter_node(fine, n->nodes[level - 1], fine_sums, at, node, sums + (fine_sums ? i : 0));
+                if (n->filter == ISO_NODES_SHARP)
+                    node[0] = filter_scalar(fine, n->nodes[level - 1], at);
             }
 }
 
@@ -131,8 +162,9 @@ static void fill_levels(iso_node_levels *n, const iso_level *level0, const float
         moments_to_directions(n->nodes[l], sums[l], all_nodes(n, l));
 }
 
-iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
-                                  bool with_directions, int threads, iso_error *err)
+/* Sizes, and room for all nodes. */
+static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                          iso_error *err)
 {
     *n = (iso_node_levels){.geometry = level0->geometry, .min = level0->min, .max = level0->max,
                            .brick_voxels = brick_voxels, .level_count = level_count};
@@ -143,11 +175,32 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
         size_t cells = level0->geometry.size[a] - 1;
         n->count[a] = cells > 0 ? (cells + brick_voxels - 1) / brick_voxels : 1;
     }
+    for (size_t l = 0; l < level_count; ++l)
+        if (!(n->nodes[l] = malloc(ISO_NODE_CHANNELS * all_nodes(n, l) * sizeof **n->nodes))) {
+            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
+            iso_node_levels_destroy(n);
+            return status;
+        }
+    return ISO_OK;
+}
+
+iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                  bool with_directions, int threads, iso_error *err)
+{
+    return iso_node_levels_create_by(n, level0, brick_voxels, level_count, ISO_NODES_SHARP, with_directions, threads, err);
+}
+
+iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                     iso_node_filter filter, bool with_directions, int threads, iso_error *err)
+{
+    iso_status status = lay_out(n, level0, brick_voxels, level_count, err);
+    if (status != ISO_OK)
+        return status;
+    n->filter = filter;
     float *sums[ISO_BRICK_MAX_LEVELS] = {NULL}, *gradients = NULL, unused;
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
-        n->nodes[l] = malloc(ISO_NODE_CHANNELS * all_nodes(n, l) * sizeof **n->nodes);
         sums[l] = with_directions ? malloc(all_nodes(n, l) * sizeof **sums) : &unused;
-        if (!n->nodes[l] || !sums[l])
+        if (!sums[l])
             status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
     }
     if (status == ISO_OK && with_directions)
@@ -157,6 +210,78 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
     free(gradients);
     for (size_t l = 0; with_directions && l < level_count; ++l)
         free(sums[l]);
+    if (status != ISO_OK)
+        iso_node_levels_destroy(n);
+    return status;
+}
+
+/* Where a node of a level lies among the level's cells, along an axis: the four cells around and their weights, of the
+ * cubic through them (Catmull and Rom 1974), or linear in the two in the middle. */
+typedef struct cell_stencil {
+    size_t cell[4];
+    float cubic[4], linear[4];
+} cell_stencil;
+
+static cell_stencil among_cells(size_t node, size_t level, size_t size)
+{
+    const double x = (double)node + ldexp(0.5, -(int)level) - 0.5, low = floor(x);
+    const float t = (float)(x - low);
+    cell_stencil s = {.cubic = {0.5f * t * (-1 + t * (2 - t)), 1 + 0.5f * t * t * (3 * t - 5),
+                                0.5f * t * (1 + t * (4 - 3 * t)), 0.5f * t * t * (t - 1)},
+                      .linear = {0, 1 - t, t, 0}};
+    for (int i = 0; i < 4; ++i)
+        s.cell[i] = (size_t)fmin(fmax(low + i - 1, 0), (double)(size - 1));
+    return s;
+}
+
+/* The scalar by the cubic, held within the range of the eight cells around; the direction linear. */
+static void node_from_cells(const iso_level *level, const float *directions, const cell_stencil s[3],
+                            float node[ISO_NODE_CHANNELS])
+{
+    const size_t *size = level->geometry.size;
+    float lowest = INFINITY, highest = -INFINITY;
+    memset(node, 0, ISO_NODE_CHANNELS * sizeof *node);
+    for (size_t z = 0; z < 4; ++z)
+        for (size_t y = 0; y < 4; ++y)
+            for (size_t x = 0; x < 4; ++x) {
+                const size_t v = s[0].cell[x] + size[0] * (s[1].cell[y] + size[1] * s[2].cell[z]);
+                const float weight = s[0].linear[x] * s[1].linear[y] * s[2].linear[z];
+                node[0] += s[0].cubic[x] * s[1].cubic[y] * s[2].cubic[z] * level->scalar[v];
+                if (weight == 0)
+                    continue;
+                lowest = fminf(lowest, level->scalar[v]);
+                highest = fmaxf(highest, level->scalar[v]);
+                for (size_t a = 0; a < 3; ++a)
+                    node[1 + a] += weight * directions[3 * v + a];
+            }
+    node[0] = fminf(fmaxf(node[0], lowest), highest);
+}
+
+iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyramid *p, size_t brick_voxels,
+                                             size_t level_count, int threads, iso_error *err)
+{
+    if (level_count > p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels are asked for, the pyramid has %zu", level_count, p->level_count);
+    iso_status status = lay_out(n, &p->levels[0], brick_voxels, level_count, err);
+    for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
+        const iso_level *level = &p->levels[l];
+        const size_t *size = level->geometry.size, voxels = iso_geometry_voxel_count(&level->geometry);
+        const size_t nx = node_count(n, l, 0), ny = node_count(n, l, 1), nz = node_count(n, l, 2);
+        float *directions = malloc(3 * voxels * sizeof *directions);
+        if (!directions) {
+            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu directions", voxels);
+            break;
+        }
+        iso_code_decode_all(p->options.code, level->codes, directions, voxels);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+        for (size_t z = 0; z < nz; ++z)
+            for (size_t y = 0; y < ny; ++y)
+                for (size_t x = 0; x < nx; ++x) {
+                    const cell_stencil s[3] = {among_cells(x, l, size[0]), among_cells(y, l, size[1]), among_cells(z, l, size[2])};
+                    node_from_cells(level, directions, s, n->nodes[l] + ISO_NODE_CHANNELS * (x + nx * (y + ny * z)));
+                }
+        free(directions);
+    }
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;

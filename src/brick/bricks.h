@@ -3,7 +3,7 @@
  * Nodes are the voxel centres of level 0: node q stands at index q + 1/2. Brick b
  * of n voxels a side spans the nodes n b .. n (b + 1), the faces' shared by its
  * neighbours. Level l has its nodes at every 2^l-th node of level 0, made by the
- * filter [1 2 1]^3 / 64 from level to level, so that a brick holds (n / 2^l + 1)^3:
+ * filter of iso_node_filter from level to level, so that a brick holds (n / 2^l + 1)^3:
  *
  *     level 0   o-o-o-o-o-o-o-o-o       n = 8: 9 nodes
  *     level 1   o---o---o---o---o              5
@@ -34,12 +34,20 @@
 #define ISO_BRICK_MAX_LEVELS 7
 #define ISO_NODE_CHANNELS 4
 
+/* How coarse nodes are made. Directions come from moments by [1 2 1]^3 / 64 with both. */
+typedef enum iso_node_filter {
+    ISO_NODES_SHARP, /* the scalar by [-1 2 6 2 -1] / 8 along each axis, within the range of the nodes around: what linear
+                      * interpolation shows is nearer to level 0 than with cells, on sparse TFs (doc/mixed-resolution.md) */
+    ISO_NODES_SMOOTH /* by [1 2 1] / 4 */
+} iso_node_filter;
+
 typedef struct iso_node_levels {
     iso_geometry geometry; /* of level 0 */
     double min, max;       /* of its scalar */
     size_t brick_voxels;   /* n, a power of two */
     size_t count[3];       /* bricks along x, y, z */
     size_t level_count;
+    iso_node_filter filter;
     float *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest */
 } iso_node_levels;
 
@@ -47,6 +55,13 @@ typedef struct iso_node_levels {
  * than it has; ISO_E_MEMORY. with_directions: else they are zero. */
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err);
+iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                     iso_node_filter filter, bool with_directions, int threads, iso_error *err);
+/* From the cells of a pyramid, without its level 0 being filtered again: a node of level l is interpolated among the
+ * level's cells, cubic in the scalar (within the range of the eight around) and linear in the decoded directions. As
+ * continuous as the others, and as fast; wider than they are, as cells are means already. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyramid *p, size_t brick_voxels,
+                                             size_t level_count, int threads, iso_error *err);
 /* Rounds the nodes of all levels to what a cache of 16 bits holds: scalars to 65535
  * steps of the range, directions to 1/32767. Coarse nodes have to be round before
  * fine faces are interpolated from them. */

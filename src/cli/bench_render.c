@@ -166,7 +166,8 @@ const iso_command iso_bench_render = {
                "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
                "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
                "samples\ninside bricks, on their own, with the paper's transitions as written and as mended; a quarter of the "
-               "bricks in\ntransition. Then whole levels of cells (2x2x2 means) and of nodes ([1 2 1]) against level 0.",
+               "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
+               "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
     .run = run,

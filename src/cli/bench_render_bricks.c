@@ -164,12 +164,15 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
 
 /* ---- nodes against cells ------------------------------------------------------ */
 
+/* How a whole level is made. The last: from the cells of a pyramid, which is all that is on disk. */
+typedef enum level_kind { LEVEL_CELLS, LEVEL_SMOOTH, LEVEL_SHARP, LEVEL_FROM_CELLS, LEVEL_KINDS } level_kind;
+static const char *const level_kind_names[LEVEL_KINDS] = {"cells", "nodes-smooth", "nodes-sharp", "nodes-from-cells"};
 
-/* An image of a whole level, made of cells (2x2x2 means) or of nodes ([1 2 1]), at the same step in mm. */
+/* An image of a whole level, at the same step in mm. */
 static iso_status draw_level(iso_gl *gl, const iso_pyramid *p, const iso_node_levels *n, const iso_view *view, size_t k,
-                             bool nodes, double step_voxels, uint8_t *levels, iso_image *image, iso_error *err)
+                             double step_voxels, uint8_t *levels, iso_image *image, iso_error *err)
 {
-    if (!nodes) {
+    if (!n) {
         iso_gl_options options = iso_gl_defaults();
         options.step_voxels = ldexp(step_voxels, -(int)k);
         return iso_gl_render(gl, &p->levels[k], p->options.code, view, &options, image, NULL, err);
@@ -181,9 +184,24 @@ static iso_status draw_level(iso_gl *gl, const iso_pyramid *p, const iso_node_le
     return iso_gl_render_bricks(gl, &f, view, &options, image, NULL, err);
 }
 
-/* RMSE of both to level 0, for one TF. */
-static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const iso_node_levels *n,
-                                 const bench_render_options *opt, bench_tf tf, uint8_t *levels, json_t *cases, iso_error *err)
+static void report_level(const iso_cli *cli, bench_tf tf, size_t k, const iso_metrics m[LEVEL_KINDS], json_t *cases)
+{
+    for (int i = 0; i < LEVEL_KINDS; ++i)
+        json_array_append_new(cases, json_pack("{s:s, s:I, s:s, s:f, s:f}", "tf", iso_bench_tf_names[tf], "level",
+                                               (json_int_t)k, "made", level_kind_names[i], "rmse", m[i].rmse, "ssim",
+                                               m[i].ssim));
+    if (cli->json)
+        return;
+    printf("%-8s %5zu", iso_bench_tf_names[tf], k);
+    for (int i = 0; i < LEVEL_KINDS; ++i)
+        printf("   %.5f %.4f ", m[i].rmse, m[i].ssim);
+    printf("\n");
+}
+
+/* RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
+static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
+                                 const iso_node_levels *const nodes[LEVEL_KINDS], const bench_render_options *opt,
+                                 bench_tf tf, uint8_t *levels, json_t *cases, iso_error *err)
 {
     iso_scene scene = iso_bench_scene(opt, tf, GRADIENTS_CODES);
     const iso_level *level = &p->levels[0];
@@ -192,24 +210,18 @@ static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyram
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
     if (status != ISO_OK)
         return status;
-    status = draw_level(gl, p, n, &view, 0, false, opt->step_voxels, levels, &exact, err);
-    for (size_t k = 1; k < p->level_count && k < n->level_count && status == ISO_OK; ++k) {
-        iso_metrics m[2];
-        for (int nodes = 0; nodes < 2 && status == ISO_OK; ++nodes) {
-            iso_image image;
-            status = draw_level(gl, p, n, &view, k, nodes, opt->step_voxels, levels, &image, err);
+    status = draw_level(gl, p, NULL, &view, 0, opt->step_voxels, levels, &exact, err);
+    for (size_t k = 1; k < p->level_count && k < nodes[LEVEL_SHARP]->level_count && status == ISO_OK; ++k) {
+        iso_metrics m[LEVEL_KINDS];
+        for (int i = 0; i < LEVEL_KINDS && status == ISO_OK; ++i) {
+            iso_image image = {0};
+            status = draw_level(gl, p, nodes[i], &view, k, opt->step_voxels, levels, &image, err);
             if (status == ISO_OK)
-                status = iso_metrics_measure(&image, &exact, &m[nodes], err);
+                status = iso_metrics_measure(&image, &exact, &m[i], err);
             iso_image_destroy(&image);
         }
-        if (status != ISO_OK)
-            break;
-        json_array_append_new(cases, json_pack("{s:s, s:I, s:f, s:f, s:f, s:f}", "tf", iso_bench_tf_names[tf], "level",
-                                               (json_int_t)k, "cells_rmse", m[0].rmse, "nodes_rmse", m[1].rmse,
-                                               "cells_ssim", m[0].ssim, "nodes_ssim", m[1].ssim));
-        if (!cli->json)
-            printf("%-8s %5zu %12.5f %12.5f %12.4f %12.4f\n", iso_bench_tf_names[tf], k, m[0].rmse, m[1].rmse, m[0].ssim,
-                   m[1].ssim);
+        if (status == ISO_OK)
+            report_level(cli, tf, k, m, cases);
     }
     iso_image_destroy(&exact);
     iso_view_destroy(&view);
@@ -217,17 +229,27 @@ static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyram
 }
 
 static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
-                                           const iso_node_levels *n, const bench_render_options *opt, uint8_t *levels,
+                                           const iso_node_levels *sharp, const bench_render_options *opt, uint8_t *levels,
                                            json_t *root, iso_error *err)
 {
     json_t *cases = json_array();
-    iso_status status = ISO_OK;
-    if (!cli->json)
-        printf("\nwhole levels against level 0, shaded\n%-8s %5s %12s %12s %12s %12s\n", "tf", "level", "cells RMSE",
-               "nodes RMSE", "cells SSIM", "nodes SSIM");
+    iso_node_levels smooth = {0}, from_cells = {0};
+    const iso_node_levels *const nodes[LEVEL_KINDS] = {NULL, &smooth, sharp, &from_cells};
+    iso_status status = iso_node_levels_create_by(&smooth, &p->levels[0], sharp->brick_voxels, sharp->level_count,
+                                                  ISO_NODES_SMOOTH, true, cli->threads, err);
+    if (status == ISO_OK)
+        status = iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err);
+    if (!cli->json) {
+        printf("\nwhole levels against level 0, shaded: RMSE and SSIM\n%-8s %5s", "tf", "level");
+        for (int i = 0; i < LEVEL_KINDS; ++i)
+            printf(" %16s", level_kind_names[i]);
+        printf("\n");
+    }
     for (int tf = 0; tf < TF_COUNT && status == ISO_OK; ++tf)
-        status = compare_levels(cli, gl, p, n, opt, (bench_tf)tf, levels, cases, err);
+        status = compare_levels(cli, gl, p, nodes, opt, (bench_tf)tf, levels, cases, err);
     json_object_set_new(root, "accuracy", cases);
+    iso_node_levels_destroy(&smooth);
+    iso_node_levels_destroy(&from_cells);
     return status;
 }
 

@@ -40,12 +40,39 @@ def cross(a, b):
 
 # ---- VTK, in its own process ----------------------------------------------------------------------------------
 
+def read_nrrd(path):
+    """Attached raw or gzip: voxels [z, y, x] and spacing; all that the comparison needs of the format."""
+    import gzip
+    import numpy
+    with open(path, "rb") as f:
+        head, data = f.read().split(b"\n\n", 1)
+    fields = dict(line.split(": ", 1) for line in head.decode("latin-1").splitlines()[1:]
+                  if ": " in line and not line.startswith("#"))
+    names = {"unsigned char": "u1", "uchar": "u1", "uint8": "u1", "uint8_t": "u1", "short": "i2", "int16": "i2", "int16_t": "i2",
+             "signed short": "i2", "unsigned short": "u2", "ushort": "u2", "uint16": "u2", "uint16_t": "u2", "float": "f4"}
+    order = ">" if fields.get("endian", "little").strip() == "big" else "<"
+    if fields["encoding"].strip() in ("gzip", "gz"):
+        data = gzip.decompress(data)
+    sizes = [int(n) for n in fields["sizes"].split()]
+    voxels = numpy.frombuffer(data, order + names[fields["type"].strip()], sizes[0] * sizes[1] * sizes[2]).reshape(sizes[::-1])
+    if "spacings" in fields:
+        spacing = [float(h) for h in fields["spacings"].split()]
+    elif "space directions" in fields:
+        rows = [[float(x) for x in row.strip("()").split(",")] for row in fields["space directions"].split()]
+        spacing = [math.sqrt(sum(x * x for x in row)) for row in rows]
+    else:
+        spacing = [1, 1, 1]
+    return numpy.ascontiguousarray(voxels.astype(voxels.dtype.newbyteorder("="))), spacing
+
+
 def vtk_scene(args, tf):
     import vtk
-    reader = vtk.vtkNrrdReader()
-    reader.SetFileName(args.volume)
-    reader.Update()
-    image = reader.GetOutput()
+    from vtkmodules.util import numpy_support
+    voxels, spacing = read_nrrd(args.volume)
+    image = vtk.vtkImageData()
+    image.SetDimensions(voxels.shape[::-1])
+    image.SetSpacing(spacing)
+    image.GetPointData().SetScalars(numpy_support.numpy_to_vtk(voxels.ravel(), deep=True))
     low, high = image.GetScalarRange()
     color, opacity = vtk.vtkColorTransferFunction(), vtk.vtkPiecewiseFunction()
     for part, rgb, alpha in POINTS[tf]:
