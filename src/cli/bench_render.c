@@ -120,6 +120,8 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
         status = iso_cli_check_range("--runs", opt->runs, 1, 1000, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--step", opt->step_voxels, 1e-3, 100, err);
+    if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
+        status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
     if (status == ISO_OK)
         status = iso_gl_create(&gl, NULL, err);
     if (status != ISO_OK)
@@ -144,6 +146,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
         {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0, "of all cores instead of the clock's: software GL on a busy machine", NULL},
+        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0, "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-mended", "NAME"},
+        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
         {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
         POPT_TABLEEND,
@@ -169,6 +173,7 @@ const iso_command iso_bench_render = {
                "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
                "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
-                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",
     .run = run,
 };

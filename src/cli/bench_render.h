@@ -13,6 +13,7 @@ typedef struct bench_render_options {
     iso_cli_input input;
     int size, image, runs, bricks, processor_time;
     double step_voxels;
+    char *transition, *picture; /* --bricks: one transition alone, and its image; or NULL */
 } bench_render_options;
 
 typedef enum bench_tf { TF_DENSE, TF_SPARSE, TF_COUNT } bench_tf;

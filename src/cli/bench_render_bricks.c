@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "compare/metrics.h"
+#include "image/image.h"
 #include "render/bricks_gl.h"
 #include "render/warp_gl.h"
 
@@ -22,6 +23,9 @@ typedef enum bench_texture {
 } bench_texture;
 static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
                                                          "centres-own", "paper",      "paper-mended"};
+/* What --transition calls them. */
+static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous", "baked", "centres-discontinuous",
+                                                            "paper", "paper-mended"};
 static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {[TEXTURE_PAPER] = ISO_WARP_WRITTEN,
                                                         [TEXTURE_PAPER_MENDED] = ISO_WARP_MENDED};
 
@@ -99,6 +103,8 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
         status = iso_gl_render_warp(gl, &warp, level, &view, &options, &image, &stats, err);
     if (status == ISO_OK)
         *seconds = stats.seconds;
+    if (status == ISO_OK && opt->picture && gradients != GRADIENTS_NONE)
+        status = iso_image_save_png(&image, opt->picture, 1, err);
     iso_image_destroy(&image);
     iso_view_destroy(&view);
     return status;
@@ -114,6 +120,8 @@ static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const
     for (int run = 0; run < opt->runs; ++run)
         for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
             double once = INFINITY;
+            if (opt->transition && (t == TEXTURE_UNIFORM || strcmp(opt->transition, transition_names[t]) != 0))
+                continue;
             status = draw_texture(gl, fields, opt, gradients, (bench_texture)t, &once, err);
             seconds[t] = fmin(seconds[t], once);
         }
@@ -145,17 +153,21 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
     for (int g = GRADIENTS_NONE; g <= GRADIENTS_CODES && status == ISO_OK; ++g) {
         double seconds[TEXTURE_COUNT];
         status = measure_textures(gl, fields, opt, (bench_gradients)g, seconds, err);
-        for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t)
+        for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
+            if (isinf(seconds[t]))
+                continue; /* not asked for */
             json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
                                                    texture_names[t], "tf", "dense", "gradients",
                                                    iso_bench_gradients_names[g], "step_voxels", opt->step_voxels,
                                                    "milliseconds", 1e3 * seconds[t]));
+        }
         if (!cli->json && status == ISO_OK) {
             printf("%-12s", iso_bench_gradients_names[g]);
             for (int t = 0; t < TEXTURE_COUNT; ++t)
-                printf(" %13.1f", 1e3 * seconds[t]);
+                isinf(seconds[t]) ? printf(" %13s", "-") : printf(" %13.1f", 1e3 * seconds[t]);
             printf("\n");
-            print_ratios(seconds);
+            if (!opt->transition)
+                print_ratios(seconds);
         }
     }
     json_object_set_new(root, "cases", cases);
@@ -253,13 +265,26 @@ static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const
     return status;
 }
 
+static iso_status check_transition(const char *name, iso_error *err)
+{
+    bool known = !name;
+    for (int t = 1; t < TEXTURE_COUNT; ++t)
+        known = known || strcmp(name, transition_names[t]) == 0;
+    return known ? ISO_OK
+                 : iso_fail(err, ISO_E_USAGE, "--transition is \"%s\", wanted discontinuous, baked, centres-discontinuous, "
+                                              "paper or paper-mended", name);
+}
+
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err)
 {
     const size_t side = (size_t)opt->bricks;
     iso_node_levels n;
     bench_fields fields = {.pyramid = p};
-    iso_status status = iso_node_levels_create(&n, &p->levels[0], side, opt->bricks < 8 ? 2 : BENCH_LEVELS, true,
+    iso_status status = check_transition(opt->transition, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_node_levels_create(&n, &p->levels[0], side, opt->bricks < 8 ? 2 : BENCH_LEVELS, true,
                                                cli->threads, err);
     if (status != ISO_OK)
         return status;
@@ -278,7 +303,7 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
         fields.centres.levels = of_centres;
         json_t *root = iso_cli_json(cli);
         status = run_brick_cases(cli, gl, &fields, transition, opt, root, err);
-        if (status == ISO_OK)
+        if (status == ISO_OK && !opt->transition)
             status = compare_nodes_with_cells(cli, gl, p, &n, opt, levels, root, err);
         if (cli->json && status == ISO_OK)
             iso_cli_print_json(root);
