@@ -88,5 +88,5 @@ refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.js
 if awk '$1 == "nodes-baked" || $1 == "paper-mended" { if (!($2 <= 1e-12)) exit 1; n++ }
         $1 == "paper-written" || $1 == "nodes-own" { if (!($2 > 0.01)) exit 1; n++ } END { exit n != 4 }' out
 then ok bench_seams_tells_smooth_schemes_from_others; else not_ok bench_seams_tells_smooth_schemes_from_others "$(cat out)"; fi
-"$ISOSHADE" bench render --size 32 --image 32 --runs 1 --bricks 8 --json >out 2>err && grep -q '"nodes_rmse"' out && ok bench_of_bricks_runs || not_ok bench_of_bricks_runs "$(cat err)"
+"$ISOSHADE" bench render --size 32 --image 32 --runs 1 --bricks 8 --json >out 2>err && grep -q '"nodes-sharp"' out && grep -q '"paper-mended"' out && ok bench_of_bricks_runs || not_ok bench_of_bricks_runs "$(cat err)"
 exit $failed
