@@ -173,7 +173,7 @@ const statisticsText = row => !row.statistics ? [] : [el('table', {}, el('tbody'
 function agreementTable() {
     if (data.agreement.length === 0) return el('p', {}, 'Nothing was compared.');
     const rows = data.agreement.map((row, at) => {
-        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell(row.scene), cell(row.tier || ''), cell(row.a), cell(row.b),
+        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell([row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), cell(row.a), cell(row.b),
             withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
             withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
             cell(number(row.error_bar), true), cell(row.verdict === 'reported' ? '–' : ratio(row), true), cell(row.verdict, false, row.verdict));
@@ -182,7 +182,7 @@ function agreementTable() {
         return tr;
     });
     return table('Agreement, worst first. Figures outside their limit are red; a limit shows when the pointer rests on its figure.',
-        [['level', 1], ['scene'], ['tier'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
+        [['level', 1], ['scene'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
 }
 
 // ---- panels of failed cases ---------------------------------------------------
