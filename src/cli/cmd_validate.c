@@ -250,7 +250,7 @@ const iso_command iso_command_validate = {
                "level 0. --suite does it for scenes that break renderers, at level 0. DIR/index.html shows it, DIR/report.json holds it.\n"
                "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
-                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick -o report\n"
+                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n"
                 "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .run = run,
