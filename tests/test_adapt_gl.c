@@ -1,30 +1,11 @@
 #include "test.h"
+#include "gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/raycaster.h"
 #include "tf/adapt.h"
-
-static iso_gl *gl;
-
-static int start_gl(void **state)
-{
-    (void)state;
-    iso_error err = {""};
-    if (iso_gl_create(&gl, NULL, &err) == ISO_OK)
-        return 0;
-    print_error("%s\n", err.text);
-    return -1;
-}
-
-static int end_gl(void **state)
-{
-    (void)state;
-    iso_gl_destroy(gl);
-    return 0;
-}
 
 /* A homogeneous block of 50 in the planes x < 4, and a plate of 100 in x = 7 and 8, which fills half of its coarse
  * voxels: at level 1 both have the value 50, the block with deviation 0, the plate with the largest there is. */
@@ -146,5 +127,5 @@ int main(void)
         cmocka_unit_test(equal_tables_of_all_classes_are_the_plain_table),
         cmocka_unit_test(classes_show_the_plate_and_not_the_block_that_shares_its_value),
     };
-    return cmocka_run_group_tests(tests, start_gl, end_gl);
+    return cmocka_run_group_tests(tests, open_gl, close_gl);
 }
