@@ -17,6 +17,15 @@ check a_baseline_is_taken "$ISOSHADE" baseline report accepted.json --update
 check and_holds "$ISOSHADE" baseline report accepted.json
 check all_scenes_of_the_folder_name_tier_and_reason test "$(grep -l '"tier": .*"why": "..' "$suite"/*.scene.json | wc -l)" = "$(ls "$suite" | wc -l)"
 
+# Scenes at a time are a matter of speed alone.
+facts() { python3 -c 'import json, sys
+report = json.load(open(sys.argv[1]))
+for row in report["agreement"]: del row["seconds"]
+print(json.dumps([report["agreement"], report["images"]], sort_keys=True, indent=1))' "$1/report.json" >"$1.facts"; }
+for threads in 1 7; do "$ISOSHADE" validate --with gl --quick -q --suite few --size 8 --threads $threads -o threads-$threads >/dev/null && facts threads-$threads; done
+check scenes_at_a_time_change_nothing cmp threads-1.facts threads-7.facts
+check rows_say_their_seconds python3 -c 'import json; assert all(r["seconds"] > 0 for r in json.load(open("report/report.json"))["agreement"])'
+
 # The reproduce command of a row renders what the row says.
 line=$(python3 -c 'import json; print(next(r["command"] for r in json.load(open("report/report.json"))["agreement"] if r["scene"] == "negative-ramp" and r["b"] == "gl"))')
 check a_reproduce_command_runs bash -c "${line//isoshade /\"\$ISOSHADE\" } -q"

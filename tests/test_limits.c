@@ -242,7 +242,7 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
     const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
     for (double step = 1; step > 0.005; step /= 2) {
         iso_render_options coarse = iso_render_defaults(ISO_WITH_POVRAY), fine = coarse;
-        iso_limit_povray_pair(&s.pyramid.levels[0], step, &coarse, &fine);
+        iso_limit_povray_pair(&s.pyramid.levels[0], step, 1.0 / 64, &coarse, &fine);
         assert_int_equal(fine.intervals, 2 * coarse.intervals);
         assert_int_equal(fine.planes, coarse.planes);
         assert_at_most((double)fine.intervals, 255);

@@ -49,6 +49,26 @@ static void a_signal_ends_the_program_and_is_a_failure(void **state)
     assert_true(now.sa_handler == SIG_DFL);
 }
 
+/* The one that begins last ends first: signals stay watched until both are over. */
+static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **state)
+{
+    (void)state;
+    const char *const programs[2][4] = {{"/bin/sh", "-c", "sleep 60", NULL}, {"/bin/sh", "-c", "sleep 0.2; echo ready; sleep 60", NULL}};
+    const iso_process_options options[2] = {{.line = NULL}, {.line = send_interrupt}};
+    iso_error errors[2] = {{""}, {""}};
+    iso_status results[2];
+    #pragma omp parallel for num_threads(2) schedule(static, 1)
+    for (int i = 0; i < 2; ++i)
+        results[i] = iso_process_run(programs[i], &options[i], &errors[i]);
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(results[i], ISO_E_PROGRAM);
+        assert_non_null(strstr(errors[i].text, "stopped by signal 15"));
+    }
+    struct sigaction now;
+    sigaction(SIGTERM, NULL, &now);
+    assert_true(now.sa_handler == SIG_DFL);
+}
+
 static void tell_pid(void *user, const char *line)
 {
     const int *pipe_end = user;
@@ -96,6 +116,7 @@ int main(void)
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
+        cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),
         cmocka_unit_test(a_killed_caller_leaves_nothing_running),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,28 +87,40 @@ static void take_output(line_log *log, const char *bytes, size_t count)
     }
 }
 
-/* Ctrl-C and the like, while a program runs: it is ended and the call fails, so that the caller removes what is half
- * made. A handler can speak through nothing but a global. */
+/* Ctrl-C and the like, while programs run: they are ended and the calls fail, so that the callers remove what is half
+ * made. A handler can speak through nothing but a global; the first of several calls watches, the last restores. */
 static volatile sig_atomic_t stop_signal;
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { stop_count = sizeof stop_signals / sizeof *stop_signals };
+static struct {
+    pthread_mutex_t lock;
+    size_t running;
+    struct sigaction before[stop_count];
+} watched = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void note_signal(int number) { stop_signal = number; }
 
 /* Signals that are ignored (nohup) or handled by others stay so. */
-static void watch_signals(struct sigaction before[stop_count])
+static void watch_signals(void)
 {
     const struct sigaction watch = {.sa_handler = note_signal};
-    stop_signal = 0;
-    for (int i = 0; i < stop_count; ++i)
-        if (sigaction(stop_signals[i], NULL, &before[i]) == 0 && before[i].sa_handler == SIG_DFL)
-            sigaction(stop_signals[i], &watch, NULL);
+    pthread_mutex_lock(&watched.lock);
+    if (watched.running++ == 0) {
+        stop_signal = 0;
+        for (int i = 0; i < stop_count; ++i)
+            if (sigaction(stop_signals[i], NULL, &watched.before[i]) == 0 && watched.before[i].sa_handler == SIG_DFL)
+                sigaction(stop_signals[i], &watch, NULL);
+    }
+    pthread_mutex_unlock(&watched.lock);
 }
 
-static void restore_signals(const struct sigaction before[stop_count])
+static void restore_signals(void)
 {
-    for (int i = 0; i < stop_count; ++i)
-        sigaction(stop_signals[i], &before[i], NULL);
+    pthread_mutex_lock(&watched.lock);
+    if (--watched.running == 0)
+        for (int i = 0; i < stop_count; ++i)
+            sigaction(stop_signals[i], &watched.before[i], NULL);
+    pthread_mutex_unlock(&watched.lock);
 }
 
 typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED } drain_end;
@@ -143,8 +156,10 @@ static void run_child(const char *const argv[], const char *directory, int out)
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* a killed isoshade leaves nothing running */
     if (directory && chdir(directory) != 0)
         _exit(126);
-    if (!freopen("/dev/null", "r", stdin))
+    int nothing = open("/dev/null", O_RDONLY); /* no stdio: other threads may have held its locks at the fork */
+    if (nothing < 0)
         _exit(126);
+    dup2(nothing, STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
     close(out);
@@ -160,11 +175,10 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     int fds[2];
     if (pipe2(fds, O_CLOEXEC) != 0)
         return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", name, strerror(errno));
-    struct sigaction before[stop_count];
-    watch_signals(before);
+    watch_signals();
     pid_t pid = fork();
     if (pid < 0) {
-        restore_signals(before);
+        restore_signals();
         close(fds[0]);
         close(fds[1]);
         return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", name, strerror(errno));
@@ -180,7 +194,7 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     int result = 0;
     while (waitpid(pid, &result, 0) < 0 && errno == EINTR) {
     }
-    restore_signals(before);
+    restore_signals();
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", name, (int)stop_signal);
     if (end == DRAIN_TIMED_OUT)

@@ -23,7 +23,7 @@ typedef struct iso_process_options {
  * ISO_E_PROGRAM and the message names the program, the cause and the last
  * lines of the output that look like an error. SIGINT, SIGTERM and SIGHUP end
  * the program and are such a failure, so that callers clean up; the program
- * does not outlive this process. One call at a time. */
+ * does not outlive this process. Threads may each run one; a signal ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 
 #endif

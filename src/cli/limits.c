@@ -29,11 +29,13 @@ double iso_limit_left(const iso_limit *l)
     return isnan(fine) ? NAN : fine > 0 ? fine / l->coarse_rmse : 0;
 }
 
-void iso_limit_povray_pair(const iso_level *level, double step_voxels, iso_render_options *coarse, iso_render_options *fine)
+void iso_limit_povray_pair(const iso_level *level, double step_voxels, double finest_voxels, iso_render_options *coarse,
+                           iso_render_options *fine)
 {
     const iso_geometry *g = &level->geometry;
     const double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
-    const double total = ceil(chord_voxels / step_voxels), pieces = ceil(total / (ISO_POVRAY_MAX_INTERVALS - 1));
+    const double total = ceil(chord_voxels / step_voxels), room = fmin(fmax(step_voxels / finest_voxels, 1), 4);
+    const double pieces = ceil(room * total / (ISO_POVRAY_MAX_INTERVALS - 1));
     const size_t planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
     const size_t half = (size_t)fmin(fmax(ceil(0.5 * total / (double)(planes + 1)), 2), ISO_POVRAY_MAX_INTERVALS / 2);
     coarse->planes = fine->planes = planes;
@@ -130,45 +132,84 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
     return status;
 }
 
-static iso_status find_pair(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                            const iso_image *reference, iso_renderer which, const iso_limit_options *opt, double step,
-                            iso_limit *out, const iso_progress *progress, iso_error *err)
+/* What a limit is taken from: `seeds` images at the double step, then `seeds` at the step. */
+typedef struct step_pair {
+    iso_render_options frames[2 * most_seeds];
+    iso_image images[2 * most_seeds];
+    size_t seeds;
+} step_pair;
+
+static void destroy_pair(step_pair *pair)
 {
-    iso_render_options frames[2 * most_seeds] = {{0}};
-    iso_image images[2 * most_seeds] = {{0}};
-    const size_t seeds = which == ISO_WITH_CYCLES ? opt->seeds : 1;
-    for (size_t i = 0; i < 2 * seeds; ++i) {
-        frames[i] = iso_render_defaults(which);
-        frames[i].threads = opt->threads;
-        frames[i].seed = opt->first_seed + (int)(i % seeds);
-        frames[i].step_voxels = i < seeds ? 2 * step : step;
+    for (size_t i = 0; i < 2 * pair->seeds; ++i)
+        iso_image_destroy(&pair->images[i]);
+}
+
+/* The frames of half the step. Where its double is what was the step, those images stay; *first is the first that is
+ * to be rendered. */
+static void halve(step_pair *pair, const iso_level *level, iso_renderer which, double step, double finest, size_t *first)
+{
+    const size_t n = pair->seeds;
+    const size_t doubled = 2 * pair->frames[n].intervals;
+    const bool stays = which != ISO_WITH_POVRAY || doubled <= ISO_POVRAY_MAX_INTERVALS;
+    for (size_t i = 0; i < n; ++i) {
+        iso_image_destroy(&pair->images[i]);
+        if (!stays)
+            iso_image_destroy(&pair->images[n + i]);
+        pair->images[i] = pair->images[n + i];
+        pair->images[n + i] = (iso_image){0};
+        pair->frames[i] = pair->frames[n + i];
+        pair->frames[n + i].step_voxels = step;
+    }
+    if (which == ISO_WITH_POVRAY && stays)
+        pair->frames[1].intervals = doubled;
+    else if (which == ISO_WITH_POVRAY)
+        iso_limit_povray_pair(level, step, finest, &pair->frames[0], &pair->frames[1]);
+    *first = stays ? n : 0;
+}
+
+static void first_pair(step_pair *pair, const iso_level *level, iso_renderer which, const iso_limit_options *opt)
+{
+    *pair = (step_pair){.seeds = which == ISO_WITH_CYCLES ? opt->seeds : 1};
+    for (size_t i = 0; i < 2 * pair->seeds; ++i) {
+        pair->frames[i] = iso_render_defaults(which);
+        pair->frames[i].threads = opt->threads;
+        pair->frames[i].seed = opt->first_seed + (int)(i % pair->seeds);
+        pair->frames[i].step_voxels = i < pair->seeds ? 2 * opt->step_voxels : opt->step_voxels;
     }
     if (which == ISO_WITH_POVRAY)
-        iso_limit_povray_pair(&p->levels[level], step, &frames[0], &frames[1]);
-    *out = (iso_limit){.step_voxels = step, .seeds = seeds};
-    iso_status status = iso_render_several(r, p, level, view, frames, 2 * seeds, images, progress, err);
-    if (status == ISO_OK)
-        status = extrapolate(images, seeds, reference, opt->bars, out, err);
-    for (size_t i = 0; i < 2 * seeds; ++i)
-        iso_image_destroy(&images[i]);
-    return status;
+        iso_limit_povray_pair(level, opt->step_voxels, opt->finest_voxels, &pair->frames[0], &pair->frames[1]);
+}
+
+static bool is_good(const iso_limit *limit, const iso_limit_options *opt)
+{
+    return limit->bar <= opt->wanted_bar && limit->rmse <= limit->allowed && iso_limit_left(limit) <= opt->wanted_left;
 }
 
 iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                           const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err)
 {
+    step_pair pair;
     iso_status status = ISO_OK;
     *out = (iso_limit){0};
     if (opt->seeds < 2 || opt->seeds > most_seeds)
         return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds, most_seeds);
-    for (double step = opt->step_voxels; status == ISO_OK; step /= 2) {
+    first_pair(&pair, &p->levels[level], which, opt);
+    size_t first = 0;
+    for (double step = opt->step_voxels; status == ISO_OK;) {
         iso_limit_destroy(out);
-        status = find_pair(r, p, level, view, reference, which, opt, step, out, progress, err);
-        bool good = out->bar <= opt->wanted_bar && out->rmse <= out->allowed && iso_limit_left(out) <= opt->wanted_left;
-        if (good || !(step / 2 >= opt->finest_voxels))
+        *out = (iso_limit){.step_voxels = step, .seeds = pair.seeds};
+        status = iso_render_several(r, p, level, view, pair.frames + first, 2 * pair.seeds - first, pair.images + first,
+                                    progress, err);
+        if (status == ISO_OK)
+            status = extrapolate(pair.images, pair.seeds, reference, opt->bars, out, err);
+        step /= 2;
+        if (status != ISO_OK || is_good(out, opt) || !(step >= opt->finest_voxels))
             break;
+        halve(&pair, &p->levels[level], which, step, opt->finest_voxels, &first);
     }
+    destroy_pair(&pair);
     if (status != ISO_OK)
         iso_limit_destroy(out);
     return status;

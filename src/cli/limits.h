@@ -61,7 +61,9 @@ void iso_limit_destroy(iso_limit *limit);
 /* Halving leaves this part of the error, beyond rounding and noise; about 1/4. 0 where nothing is left to shrink. */
 double iso_limit_left(const iso_limit *limit);
 
-/* How to ask POV-Ray, which has intervals, for a step and its double: the planes stay and the intervals halve. */
-void iso_limit_povray_pair(const iso_level *level, double step_voxels, iso_render_options *coarse, iso_render_options *fine);
+/* How to ask POV-Ray, which has intervals, for a step and its double: the planes stay and the intervals halve. There are
+ * so many planes that the step can be halved twice more, or down to the finest, before a piece has too many intervals. */
+void iso_limit_povray_pair(const iso_level *level, double step_voxels, double finest_voxels, iso_render_options *coarse,
+                           iso_render_options *fine);
 
 #endif

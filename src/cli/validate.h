@@ -26,6 +26,8 @@ typedef struct iso_validation {
     iso_direction_source source;
     bool quick;
     size_t seeds;             /* of Cycles */
+    size_t order;             /* of the rows among those of other scenes */
+    double row_start;         /* when what a row compares began */
     bool wanted[ISO_RENDERER_COUNT];
     char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
     size_t consistency_size, consistency_views;
@@ -65,7 +67,8 @@ iso_limits iso_validate_gl_lock_step(bool sharp);
  * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
 
-/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
+/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated; as many scenes at a time
+ * as there are threads, because programs that start, read and write leave a core idle. */
 typedef struct iso_suite_options {
     const char *folder;
     size_t width, height; /* of all images; 0: the scenes' own */

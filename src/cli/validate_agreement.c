@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "cli/closed_form.h"
 #include "cli/limits.h"
 #include "cli/validate.h"
@@ -60,11 +61,13 @@ static iso_status add_image(iso_validation *v, const char *name, const iso_image
     return status;
 }
 
-static void tell(const iso_validation *v, size_t level, const char *what)
+/* What a row begins with: its name for the progress, and its clock. */
+static void begin_row(iso_validation *v, size_t level, const char *what)
 {
     char stage[160];
     snprintf(stage, sizeof stage, "%s%slevel %zu: %s", v->variant, v->variant[0] ? ", " : "", level, what);
     iso_progress_report(v->progress, stage, 0);
+    v->row_start = iso_clock_seconds();
 }
 
 /* The line that repeats a row's other side. */
@@ -104,6 +107,7 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     snprintf(b_name, sizeof b_name, "%s%s%s", row->b, v->variant[0] ? ", " : "", v->variant);
     row->b = b_name;
     row->level = level;
+    row->order = v->order;
     row->scene = v->scene_name;
     row->a = row->a ? row->a : a->name;
     row->image_a = a->image_name;
@@ -118,6 +122,7 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     }
     char *command = reproduce(v, level, renderer, options);
     row->command = command;
+    row->seconds = iso_clock_seconds() - v->row_start;
     if (status == ISO_OK)
         status = iso_report_add_agreement(v->report, row, err);
     free(command);
@@ -129,8 +134,8 @@ static iso_status add_refusal(iso_validation *v, size_t level, const char *a, is
 {
     char b_name[128];
     snprintf(b_name, sizeof b_name, "%s%s%s", iso_renderer_name(renderer), v->variant[0] ? ", " : "", v->variant);
-    const iso_report_agreement row = {.level = level, .scene = v->scene_name, .a = a, .b = b_name, .tier = tier,
-                                      .error_bar = NAN, .refused = v->refused[renderer]};
+    const iso_report_agreement row = {.level = level, .order = v->order, .scene = v->scene_name, .a = a, .b = b_name,
+                                      .tier = tier, .error_bar = NAN, .refused = v->refused[renderer]};
     return iso_report_add_agreement(v->report, &row, err);
 }
 
@@ -166,7 +171,7 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
     iso_status status;
     *t = (level_truths){.main = {.name = formula ? "closed form" : "reference"}, .exported = {.name = "reference, decoded"}};
     t->differ = !formula && exported_source(v) != ISO_FROM_CODES;
-    tell(v, level, t->main.name);
+    begin_row(v, level, t->main.name);
     name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
     name_image(v, level, "reference-decoded", t->exported.image_name);
     if (formula)
@@ -197,7 +202,7 @@ static iso_status lock_step(iso_validation *v, size_t level, iso_renderer render
                                           : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6)"};
     if (v->refused[renderer][0])
         return add_refusal(v, level, same.name, renderer, row.tier, err);
-    tell(v, level, what);
+    begin_row(v, level, what);
     opt.threads = v->threads;
     opt.source = gl ? v->source : ISO_FROM_CODES;
     opt.intervals = gl ? 0 : lock_step_intervals;
@@ -286,7 +291,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer re
     if (v->refused[renderer][0])
         return add_refusal(v, level, a->name, renderer, row.tier, err);
     snprintf(what, sizeof what, "%s-limit", iso_renderer_name(renderer));
-    tell(v, level, what);
+    begin_row(v, level, what);
     iso_limit_options opt = limit_options(v, renderer);
     iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
                                        v->progress, err);
@@ -314,7 +319,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     opt.threads = v->threads;
     opt.source = exported_source(v);
     name_image(v, level, "reference", a.image_name);
-    tell(v, level, a.name);
+    begin_row(v, level, a.name);
     iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress, err);
     if (status == ISO_OK)
         status = add_image(v, a.image_name, &a.image, a.name, err);
@@ -331,7 +336,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
             status = add_refusal(v, level, a.name, opt.renderer, row.tier, err);
             continue;
         }
-        tell(v, level, row.b);
+        begin_row(v, level, row.b);
         status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
         if (status == ISO_OK)
             status = add_row(v, level, &row, &a, row.b, &image, opt.renderer, options, err);

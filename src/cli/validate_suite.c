@@ -40,24 +40,51 @@ static iso_status make_volume(const char *make, const char *path, iso_error *err
     return status;
 }
 
-/* One line a scene, with the time that is left at the pace so far. */
-typedef struct pace {
-    const iso_progress *outer;
-    const char *name;
-    size_t index, count;
+/* What the workers share; begin_scene() and end_scene() alone touch it. */
+typedef struct suite_run {
+    const iso_progress *progress;
+    struct dirent **entries;
+    size_t count, begun, done, workers;
     double start;
-} pace;
+    iso_status status; /* the first failure ends the run */
+    iso_error error;
+} suite_run;
 
-static void report_scene(const pace *p)
+/* One line a scene, with the time that is left at the pace so far. */
+static void report_scene(const suite_run *run, const char *name)
 {
     char stage[200];
-    double elapsed = iso_clock_seconds() - p->start, left = elapsed / (double)p->index * (double)(p->count - p->index);
-    const int length = (int)(strlen(p->name) - strlen(".scene.json"));
-    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", p->index + 1, p->count, length < 60 ? length : 60, p->name);
-    if (p->index > 0)
+    const double elapsed = iso_clock_seconds() - run->start;
+    const double left = elapsed / (double)run->done * (double)(run->count - run->done);
+    const int length = (int)(strlen(name) - strlen(".scene.json"));
+    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", run->begun, run->count, length < 60 ? length : 60, name);
+    if (run->done > 0)
         snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
                  left < 90 ? left : left / 60);
-    iso_progress_report(p->outer, stage, (double)p->index / (double)p->count);
+    iso_progress_report(run->progress, stage, (double)run->done / (double)run->count);
+}
+
+static bool begin_scene(suite_run *run, const char *name)
+{
+    bool go;
+    #pragma omp critical (iso_suite)
+    {
+        go = run->status == ISO_OK;
+        run->begun += go;
+        if (go)
+            report_scene(run, name);
+    }
+    return go;
+}
+
+static void end_scene(suite_run *run, iso_status status, const iso_error *err)
+{
+    #pragma omp critical (iso_suite)
+    {
+        run->done++;
+        if (status != ISO_OK && run->status == ISO_OK)
+            run->status = status, run->error = *err;
+    }
 }
 
 static char *scene_name(const char *file)
@@ -102,7 +129,9 @@ static iso_status load_and_validate(iso_validation *v, const iso_suite_options *
                                     iso_error *err)
 {
     iso_scene scene = {0};
-    char *name = scene_name(file), *path = iso_path_join(opt->folder, file), *volume = iso_path_join(scratch, "volume.nrrd");
+    char *name = scene_name(file), *path = iso_path_join(opt->folder, file), *volume = NULL;
+    if (asprintf(&volume, "%s/volume-%zu.nrrd", scratch, v->order) < 0)
+        volume = NULL;
     double start = iso_clock_seconds();
     iso_status status = name && path && volume ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
@@ -122,32 +151,47 @@ static iso_status load_and_validate(iso_validation *v, const iso_suite_options *
     return status;
 }
 
+/* A share of the scenes, one after the other. The worker has renderers of its own: a context of OpenGL belongs to a
+ * thread. To be called by all threads of a team. */
+static void work(const iso_validation *v, const iso_suite_options *opt, const char *scratch, suite_run *run)
+{
+    iso_validation mine = *v;
+    mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir};
+    mine.progress = NULL; /* one line a scene is enough */
+    mine.threads = (int)((size_t)iso_threads(v->threads) / run->workers);
+    #pragma omp for schedule(dynamic, 1)
+    for (size_t i = 0; i < run->count; ++i) {
+        iso_error err = {""};
+        if (!begin_scene(run, run->entries[i]->d_name))
+            continue;
+        mine.order = i;
+        end_scene(run, load_and_validate(&mine, opt, run->entries[i]->d_name, scratch, &err), &err);
+    }
+    iso_renderers_end(&mine.renderers);
+}
+
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
 {
-    struct dirent **entries = NULL;
-    int count = scandir(opt->folder, &entries, is_scene, alphasort);
+    suite_run run = {.progress = v->progress, .start = iso_clock_seconds()};
+    int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
     if (count < 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
-    const iso_progress *outer = v->progress;
     char *scratch = iso_make_temp_dir();
-    pace p = {.outer = outer, .count = (size_t)count, .start = iso_clock_seconds()};
-    iso_status status = ISO_OK;
+    run.count = (size_t)count;
+    run.workers = (size_t)iso_threads(v->threads) < run.count ? (size_t)iso_threads(v->threads) : run.count;
     if (count == 0)
-        status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
+        run.status = iso_fail(&run.error, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
-        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
-    v->progress = NULL; /* one line a scene is enough */
-    for (int i = 0; i < count && status == ISO_OK; ++i) {
-        p.index = (size_t)i, p.name = entries[i]->d_name;
-        report_scene(&p);
-        status = load_and_validate(v, opt, entries[i]->d_name, scratch, err);
+        run.status = iso_fail(&run.error, ISO_E_IO, "no temporary folder can be made");
+    if (run.status == ISO_OK) {
+        #pragma omp parallel num_threads((int)run.workers)
+        work(v, opt, scratch, &run);
     }
-    v->progress = outer;
     for (int i = 0; i < count; ++i)
-        free(entries[i]);
-    free(entries);
+        free(run.entries[i]);
+    free(run.entries);
     if (scratch)
         iso_remove_tree(scratch);
     free(scratch);
-    return status;
+    return run.status == ISO_OK ? ISO_OK : iso_fail(err, run.status, "%s", run.error.text);
 }

@@ -2,6 +2,7 @@
 #include "compare/report.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,8 +16,10 @@
 
 struct iso_report {
     iso_output out;
+    pthread_mutex_t lock; /* of what is below */
     json_t *root;    /* report.json */
-    json_t *inlined; /* what only the page needs: pictures as text, differences */
+    json_t *inlined; /* what only the page needs: pictures as text, differences of the agreement's rows */
+    size_t *orders;  /* of the agreement's rows */
     double start_seconds;
     bool finished;
 };
@@ -42,6 +45,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     iso_report *r = calloc(1, sizeof *r);
     if (!r)
         return no_memory(err);
+    pthread_mutex_init(&r->lock, NULL);
     iso_status status = iso_output_begin_dir(&r->out, dir, "report.json", err);
     if (status == ISO_OK)
         status = iso_report_files_begin(r->out.temp_path, err);
@@ -54,7 +58,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     struct tm utc;
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
-    r->inlined = json_pack("{s:{}, s:{}, s:{}}", "images", "differences", "charts");
+    r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
     r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
                         "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title),
                         "volume", text(about->volume), "scene", text(about->scene), "made", stamp, "verdict", "",
@@ -75,6 +79,8 @@ void iso_report_destroy(iso_report *r)
     iso_output_abandon(&r->out);
     json_decref(r->root);
     json_decref(r->inlined);
+    pthread_mutex_destroy(&r->lock);
+    free(r->orders);
     free(r);
 }
 
@@ -90,12 +96,14 @@ const json_t *iso_report_json(const iso_report *r)
 
 void iso_report_put(iso_report *r, const char *section, const char *key, json_t *value)
 {
+    pthread_mutex_lock(&r->lock);
     json_t *object = json_object_get(r->root, section);
     if (!object) {
         object = json_object();
         json_object_set_new(r->root, section, object);
     }
     json_object_set_new(object, key, value);
+    pthread_mutex_unlock(&r->lock);
 }
 
 void iso_report_describe_machine(iso_report *r)
@@ -127,25 +135,36 @@ iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image
     const char *good = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
     if (!name[0] || name[0] == '.' || strspn(name, good) != strlen(name))
         return iso_fail(err, ISO_E_RANGE, "report: \"%s\" is no name of an image: letters, digits, - _ . only", name);
-    json_t *images = json_object_get(r->root, "images");
-    if (json_object_get(images, name))
+    json_t *images = json_object_get(r->root, "images"), *about;
+    about = json_pack("{s:o, s:I, s:I}", "caption", text(caption), "width", (json_int_t)image->width, "height",
+                      (json_int_t)image->height);
+    pthread_mutex_lock(&r->lock);
+    const bool taken = json_object_get(images, name);
+    if (!taken) /* nobody else may take the name while its files are written */
+        json_object_set(images, name, about);
+    pthread_mutex_unlock(&r->lock);
+    json_decref(about);
+    if (taken)
         return iso_fail(err, ISO_E_RANGE, "report: an image \"%s\" is there already", name);
     char *uri = NULL;
     iso_status status = iso_report_files_image(r->out.temp_path, name, image, notes, &uri, err);
-    if (status != ISO_OK)
-        return status;
-    json_object_set_new(images, name, json_pack("{s:o, s:I, s:I}", "caption", text(caption), "width",
-                                                (json_int_t)image->width, "height", (json_int_t)image->height));
-    json_object_set_new(json_object_get(r->inlined, "images"), name, json_string(uri));
+    pthread_mutex_lock(&r->lock);
+    if (status == ISO_OK)
+        json_object_set_new(json_object_get(r->inlined, "images"), name, json_string(uri));
+    else
+        json_object_del(images, name);
+    pthread_mutex_unlock(&r->lock);
     free(uri);
-    return ISO_OK;
+    return status;
 }
 
 void iso_report_set_scale(iso_report *r, const char *name, double mm_per_pixel)
 {
+    pthread_mutex_lock(&r->lock);
     json_t *image = json_object_get(json_object_get(r->root, "images"), name);
     if (image && mm_per_pixel > 0 && isfinite(mm_per_pixel))
         json_object_set_new(image, "mm_per_pixel", json_real(mm_per_pixel));
+    pthread_mutex_unlock(&r->lock);
 }
 
 /* The largest metric over its limit. Infinite where nothing can be measured. */
@@ -227,11 +246,34 @@ static json_t *limits_json(const iso_limits *l)
     return object;
 }
 
-static iso_status check_image_name(const iso_report *r, const char *name, iso_error *err)
+static iso_status check_image_name(iso_report *r, const char *name, iso_error *err)
 {
-    if (name && !json_object_get(json_object_get(r->root, "images"), name))
+    pthread_mutex_lock(&r->lock);
+    const bool known = !name || json_object_get(json_object_get(r->root, "images"), name);
+    pthread_mutex_unlock(&r->lock);
+    if (!known)
         return iso_fail(err, ISO_E_RANGE, "report: no image \"%s\" was added", name);
     return ISO_OK;
+}
+
+/* Behind all rows of the same order. Takes the references to row and difference. */
+static iso_status insert_row(iso_report *r, size_t order, json_t *row, json_t *difference, iso_error *err)
+{
+    pthread_mutex_lock(&r->lock);
+    json_t *rows = json_object_get(r->root, "agreement"), *differences = json_object_get(r->inlined, "differences");
+    const size_t count = json_array_size(rows);
+    size_t *orders = realloc(r->orders, (count + 1) * sizeof *orders), at = count;
+    if (orders) {
+        r->orders = orders;
+        for (; at > 0 && orders[at - 1] > order; --at)
+            orders[at] = orders[at - 1];
+        orders[at] = order;
+    }
+    bool good = orders && json_array_insert(rows, at, row) == 0 && json_array_insert(differences, at, difference) == 0;
+    pthread_mutex_unlock(&r->lock);
+    json_decref(row);
+    json_decref(difference);
+    return good ? ISO_OK : no_memory(err);
 }
 
 iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *row, iso_error *err)
@@ -257,23 +299,19 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_object_set_new(o, "gates", gates_json(row));
     if (row->statistics)
         json_object_set(o, "statistics", row->statistics);
+    json_object_set_new(o, "seconds", row->seconds > 0 ? json_real(row->seconds) : json_null());
     json_object_set_new(o, "why", text(row->refused ? row->refused : row->why));
     json_object_set_new(o, "command", text(row->command));
     json_object_set_new(o, "image_a", text(row->image_a));
     json_object_set_new(o, "image_b", text(row->image_b));
-    json_t *rows = json_object_get(r->root, "agreement");
-    if (row->image_a && row->image_b) {
-        char *uri = NULL, key[32];
-        status = iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &uri, err);
-        snprintf(key, sizeof key, "%zu", json_array_size(rows));
-        if (status == ISO_OK)
-            json_object_set_new(json_object_get(r->inlined, "differences"), key, json_string(uri));
-        free(uri);
-    }
-    if (status != ISO_OK)
+    char *difference = NULL;
+    if (row->image_a && row->image_b)
+        status = iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &difference, err);
+    if (status == ISO_OK)
+        status = insert_row(r, row->order, o, text(difference), err);
+    else
         json_decref(o);
-    else if (json_array_append_new(rows, o) != 0)
-        status = no_memory(err);
+    free(difference);
     return status;
 }
 

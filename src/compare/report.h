@@ -7,8 +7,8 @@
  *                           style.gp is the one file to restyle them all
  *
  * A report is built row by row and appears when it is finished, whole or not
- * at all. Rows may come in any order: the page sorts the worst first. Strings
- * are copied. Severity of a row is its largest metric or gate over its limit:
+ * at all. Rows may come in any order and from several threads: the page sorts the
+ * worst first. Strings are copied. Severity of a row is its largest metric or gate over its limit:
  * above 1 it differs. */
 #ifndef ISO_REPORT_H
 #define ISO_REPORT_H
@@ -54,7 +54,7 @@ enum { ISO_REPORT_MAX_GATES = 6 };
 
 /* Two images that should agree. */
 typedef struct iso_report_agreement {
-    size_t level;
+    size_t level, order;           /* rows stand in ascending order, those of one order as they came */
     const char *scene, *a, *b;     /* renderers, with what sets them apart: "gl, codes" */
     const char *image_a, *image_b; /* names given to iso_report_add_image(), or NULL */
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
@@ -65,6 +65,7 @@ typedef struct iso_report_agreement {
     iso_report_gate gates[ISO_REPORT_MAX_GATES];
     json_t *statistics;            /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */
     const char *why;               /* why these limits */
+    double seconds;                /* that rendering and comparing took; 0: not measured */
     const char *command;           /* the line that repeats this case, or NULL */
     const char *refused;           /* the calibration that failed, with its value; NULL: compared */
     bool informative;              /* reported, without a gate */
