@@ -86,7 +86,7 @@ static const char *judge(const subject *s, const iso_image *truth, iso_renderer 
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 1.0 / 16;
-    opt.bars = sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
+    opt.factor = sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
     assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, which, &opt, &limit, NULL, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
@@ -216,11 +216,11 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     iso_image truth = reference(&s);
     iso_limit coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
-    opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.bars = INFINITY; /* anything goes */
+    opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
     assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &coarse, NULL, &err));
     assert_within(coarse.step_voxels, 1, 0);
     opt = iso_limit_defaults();
-    opt.step_voxels = 1, opt.wanted_bar = coarse.bar / 10;
+    opt.step_voxels = 1, opt.wanted_bar = coarse.step_bar / 10;
     assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &fine, NULL, &err));
     assert_at_most(fine.step_voxels, 0.5);
     assert_at_most(fine.bar, opt.wanted_bar);

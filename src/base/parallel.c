@@ -14,6 +14,11 @@ int iso_thread_index(void)
     return omp_get_thread_num();
 }
 
+bool iso_is_in_parallel(void)
+{
+    return omp_in_parallel();
+}
+
 double iso_clock_seconds(void)
 {
     struct timespec t;

@@ -4,11 +4,16 @@
 #ifndef ISO_PARALLEL_H
 #define ISO_PARALLEL_H
 
+#include <stdbool.h>
+
 /* wanted > 0: that many; 0: as many as OpenMP offers (all cores, or OMP_NUM_THREADS). */
 int iso_threads(int wanted);
 
 /* The number of the calling thread within its parallel region, from 0. */
 int iso_thread_index(void);
+
+/* Whether the calling thread is one of several already: loops that it begins have one thread. */
+bool iso_is_in_parallel(void);
 
 /* Wall clock in seconds, for benchmarks and reports. */
 double iso_clock_seconds(void);

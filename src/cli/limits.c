@@ -12,7 +12,7 @@ enum { most_seeds = 32 };
 iso_limit_options iso_limit_defaults(void)
 {
     return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550,
-                               .bars = ISO_LIMIT_BARS_SMOOTH, .wanted_left = 0.354, .seeds = 4};
+                               .factor = ISO_LIMIT_FACTOR_SMOOTH, .wanted_left = 0.354, .seeds = 4};
 }
 
 void iso_limit_destroy(iso_limit *limit)
@@ -22,11 +22,19 @@ void iso_limit_destroy(iso_limit *limit)
     *limit = (iso_limit){0};
 }
 
+/* The square of an RMSE less what chance alone leaves in it, within three of its own standard errors. */
+static double without_noise(double rmse, double noise_square, double uncertainty)
+{
+    return fmax(rmse * rmse - noise_square - 3 * uncertainty, 0);
+}
+
 double iso_limit_left(const iso_limit *l)
 {
-    /* Two standard errors: chance alone is seldom more. */
-    double fine = l->fine_rmse - ISO_LIMIT_ROUNDING - 2 * l->noise_bar;
-    return isnan(fine) ? NAN : fine > 0 ? fine / l->coarse_rmse : 0;
+    const double fine = sqrt(without_noise(l->fine_rmse, l->fine_noise.square, l->fine_noise.uncertainty)) - ISO_LIMIT_ROUNDING;
+    const double coarse = sqrt(without_noise(l->coarse_rmse, l->coarse_noise.square, 0));
+    if (isnan(l->fine_rmse) || isnan(l->coarse_rmse))
+        return NAN;
+    return fine <= 0 ? 0 : fine / coarse; /* infinite where there was no error before */
 }
 
 void iso_limit_povray_pair(const iso_level *level, double step_voxels, double finest_voxels, iso_render_options *coarse,
@@ -53,22 +61,28 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
     }
 }
 
-/* RMS of the mean's standard error, over pixels and all four channels: the alpha of a picture may be noisier than
- * its colours, where volume and background are alike. */
-static double standard_error(const iso_image *images, size_t n, const iso_image *mean)
+/* The mean square error of the mean, over pixels and all four channels (the alpha of a picture may be noisier than its
+ * colours, where volume and background are alike), and how well n images tell it: a variance from n samples has a
+ * variance of 2 / (n - 1) times its square; the channels of a pixel err together. */
+static iso_limit_noise noise_of_mean(const iso_image *images, size_t n, const iso_image *mean)
 {
-    const size_t count = 4 * mean->width * mean->height;
-    double sum = 0;
-    for (size_t i = 0; i < count; ++i)
-        for (size_t k = 0; k < n; ++k) {
-            double d = (double)images[k].rgba[i] - (double)mean->rgba[i];
-            sum += d * d;
-        }
-    return sqrt(sum / (double)((n - 1) * n) / (double)count);
+    const size_t pixels = mean->width * mean->height;
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        double variance = 0;
+        for (size_t c = 4 * i; c < 4 * i + 4; ++c)
+            for (size_t k = 0; k < n; ++k) {
+                double d = (double)images[k].rgba[c] - (double)mean->rgba[c];
+                variance += d * d / (double)((n - 1) * n);
+            }
+        sum += variance;
+        squares += 2 * variance * variance / (double)(n - 1);
+    }
+    return (iso_limit_noise){sum / (double)(4 * pixels), sqrt(squares) / (double)(4 * pixels)};
 }
 
 /* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes. */
-static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double bars,
+static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double factor,
                              double largest_step_error, iso_limit *out, iso_error *err)
 {
     iso_samples samples;
@@ -78,9 +92,9 @@ static iso_status test_noise(const iso_image *limits, size_t count, const iso_im
         return status;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = iso_samples_add(&samples, &limits[i], err);
-    out->noise_bar = standard_error(limits, count, &out->image);
+    out->noise_bar = sqrt(noise_of_mean(limits, count, &out->image).square);
     if (status == ISO_OK)
-        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, bars * largest_step_error + ISO_LIMIT_ROUNDING, &out->noise,
+        status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, factor * largest_step_error + ISO_LIMIT_ROUNDING, &out->noise,
                                   err);
     if (status == ISO_OK) /* the mean over the image hides no single pixel: it is held to the bar itself */
         status = iso_samples_test(&samples, ISO_LIMIT_SIGNIFICANCE, out->step_bar + ISO_LIMIT_ROUNDING, &bias, err);
@@ -99,7 +113,7 @@ static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, 
 }
 
 /* images: `seeds` of the double step, then `seeds` of the step. */
-static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, double bars, iso_limit *out,
+static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, double factor, iso_limit *out,
                               iso_error *err)
 {
     iso_image limits[most_seeds] = {{0}}, coarse = {0};
@@ -122,10 +136,14 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
     for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
         status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
     if (status == ISO_OK && seeds > 1)
-        status = test_noise(limits, seeds, reference, bars, e.error_bar_max, out, err);
+        status = test_noise(limits, seeds, reference, factor, e.error_bar_max, out, err);
+    if (status == ISO_OK && seeds > 1) {
+        out->coarse_noise = noise_of_mean(images, seeds, &coarse);
+        out->fine_noise = noise_of_mean(images + seeds, seeds, &out->fine);
+    }
     out->order = log2(out->coarse_rmse / out->fine_rmse);
-    out->bar = hypot(out->step_bar, out->noise_bar);
-    out->allowed = bars * out->bar + ISO_LIMIT_ROUNDING;
+    out->bar = factor * hypot(out->step_bar, out->noise_bar);
+    out->allowed = out->bar + ISO_LIMIT_ROUNDING;
     for (size_t i = 0; i < most_seeds; ++i)
         iso_image_destroy(&limits[i]);
     iso_image_destroy(&coarse);
@@ -203,7 +221,7 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
         status = iso_render_several(r, p, level, view, pair.frames + first, 2 * pair.seeds - first, pair.images + first,
                                     progress, err);
         if (status == ISO_OK)
-            status = extrapolate(pair.images, pair.seeds, reference, opt->bars, out, err);
+            status = extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
         step /= 2;
         if (status != ISO_OK || is_good(out, opt) || !(step >= opt->finest_voxels))
             break;

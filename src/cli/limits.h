@@ -16,14 +16,19 @@
 typedef struct iso_limit_options {
     double step_voxels;   /* the finer of the first two, in the level's smallest spacing */
     double finest_voxels; /* where halving ends */
-    double wanted_bar;    /* RMSE */
-    double bars;          /* ISO_LIMIT_BARS_... */
+    double wanted_bar;    /* RMSE, factor included */
+    double factor;        /* of safety: ISO_LIMIT_FACTOR_... */
     double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
     size_t seeds;         /* of Cycles, at least 2 */
     int first_seed, threads;
 } iso_limit_options;
-/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, of which a limit may be 2 off; 0.354 left by halving. */
+/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving. */
 iso_limit_options iso_limit_defaults(void);
+
+/* What chance leaves in the mean over the seeds: mean square over pixels and channels, and its standard error. */
+typedef struct iso_limit_noise {
+    double square, uncertainty;
+} iso_limit_noise;
 
 typedef struct iso_limit {
     iso_image image;               /* the limit; mean over the seeds */
@@ -33,8 +38,9 @@ typedef struct iso_limit {
     double rmse;                   /* of the limit against the reference */
     double order;                  /* log2 (coarse_rmse / fine_rmse) */
     double step_bar, noise_bar;    /* RMSE of `fine` to the limit; standard error of the limit; of RGB and alpha */
-    double bar;                    /* both */
-    double allowed;                /* RMSE: so many bars, and rounding */
+    iso_limit_noise coarse_noise, fine_noise; /* of the means at both steps; 0 where nothing is random */
+    double bar;                    /* the error bar: both, times the factor */
+    double allowed;                /* RMSE: the bar, and rounding */
     size_t seeds;                  /* 1: nothing is random, and noise is not filled */
     iso_noise_test noise;          /* of the seeds' limits against the reference */
 } iso_limit;
@@ -42,11 +48,13 @@ typedef struct iso_limit {
 /* Second order halves to a quarter. The TF's bends fall anywhere between the samples, so that single halvings do
  * better or worse: what is left is asked to be at most half a power more. */
 #define ISO_LIMIT_ORDER 2.0
-/* How many bars a limit may be off. Errors of the two steps that are independent of each other, r e and e, leave
- * sqrt(r^2 + 16) / 3 e in the limit, at a bar of sqrt(r^2 + 1) / 3 e: 1.4 bars for r = 4, and 1.6 for the least that is
- * let pass of smooth TFs. A TF that a step does not resolve is of first order, r = 2, and then 2 bars off. */
-#define ISO_LIMIT_BARS_SMOOTH 2.0
-#define ISO_LIMIT_BARS_SHARP 2.5
+/* A bar is the difference of fine image and limit, times a factor of safety: as in the grid convergence index of
+ * Roache (Perspective: a method for uniform reporting of grid refinement studies, 1994), who takes 3 for two grids. Errors
+ * of the two steps that are independent of each other, r e and e, leave sqrt(r^2 + 16) / 3 e in the limit, at a
+ * difference of sqrt(r^2 + 1) / 3 e: 1.4 times that for r = 4, and 1.6 for the least that is let pass of smooth TFs.
+ * A TF that a step does not resolve is of first order, r = 2, and then 2 times that off. */
+#define ISO_LIMIT_FACTOR_SMOOTH 2.0
+#define ISO_LIMIT_FACTOR_SHARP 2.5
 /* What 16 bits a channel (POV-Ray) and single precision leave. */
 #define ISO_LIMIT_ROUNDING 1e-5
 /* Of all pixels and channels of an image together, and of its bias. */
@@ -58,7 +66,8 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
                           const iso_progress *progress, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
 
-/* Halving leaves this part of the error, beyond rounding and noise; about 1/4. 0 where nothing is left to shrink. */
+/* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing is
+ * left to shrink. */
 double iso_limit_left(const iso_limit *limit);
 
 /* How to ask POV-Ray, which has intervals, for a step and its double: the planes stay and the intervals halve. There are

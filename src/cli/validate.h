@@ -26,7 +26,7 @@ typedef struct iso_validation {
     iso_direction_source source;
     bool quick;
     size_t seeds;             /* of Cycles */
-    size_t order;             /* of the rows among those of other scenes */
+    size_t order;             /* of the rows among those of other parts */
     double row_start;         /* when what a row compares began */
     bool wanted[ISO_RENDERER_COUNT];
     char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
@@ -42,6 +42,12 @@ typedef struct iso_validation {
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
+
+/* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
+ * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows in
+ * the order of the parts. The first failure ends the run. */
+typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
+iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
 
 /* One level of what v holds: the ray caster and POV-Ray by the same samples, Cycles by its limit. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
@@ -67,8 +73,7 @@ iso_limits iso_validate_gl_lock_step(bool sharp);
  * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
 
-/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated; as many scenes at a time
- * as there are threads, because programs that start, read and write leave a core idle. */
+/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
 typedef struct iso_suite_options {
     const char *folder;
     size_t width, height; /* of all images; 0: the scenes' own */

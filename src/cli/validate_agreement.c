@@ -268,10 +268,10 @@ static iso_limit_options limit_options(const iso_validation *v, iso_renderer ren
     o.seeds = v->seeds;
     o.threads = v->threads;
     o.wanted_left = v->scene->agreement.sharp ? sharp_left : smooth_left;
-    o.bars = v->scene->agreement.sharp ? ISO_LIMIT_BARS_SHARP : ISO_LIMIT_BARS_SMOOTH;
+    o.factor = v->scene->agreement.sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
     o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
     if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
-        o.wanted_bar /= 3;
+        o.wanted_bar /= 1.5;
     if (v->scene->agreement.sharp) /* the first pair would seldom do */
         o.step_voxels = 1.0 / 8;
     if (renderer == ISO_WITH_GL) /* costs nothing */
@@ -346,8 +346,9 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     return status;
 }
 
-static iso_status agree_at(iso_validation *v, size_t level, iso_error *err)
+static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
 {
+    (void)unused;
     static const iso_renderer limited[] = {ISO_WITH_GL, ISO_WITH_POVRAY, ISO_WITH_CYCLES};
     level_truths t = {.differ = false};
     if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
@@ -385,8 +386,5 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
 
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level)
-        status = agree_at(v, level, err);
-    return status;
+    return iso_validate_each(v, v->pyramid->level_count, agree_at, NULL, err);
 }

@@ -92,8 +92,17 @@ static iso_status compare_table(iso_validation *v, const iso_pyramid *p, const i
     return status;
 }
 
-static iso_status all_tfs(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_error *err)
+/* A way to make directions, and the pyramid that was made so. */
+typedef struct made_pyramid {
+    const iso_method *method;
+    const iso_pyramid *pyramid;
+} made_pyramid;
+
+static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error *err)
 {
+    const made_pyramid *made = user;
+    const iso_pyramid *p = made->pyramid;
+    const iso_method *m = made->method;
     iso_view view = {0};
     bool adapted = false, covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
     iso_status status = small_view(v->view, &view, err);
@@ -120,8 +129,8 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
             status = iso_validate_build_with(v, m->filter, &own, err);
             p = &own;
         }
-        for (size_t level = 0; level < p->level_count && status == ISO_OK; ++level)
-            status = all_tfs(v, p, m, level, err);
+        if (status == ISO_OK)
+            status = iso_validate_each(v, p->level_count, all_tfs, &(made_pyramid){m, p}, err);
         iso_pyramid_destroy(&own);
     }
     return status;

@@ -40,51 +40,32 @@ static iso_status make_volume(const char *make, const char *path, iso_error *err
     return status;
 }
 
-/* What the workers share; begin_scene() and end_scene() alone touch it. */
+enum { most_levels = 16 }; /* whose rows come in a row */
+
+/* What the scenes share. */
 typedef struct suite_run {
-    const iso_progress *progress;
+    const iso_suite_options *options;
+    const char *scratch;
     struct dirent **entries;
-    size_t count, begun, done, workers;
+    size_t count, begun, done;
     double start;
-    iso_status status; /* the first failure ends the run */
-    iso_error error;
 } suite_run;
 
 /* One line a scene, with the time that is left at the pace so far. */
-static void report_scene(const suite_run *run, const char *name)
+static void report_scene(suite_run *run, const char *name, const iso_progress *progress)
 {
     char stage[200];
     const double elapsed = iso_clock_seconds() - run->start;
-    const double left = elapsed / (double)run->done * (double)(run->count - run->done);
     const int length = (int)(strlen(name) - strlen(".scene.json"));
-    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", run->begun, run->count, length < 60 ? length : 60, name);
-    if (run->done > 0)
+    size_t begun, done;
+    #pragma omp critical (iso_suite)
+    begun = ++run->begun, done = run->done;
+    const double left = elapsed / (double)done * (double)(run->count - done);
+    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", begun, run->count, length < 60 ? length : 60, name);
+    if (done > 0)
         snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
                  left < 90 ? left : left / 60);
-    iso_progress_report(run->progress, stage, (double)run->done / (double)run->count);
-}
-
-static bool begin_scene(suite_run *run, const char *name)
-{
-    bool go;
-    #pragma omp critical (iso_suite)
-    {
-        go = run->status == ISO_OK;
-        run->begun += go;
-        if (go)
-            report_scene(run, name);
-    }
-    return go;
-}
-
-static void end_scene(suite_run *run, iso_status status, const iso_error *err)
-{
-    #pragma omp critical (iso_suite)
-    {
-        run->done++;
-        if (status != ISO_OK && run->status == ISO_OK)
-            run->status = status, run->error = *err;
-    }
+    iso_progress_report(progress, stage, (double)done / (double)run->count);
 }
 
 static char *scene_name(const char *file)
@@ -125,21 +106,21 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     return status;
 }
 
-static iso_status load_and_validate(iso_validation *v, const iso_suite_options *opt, const char *file, const char *scratch,
-                                    iso_error *err)
+static iso_status load_and_validate(iso_validation *v, const suite_run *run, size_t i, iso_error *err)
 {
     iso_scene scene = {0};
-    char *name = scene_name(file), *path = iso_path_join(opt->folder, file), *volume = NULL;
-    if (asprintf(&volume, "%s/volume-%zu.nrrd", scratch, v->order) < 0)
-        volume = NULL;
+    const char *file = run->entries[i]->d_name;
+    char *name = scene_name(file), *path = iso_path_join(run->options->folder, file), *volume = NULL;
     double start = iso_clock_seconds();
+    if (asprintf(&volume, "%s/volume-%zu.nrrd", run->scratch, i) < 0)
+        volume = NULL;
     iso_status status = name && path && volume ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_scene_load(path, &scene, err);
     if (status == ISO_OK && !scene.suite_make)
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
     v->scene_name = name, v->scene_path = path;
-    if (status == ISO_OK && (status = validate_scene(v, opt, &scene, volume, err)) != ISO_OK)
+    if (status == ISO_OK && (status = validate_scene(v, run->options, &scene, volume, err)) != ISO_OK)
         status = iso_fail_in(err, status, "%s", path);
     if (status == ISO_OK)
         iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
@@ -151,47 +132,38 @@ static iso_status load_and_validate(iso_validation *v, const iso_suite_options *
     return status;
 }
 
-/* A share of the scenes, one after the other. The worker has renderers of its own: a context of OpenGL belongs to a
- * thread. To be called by all threads of a team. */
-static void work(const iso_validation *v, const iso_suite_options *opt, const char *scratch, suite_run *run)
+static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
 {
-    iso_validation mine = *v;
-    mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir};
-    mine.progress = NULL; /* one line a scene is enough */
-    mine.threads = (int)((size_t)iso_threads(v->threads) / run->workers);
-    #pragma omp for schedule(dynamic, 1)
-    for (size_t i = 0; i < run->count; ++i) {
-        iso_error err = {""};
-        if (!begin_scene(run, run->entries[i]->d_name))
-            continue;
-        mine.order = i;
-        end_scene(run, load_and_validate(&mine, opt, run->entries[i]->d_name, scratch, &err), &err);
-    }
-    iso_renderers_end(&mine.renderers);
+    suite_run *run = user;
+    report_scene(run, run->entries[i]->d_name, mine->progress);
+    mine->progress = NULL; /* one line a scene is enough */
+    mine->order = i * most_levels;
+    iso_status status = load_and_validate(mine, run, i, err);
+    #pragma omp critical (iso_suite)
+    run->done++;
+    return status;
 }
 
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
 {
-    suite_run run = {.progress = v->progress, .start = iso_clock_seconds()};
+    suite_run run = {.options = opt, .start = iso_clock_seconds()};
     int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
     if (count < 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
     char *scratch = iso_make_temp_dir();
-    run.count = (size_t)count;
-    run.workers = (size_t)iso_threads(v->threads) < run.count ? (size_t)iso_threads(v->threads) : run.count;
+    iso_status status = ISO_OK;
+    run.count = (size_t)count, run.scratch = scratch;
     if (count == 0)
-        run.status = iso_fail(&run.error, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
+        status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
-        run.status = iso_fail(&run.error, ISO_E_IO, "no temporary folder can be made");
-    if (run.status == ISO_OK) {
-        #pragma omp parallel num_threads((int)run.workers)
-        work(v, opt, scratch, &run);
-    }
+        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    if (status == ISO_OK)
+        status = iso_validate_each(v, run.count, one_scene, &run, err);
     for (int i = 0; i < count; ++i)
         free(run.entries[i]);
     free(run.entries);
     if (scratch)
         iso_remove_tree(scratch);
     free(scratch);
-    return run.status == ISO_OK ? ISO_OK : iso_fail(err, run.status, "%s", run.error.text);
+    return status;
 }
