@@ -1,6 +1,7 @@
 /* The front of cost and error, and the choice on it. */
 #include <math.h>
 
+#include "base/random.h"
 #include "compare/pareto.h"
 #include "tests/test.h"
 
@@ -39,12 +40,119 @@ static void the_cheapest_that_is_good_enough_is_chosen(void **state)
     assert_int_equal(iso_pareto_choose(cost, tie, error, 0, 1), 0);
 }
 
+/* ---- random points, against the definition -------------------------------------------- */
+
+enum { MOST = 200 };
+
+/* Few values, so that costs and errors tie often; some are not finite. */
+static double random_figure(iso_random *r)
+{
+    const double u = iso_random_unit(r);
+    return u < 0.03 ? NAN : u < 0.05 ? INFINITY : floor(25 * iso_random_unit(r)) / 8;
+}
+
+/* The front by another way than pareto.c's: a point is beaten when the least error among strictly cheaper points is at
+ * most its own, or when one of equal cost has less. */
+static bool is_worth_having(const double *cost, const double *error, size_t count, size_t i)
+{
+    double cheaper = INFINITY, equal = INFINITY;
+    for (size_t j = 0; j < count; ++j) {
+        if (!isfinite(error[j]) || !isfinite(cost[j]))
+            continue;
+        if (cost[j] < cost[i])
+            cheaper = fmin(cheaper, error[j]);
+        else if (cost[j] == cost[i])
+            equal = fmin(equal, error[j]);
+    }
+    return isfinite(cost[i]) && isfinite(error[i]) && error[i] < cheaper && error[i] <= equal;
+}
+
+static size_t count_wrong(const double *cost, const double *error, const bool *front, size_t count)
+{
+    size_t wrong = 0;
+    for (size_t i = 0; i < count; ++i)
+        wrong += front[i] != is_worth_having(cost, error, count, i);
+    return wrong;
+}
+
+/* Planted faults: a front that takes no notice of ties in cost, one that lets the infinite in, one that drops a point. */
+static void plant(int fault, const double *cost, const double *error, size_t count, bool *front)
+{
+    for (size_t i = 0; i < count; ++i) {
+        bool beaten = false;
+        for (size_t j = 0; j < count; ++j)
+            beaten = beaten || (cost[j] < cost[i] && error[j] < error[i]);
+        if (fault == 0 && isfinite(cost[i]) && isfinite(error[i]))
+            front[i] = !beaten;
+        if (fault == 1 && isinf(cost[i]))
+            front[i] = true;
+        if (fault == 2 && front[i]) {
+            front[i] = false;
+            return;
+        }
+    }
+}
+
+static void random_fronts_follow_the_definition(void **state)
+{
+    (void)state;
+    iso_random r = {20};
+    double cost[MOST], error[MOST], tie[MOST];
+    bool front[MOST];
+    size_t found[3] = {0};
+    for (int round = 0; round < 200; ++round) {
+        const size_t count = 1 + (size_t)(iso_random_unit(&r) * (MOST - 1));
+        for (size_t i = 0; i < count; ++i) {
+            cost[i] = random_figure(&r);
+            error[i] = random_figure(&r);
+            tie[i] = iso_random_unit(&r);
+        }
+        iso_pareto_front(cost, error, count, front);
+        assert_int_equal(count_wrong(cost, error, front, count), 0);
+
+        const double limit = 3 * iso_random_unit(&r);
+        const size_t chosen = iso_pareto_choose(cost, tie, error, count, limit);
+        for (size_t i = 0; i < count; ++i)
+            if (error[i] <= limit && isfinite(cost[i])) {
+                assert_true(chosen < count && error[chosen] <= limit && cost[chosen] <= cost[i]);
+                assert_true(cost[chosen] < cost[i] || tie[chosen] <= tie[i]);
+            }
+        for (int fault = 0; fault < 3; ++fault) {
+            iso_pareto_front(cost, error, count, front);
+            plant(fault, cost, error, count, front);
+            found[fault] += count_wrong(cost, error, front, count) > 0;
+        }
+    }
+    for (int fault = 0; fault < 3; ++fault)
+        assert_true(found[fault] > 100); /* of 200 sets; small ones may have neither a tie nor an infinity */
+}
+
+/* The cheapest by error, ties broken by time, is on the front: what `--want` names lies on it. */
+static void what_is_chosen_lies_on_the_front(void **state)
+{
+    (void)state;
+    iso_random r = {21};
+    double cost[50], error[50];
+    bool front[50];
+    for (int round = 0; round < 200; ++round) {
+        for (size_t i = 0; i < 50; ++i) {
+            cost[i] = random_figure(&r);
+            error[i] = random_figure(&r);
+        }
+        iso_pareto_front(cost, error, 50, front);
+        const size_t chosen = iso_pareto_choose(cost, error, error, 50, 3 * iso_random_unit(&r));
+        assert_true(chosen == 50 || front[chosen]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_front_holds_what_nothing_beats),
         cmocka_unit_test(what_is_not_a_number_is_never_on_the_front),
         cmocka_unit_test(the_cheapest_that_is_good_enough_is_chosen),
+        cmocka_unit_test(random_fronts_follow_the_definition),
+        cmocka_unit_test(what_is_chosen_lies_on_the_front),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,10 +2,12 @@
 #include "povray/povray.h"
 
 #include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -375,9 +377,10 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
 typedef struct run_progress {
     const iso_progress *progress;
     double from, to;
+    iso_povray_stats *stats; /* or NULL */
 } run_progress;
 
-/* "Rendered 1234 of 2304 pixels (53%)" */
+/* "Rendered 1234 of 2304 pixels (53%)" and "  Trace Time:       0 hours  0 minutes  1 seconds (1.234 seconds)" */
 static void take_progress(void *user, const char *line)
 {
     const run_progress *run = user;
@@ -386,6 +389,10 @@ static void take_progress(void *user, const char *line)
     if (at && sscanf(at, "Rendered %zu of %zu pixels", &done, &total) == 2 && total > 0)
         iso_progress_report(run->progress, "povray: rendering",
                             run->from + (run->to - run->from) * (double)done / (double)total);
+    double seconds;
+    at = run->stats && strstr(line, "Trace Time:") ? strchr(line, '(') : NULL;
+    if (at && sscanf(at, "(%lf seconds)", &seconds) == 1)
+        run->stats->trace_seconds += seconds;
 }
 
 static iso_status run_povray(const char *program, const char *dir, const iso_view *view, iso_povray_pass pass,
@@ -434,7 +441,7 @@ static iso_status render_once(const char *program, const char *dir, const iso_po
 {
     iso_image transmittance = {0};
     const double split = run->from + 0.3 * (run->to - run->from);
-    const run_progress first = {run->progress, run->from, split}, second = {run->progress, split, run->to};
+    const run_progress first = {run->progress, run->from, split, run->stats}, second = {run->progress, split, run->to, run->stats};
     iso_status status = run_povray(program, dir, s->view, ISO_POVRAY_TRANSMITTANCE, intervals, s->options, &first,
                                    &transmittance, err);
     if (status == ISO_OK)
@@ -459,7 +466,7 @@ static iso_status render_scene(const char *program, const char *dir, const iso_p
     const size_t n = s->options->intervals;
     const bool extrapolated = s->options->extrapolate && !s->options->isosurface;
     const double split = extrapolated ? 1.0 / 3 : 0;
-    const run_progress coarse_run = {progress, 0, split}, fine_run = {progress, split, 1};
+    const run_progress coarse_run = {progress, 0, split, s->options->stats}, fine_run = {progress, split, 1, s->options->stats};
     iso_image coarse = {0};
     iso_status status = ISO_OK;
     iso_progress_report(progress, "povray: rendering", 0);
@@ -472,6 +479,22 @@ static iso_status render_scene(const char *program, const char *dir, const iso_p
     iso_image_destroy(&coarse);
     iso_progress_report(progress, "povray: rendering", 1);
     return status;
+}
+
+static double df3_bytes(const char *folder)
+{
+    double sum = 0;
+    DIR *dir = opendir(folder);
+    for (struct dirent *e = dir ? readdir(dir) : NULL; e; e = readdir(dir)) {
+        char *path = iso_path_join(folder, e->d_name);
+        struct stat about;
+        if (path && iso_path_ends_with(path, ".df3") && stat(path, &about) == 0)
+            sum += (double)about.st_size;
+        free(path);
+    }
+    if (dir)
+        closedir(dir);
+    return sum;
 }
 
 iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
@@ -489,6 +512,8 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
         status = prepare(p, level, view, "scene", opt, &s, err);
     if (status == ISO_OK)
         status = write_all(p, &s.scene, dir, progress, err);
+    if (status == ISO_OK && opt->stats)
+        *opt->stats = (iso_povray_stats){.df3_bytes = df3_bytes(dir)};
     if (status == ISO_OK)
         status = render_scene(program, dir, &s.scene, progress, image, err);
     if (dir)

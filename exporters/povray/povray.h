@@ -36,6 +36,12 @@
 #define ISO_POVRAY_MAX_INTERVALS 255 /* a fixed vector inside POV-Ray */
 #define ISO_POVRAY_MAX_PLANES 100    /* two trace levels a plane, of 256 */
 
+/* What a render took inside POV-Ray, over all its passes. */
+typedef struct iso_povray_stats {
+    double trace_seconds; /* without starting, reading DF3 files and parsing */
+    double df3_bytes;     /* of the DF3 files, which POV-Ray holds as they are */
+} iso_povray_stats;
+
 typedef struct iso_povray_options {
     size_t intervals;      /* 2 to 255 a piece of a ray */
     size_t planes;         /* cutting planes across the view: 0 to 100 */
@@ -46,6 +52,7 @@ typedef struct iso_povray_options {
     double iso;            /* the value of the isosurface */
     const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
     int threads;
+    iso_povray_stats *stats; /* filled by renders; or NULL */
 } iso_povray_options;
 /* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */
 iso_povray_options iso_povray_defaults(void);

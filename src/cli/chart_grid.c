@@ -6,31 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/cli.h"
+
 const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
+const iso_chart_words iso_chart_default_words = {.with = "gl,povray,cycles",
+                                                 .steps = "2,1,0.5,0.25,0.125",
+                                                 .quadratures = "midpoint,preintegrated",
+                                                 .codes = "fit,snorm,shell,free,cube,region48,squeeze",
+                                                 .filters = "moments,eq1,naive",
+                                                 .estimators = "central,sobel",
+                                                 .tfs = "original,adapted,tables",
+                                                 .plans = "16/255,4/255,1/255"};
+
 /* ---- what the user asked for ------------------------------------------------- */
-
-/* A number, or a quotient such as 1/255; *end as strtod has it. */
-static double read_quotient(const char *text, char **end)
-{
-    double above = strtod(text, end);
-    if (*end == text || **end != '/')
-        return above;
-    const char *rest = *end + 1;
-    char *rest_end;
-    double below = strtod(rest, &rest_end);
-    *end = rest_end == rest ? (char *)text : rest_end;
-    return above / below;
-}
-
-iso_status iso_chart_parse_error(const char *option, const char *text, double *error, iso_error *err)
-{
-    char *end;
-    *error = read_quotient(text, &end);
-    if (end == text || *end || !(*error > 0 && *error <= 1))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an RMSE above 0 and at most 1, such as 1/255", option, text);
-    return ISO_OK;
-}
 
 /* "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients of lo to hi. */
 static iso_status parse_numbers(const char *option, const char *text, double lo, double hi, const char *wanted, double *values,
@@ -39,7 +28,7 @@ static iso_status parse_numbers(const char *option, const char *text, double lo,
     *count = 0;
     for (const char *at = text;; ++at) {
         char *end;
-        double value = read_quotient(at, &end);
+        double value = iso_cli_read_quotient(at, &end);
         if (end == at || !(value >= lo && value <= hi) || *count == ISO_CHART_MAX_LIST || (*end && *end != ','))
             return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", option, text, ISO_CHART_MAX_LIST, wanted);
         values[(*count)++] = value;
@@ -93,6 +82,18 @@ static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
     return ISO_OK;
 }
 
+/* flags[0] the scene's own, flags[1] the level's, flags[2] the level's over two values */
+static iso_status take_tf(const char *word, bool *flags, iso_error *err)
+{
+    static const char *const names[] = {"original", "adapted", "tables"};
+    for (size_t i = 0; i < 3; ++i)
+        if (strcmp(word, names[i]) == 0) {
+            flags[i] = true;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tables", word);
+}
+
 /* "a,b,c": sets the flag of each. */
 static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
 {
@@ -104,30 +105,55 @@ static iso_status parse_list(const char *list, iso_status (*take)(const char *, 
     return status;
 }
 
+/* The word before the first comma, which has been found good. */
+static const char *first_word(const char *list, char word[64])
+{
+    snprintf(word, 64, "%.*s", (int)strcspn(list, ","), list);
+    return word;
+}
+
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)
 {
+    const iso_chart_words *usual = &iso_chart_default_words;
     *g = (iso_chart_grid){.step_count = 0};
-    for (int c = 0; c < ISO_CODE_COUNT && !words->codes; ++c)
-        g->codes[c] = iso_code_describe((iso_code)c)->is_textured;
-    bool quadratures[2] = {false};
-    iso_status status = parse_list(words->with ? words->with : "gl", take_renderer, g->with, err);
-    if (status == ISO_OK && words->codes)
-        status = parse_list(words->codes, take_code, g->codes, err);
+    bool quadratures[2] = {false}, tfs[3] = {false};
+    char word[64];
+    const char *filters = words->filters ? words->filters : usual->filters,
+               *estimators = words->estimators ? words->estimators : usual->estimators,
+               *codes = words->codes ? words->codes : usual->codes,
+               *plans = words->plans ? words->plans : usual->plans;
+    const struct {
+        const char *list;
+        iso_status (*take)(const char *, bool *, iso_error *);
+        bool *flags;
+    } lists[] = {{words->with ? words->with : usual->with, take_renderer, g->with},
+                 {codes, take_code, g->codes},
+                 {filters, take_filter, g->filters},
+                 {estimators, take_estimator, g->estimators},
+                 {words->quadratures ? words->quadratures : usual->quadratures, take_quadrature, quadratures},
+                 {words->tfs ? words->tfs : usual->tfs, take_tf, tfs}};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists && status == ISO_OK; ++i)
+        status = parse_list(lists[i].list, lists[i].take, lists[i].flags, err);
     if (status == ISO_OK)
-        status = parse_list(words->filters ? words->filters : "moments", take_filter, g->filters, err);
+        status = iso_direction_filter_from_name(first_word(filters, word), &g->first_filter, err);
     if (status == ISO_OK)
-        status = parse_list(words->estimators ? words->estimators : "central", take_estimator, g->estimators, err);
+        status = iso_gradient_from_name(first_word(estimators, word), &g->first_estimator, err);
     if (status == ISO_OK)
-        status = parse_list(words->quadratures ? words->quadratures : "midpoint,preintegrated", take_quadrature, quadratures, err);
+        status = iso_code_from_name(first_word(codes, word), &g->first_code, err);
     if (status == ISO_OK)
-        status = parse_numbers("--steps", words->steps ? words->steps : "2,1,0.5,0.25,0.125", 1e-3, 100,
+        status = parse_numbers("--steps", words->steps ? words->steps : usual->steps, 1e-3, 100,
                                "steps of 0.001 to 100 voxels, such as 2,1,0.5", g->steps, &g->step_count, err);
-    const char *plans = words->plans ? words->plans : "4/255,1/255";
     if (status == ISO_OK && strcmp(plans, "none") != 0)
         status = parse_numbers("--plans", plans, 1e-6, 1, "errors of 1e-6 to 1, such as 4/255,1/255, or none", g->plans,
                                &g->plan_count, err);
+    for (int r = 0; r < ISO_RENDERER_COUNT && !words->with; ++r)
+        g->optional[r] = g->with[r];
     g->midpoint = quadratures[0];
     g->preintegrated = quadratures[1];
+    g->original = tfs[0];
+    g->adapted = tfs[1];
+    g->tables = tfs[2];
     return status;
 }
 
@@ -143,6 +169,11 @@ void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size)
         snprintf(text, size, "palette-%zu", iso_chart_palettes[c->palette]);
     else
         snprintf(text, size, "%s", iso_direction_source_name(c->source));
+}
+
+const char *iso_chart_name_tf(const iso_chart_case *c)
+{
+    return c->table == ISO_SPLIT_DEVIATION ? "deviation" : c->table == ISO_SPLIT_GRADIENT ? "gradient" : c->adapted ? "adapted" : "original";
 }
 
 /* The estimator is named where it is not the usual one. */
@@ -173,9 +204,9 @@ void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 
 /* ---- the grid --------------------------------------------------------------- */
 
-/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing. A plan's bytes are known
- * when it is made. */
-static double level_bytes(const iso_level *level, const iso_chart_case *c)
+/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing; and the second value of a
+ * table. */
+static double stored_bytes(const iso_level *level, const iso_chart_case *c)
 {
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
     if (c->source == ISO_FROM_PALETTE)
@@ -196,48 +227,81 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
     return longest / c->step_voxels * (fetches + (c->preintegrated || c->table != ISO_SPLIT_NONE ? 1 : 0)) * slower[c->renderer];
 }
 
-static int by_turn(const void *a, const void *b)
+/* What is usual, from which a setting departs. */
+typedef struct usual_choice {
+    iso_renderer renderer;
+    iso_code code;
+    iso_gradient_method estimator;
+    iso_direction_filter filter;
+    double step_voxels; /* the middle of the list */
+} usual_choice;
+
+static size_t count_departures(const iso_chart_case *c, const usual_choice *usual)
 {
-    double x = ((const iso_chart_case *)a)->turn, y = ((const iso_chart_case *)b)->turn;
-    return (x > y) - (x < y);
+    size_t n = (size_t)c->adapted + (c->table != ISO_SPLIT_NONE) + c->preintegrated + (c->filter != usual->filter) +
+               (c->estimator != usual->estimator) + (c->plan_error > 0);
+    if (iso_chart_is_other_program(c->renderer) && c->renderer != usual->renderer)
+        n += c->level == 0 && c->step_voxels == usual->step_voxels ? 1 : 2;
+    else
+        n += c->renderer != usual->renderer;
+    if (c->plan_error > 0)
+        return n;
+    n += c->source == ISO_FROM_FLOAT || c->source == ISO_FROM_ON_THE_FLY;
+    n += c->source == ISO_FROM_FLIPPED || c->source == ISO_FROM_PALETTE || c->code != usual->code ? 2 : 0;
+    return n;
 }
 
-static bool is_other_program(iso_renderer r) { return r == ISO_WITH_CYCLES || r == ISO_WITH_POVRAY; }
+/* Departures; programs after our own renderers; a pyramid at a time, as two do not fit everywhere; cheap first. */
+static int by_turn(const void *a, const void *b)
+{
+    const iso_chart_case *x = a, *y = b;
+    const double keys[][2] = {{(double)x->departures, (double)y->departures},
+                              {iso_chart_is_other_program(x->renderer), iso_chart_is_other_program(y->renderer)},
+                              {x->estimator, y->estimator},
+                              {x->filter, y->filter},
+                              {x->relative_cost, y->relative_cost},
+                              {(double)x->stored_bytes, (double)y->stored_bytes},
+                              {x->code, y->code}};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i)
+        if (keys[i][0] != keys[i][1])
+            return keys[i][0] < keys[i][1] ? -1 : 1;
+    return 0;
+}
 
 /* Does the setting differ from the others of the grid? Level 0 has one filter and no adapted TF; on the fly needs neither
  * filter, estimator nor code; other programs get decoded directions and have a quadrature of their own. */
-static bool is_distinct(const iso_chart_case *c, iso_code usual_code, iso_gradient_method first_estimator,
-                        iso_direction_filter first_filter)
+static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
 {
-    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY;
-    if (is_other_program(c->renderer) && (c->source != ISO_FROM_CODES || c->code != usual_code || c->preintegrated))
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual_pyramid = c->filter == usual->filter && c->estimator == usual->estimator;
+    if (iso_chart_is_other_program(c->renderer) && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
         return false;
-    if ((c->level == 0 || on_the_fly) && c->filter != first_filter)
+    if ((c->level == 0 || on_the_fly) && c->filter != usual->filter)
         return false;
-    if (on_the_fly && c->estimator != first_estimator)
+    if (on_the_fly && c->estimator != usual->estimator)
         return false;
     if (c->level == 0 && c->adapted)
         return false;
-    /* tables over two values: by the first filter and estimator alone, which say what they gain */
-    if (c->table != ISO_SPLIT_NONE && (c->source != ISO_FROM_CODES || c->preintegrated || c->filter != first_filter ||
-                                       c->estimator != first_estimator))
+    /* tables over two values: by the usual directions alone, which say what they gain */
+    if (c->table != ISO_SPLIT_NONE && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
         return false;
-    return c->source == ISO_FROM_CODES || c->code == usual_code;
+    return c->source == ISO_FROM_CODES || c->code == usual->code;
 }
 
-/* Is the setting asked for, and does the pyramid hold what it needs? */
-static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *p, const iso_chart_case *c)
+/* Is the setting asked for, and can it be made? A pyramid on disk is what it is; without floats it keeps its code. */
+static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual, const iso_chart_case *c)
 {
-    const bool other_program = is_other_program(c->renderer);
-    if (!g->with[c->renderer] || c->level >= p->level_count)
+    const bool other_program = iso_chart_is_other_program(c->renderer), has_floats = is_volume || first->levels[c->level].directions;
+    if (!g->with[c->renderer])
+        return false;
+    if (is_volume ? !g->filters[c->filter] || !g->estimators[c->estimator] : c->filter != usual->filter || c->estimator != usual->estimator)
         return false;
     if (c->source == ISO_FROM_CODES && !g->codes[c->code] && !other_program)
         return false;
     if (!(c->preintegrated ? g->preintegrated : g->midpoint || other_program))
         return false;
-    if (p->levels[c->level].directions)
-        return true;
-    return c->source != ISO_FROM_FLOAT && (c->source != ISO_FROM_CODES || c->code == p->options.code);
+    if (c->level > 0 && !(c->table != ISO_SPLIT_NONE ? g->tables : c->adapted ? g->adapted : g->original))
+        return false;
+    return has_floats || (c->source != ISO_FROM_FLOAT && (c->source != ISO_FROM_CODES || c->code == usual->code));
 }
 
 /* The i-th of all combinations, whether sensible or not. */
@@ -264,22 +328,29 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     return c;
 }
 
-static void add_plans(const iso_chart_grid *g, const iso_level *level0, iso_chart_case *cases, size_t *count)
+/* Plans are nodes of level 0 in bricks, whose bytes are known when they are made. */
+static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual, iso_chart_case *cases, size_t *count)
 {
     for (size_t i = 0; i < g->plan_count && g->with[ISO_WITH_GL]; ++i)
         for (size_t k = 0; k < g->step_count; ++k) {
-            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .table = ISO_SPLIT_NONE, .metrics = {.rmse = NAN}};
+            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .table = ISO_SPLIT_NONE, .metrics = {.rmse = NAN},
+                                .estimator = usual->estimator, .filter = usual->filter, .code = usual->code};
             c.plan_error = g->plans[i];
             c.step_voxels = g->steps[k];
-            c.relative_cost = c.turn = relative_cost(level0, &c);
+            c.voxel_count = iso_geometry_voxel_count(&level0->geometry);
+            c.relative_cost = relative_cost(level0, &c);
+            c.departures = count_departures(&c, usual);
             cases[(*count)++] = c;
         }
 }
 
-iso_status iso_chart_grid_cases(const iso_chart_grid *g, iso_chart_pyramids pyramids, iso_gradient_method first_estimator,
-                                iso_direction_filter first_filter, iso_chart_case **cases, size_t *count, iso_error *err)
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
+                                size_t *count, iso_error *err)
 {
-    const iso_pyramid *first = &pyramids[first_estimator][first_filter];
+    usual_choice usual = {.renderer = ISO_WITH_GL, .code = first->options.code, .estimator = first->options.gradient.method,
+                          .filter = first->options.direction_filter, .step_voxels = g->steps[g->step_count / 2]};
+    for (int r = 0; r < ISO_RENDERER_COUNT && !g->with[usual.renderer]; ++r)
+        usual.renderer = (iso_renderer)r;
     *cases = NULL;
     for (int pass = 0; pass < 2; ++pass) { /* counts, then fills */
         *count = 0;
@@ -287,12 +358,13 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, iso_chart_pyramids pyra
             iso_chart_case c = combination(g, first->level_count, i);
             if (c.renderer == ISO_RENDERER_COUNT)
                 break;
-            const iso_pyramid *p = &pyramids[c.estimator][c.filter];
-            if (!is_wanted(g, p, &c) || !is_distinct(&c, first->options.code, first_estimator, first_filter))
+            if (!is_wanted(g, first, is_volume, &usual, &c) || !is_distinct(&c, &usual))
                 continue;
-            c.relative_cost = relative_cost(&p->levels[c.level], &c);
-            c.turn = c.relative_cost * (c.code == first->options.code && c.source != ISO_FROM_PALETTE ? 1 : 8);
-            c.bytes = level_bytes(&p->levels[c.level], &c);
+            const iso_level *level = &first->levels[c.level];
+            c.voxel_count = iso_geometry_voxel_count(&level->geometry);
+            c.relative_cost = relative_cost(level, &c);
+            c.departures = count_departures(&c, &usual);
+            c.stored_bytes = stored_bytes(level, &c);
             if (pass == 1)
                 (*cases)[*count] = c;
             ++*count;
@@ -302,7 +374,7 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, iso_chart_pyramids pyra
         if (!*cases)
             return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", *count);
     }
-    add_plans(g, &first->levels[0], *cases, count);
+    add_plans(g, &first->levels[0], &usual, *cases, count);
     qsort(*cases, *count, sizeof **cases, by_turn);
     return ISO_OK;
 }

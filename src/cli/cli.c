@@ -159,6 +159,18 @@ static bool is_plain(const char *word)
     return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
 }
 
+void iso_cli_put_word(FILE *f, const char *word)
+{
+    if (is_plain(word)) {
+        fputs(word, f);
+        return;
+    }
+    fputc('\'', f);
+    for (const char *c = word; *c; ++c)
+        *c == '\'' ? fputs("'\\''", f) : fputc(*c, f);
+    fputc('\'', f);
+}
+
 char *iso_cli_command_line(const iso_cli *cli)
 {
     char *text = NULL;
@@ -168,14 +180,8 @@ char *iso_cli_command_line(const iso_cli *cli)
         return NULL;
     fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
     for (int i = 1; i < cli->argc; ++i) {
-        if (is_plain(cli->argv[i])) {
-            fprintf(memory, " %s", cli->argv[i]);
-            continue;
-        }
-        fputs(" '", memory);
-        for (const char *c = cli->argv[i]; *c; ++c)
-            *c == '\'' ? fputs("'\\''", memory) : fputc(*c, memory);
-        fputc('\'', memory);
+        fputc(' ', memory);
+        iso_cli_put_word(memory, cli->argv[i]);
     }
     fclose(memory);
     return text;
@@ -240,6 +246,27 @@ iso_status iso_cli_parse_sizes(const char *text, const char *option, size_t out[
             return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option, text);
         out[a] = (size_t)values[a];
     }
+    return ISO_OK;
+}
+
+double iso_cli_read_quotient(const char *text, char **end)
+{
+    double above = strtod(text, end);
+    if (*end == text || **end != '/')
+        return above;
+    const char *rest = *end + 1;
+    char *rest_end;
+    double below = strtod(rest, &rest_end);
+    *end = rest_end == rest ? (char *)text : rest_end;
+    return above / below;
+}
+
+iso_status iso_cli_parse_error(const char *option, const char *text, double *error, iso_error *err)
+{
+    char *end;
+    *error = iso_cli_read_quotient(text, &end);
+    if (end == text || *end || !(*error > 0 && *error <= 1))
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option, text);
     return ISO_OK;
 }
 

@@ -18,6 +18,8 @@ typedef struct render_arguments {
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, shade_table, brick, brick_levels, page_side;
     double step, cache_bytes;
+    char *plan_error_text, *code, *direction_filter, *gradient;
+    double plan_error; /* 0: none */
     const char *shader_dir;
 } render_arguments;
 
@@ -66,19 +68,54 @@ static iso_status take_quadrature(const char *word, iso_renderer renderer, iso_q
                     renderer == ISO_WITH_REFERENCE ? "converged, midpoint, preintegrated or povray" : "midpoint or preintegrated");
 }
 
+static bool is_in_bricks(const render_arguments *a) { return a->cache_bytes != 0 || a->plan_error > 0; }
+
 /* Bricks choose their levels themselves, and are what the ray caster has decoded. */
 static iso_status check_cache(const render_arguments *a, iso_renderer renderer, iso_error *err)
 {
-    if (a->cache_bytes == 0)
-        return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes") : ISO_OK;
+    if (!is_in_bricks(a))
+        return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
+    if (a->cache_bytes != 0 && a->plan_error > 0)
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
     if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->isosurface || a->quadrature ||
         a->adapted.wanted || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--cache-bytes is for --with gl, without --level, --gradients, --palette, --shade-table, "
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --gradients, --palette, --shade-table, "
                                           "--isosurface, --quadrature, --adapt and --roi");
-    iso_status status = iso_cli_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
+    iso_status status = a->plan_error > 0 ? ISO_OK : iso_cli_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
     return status == ISO_OK ? iso_cli_check_range("--page-side", a->page_side, 0, 65536, err) : status;
+}
+
+/* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
+static iso_status take_build(const render_arguments *a, const char *path, iso_pyramid_options *build, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if ((a->direction_filter || a->gradient) && iso_pyramid_is_one(path))
+        return iso_fail(err, ISO_E_USAGE, "--direction-filter and --gradient are for volumes; %s keeps those of its build", path);
+    if (a->gradient)
+        status = iso_gradient_from_name(a->gradient, &build->gradient.method, err);
+    if (status == ISO_OK && a->direction_filter)
+        status = iso_direction_filter_from_name(a->direction_filter, &build->direction_filter, err);
+    if (status == ISO_OK && a->code)
+        status = iso_code_from_name(a->code, &build->code, err);
+    return status == ISO_OK ? iso_pyramid_check_options(build, err) : status;
+}
+
+/* A pyramid on disk that kept its floats takes another code. */
+static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *err)
+{
+    iso_code code = p->options.code;
+    iso_status status = a->code ? iso_code_from_name(a->code, &code, err) : ISO_OK;
+    if (status != ISO_OK || code == p->options.code || (size_t)a->level >= p->level_count)
+        return status;
+    iso_level *level = &p->levels[a->level];
+    if (!level->directions || !iso_code_describe(code)->is_textured)
+        return iso_fail(err, ISO_E_USAGE, "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)", a->code,
+                        iso_code_describe(p->options.code)->name);
+    iso_code_encode(code, level->directions, level->codes, iso_geometry_voxel_count(&level->geometry));
+    p->options.code = code;
+    return ISO_OK;
 }
 
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
@@ -197,7 +234,7 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 static iso_status render_cached(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
                                 const iso_view *view, iso_image *image, double *seconds, const iso_progress *progress, iso_error *err)
 {
-    const iso_cached_options o = {.cache_bytes = a->cache_bytes, .brick_voxels = (size_t)a->brick, .level_count = (size_t)a->brick_levels,
+    const iso_cached_options o = {.cache_bytes = a->cache_bytes, .plan_error = a->plan_error, .brick_voxels = (size_t)a->brick, .level_count = (size_t)a->brick_levels,
                                   .page_side = (size_t)a->page_side, .step_voxels = a->step, .threads = cli->threads};
     iso_cached_report r;
     iso_status status = iso_renderers_need_gl(renderers, err);
@@ -225,10 +262,14 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     build.threads = cli->threads;
     build.level_count = (size_t)a->level + 1;
     build.keep_float = opt.source == ISO_FROM_FLOAT || is_from_palette(opt.source);
+    if (status == ISO_OK)
+        status = take_build(a, cli->arguments[0], &build, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
     if (status == ISO_OK)
         status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK)
+        status = recode(a, &pyramid, err);
     if (status == ISO_OK)
         status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
@@ -239,7 +280,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
         status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
-    if (status == ISO_OK && a->cache_bytes > 0)
+    if (status == ISO_OK && is_in_bricks(a))
         status = render_cached(a, cli, &renderers, &pyramid, &view, &image, &seconds, &progress, err);
     else if (status == ISO_OK)
         status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
@@ -275,15 +316,19 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},
+        {"gradient", 0, POPT_ARG_STRING, &a.gradient, 0, "a volume's estimator of gradients: central (default), sobel, ...", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels: moments (default), eq1, naive or tensor", "NAME"},
+        {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: fit (default), snorm, region48, ...", "NAME"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference, gl and povray: the first hit of this value, opaque", "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
         {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, "gl: by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits", "BYTES"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "with --cache-bytes: voxels a side", "N"},
-        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "with --cache-bytes: levels of the bricks, with level 0", "N"},
-        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "with --cache-bytes: texels a side of a texture at most; more textures are made where one is too small", "TEXELS"},
+        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, "gl: by bricks of mixed levels, as coarse as this predicted RMSE allows", "1/255"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "of these two: voxels a side", "N"},
+        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "of these two: levels of the bricks, with level 0", "N"},
+        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "of these two: texels a side of a texture at most; more textures are made where one is too small", "TEXELS"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -293,6 +338,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
+        status = iso_cli_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = render(&a, &cli, err);
     iso_cli_end(&cli);

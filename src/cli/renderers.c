@@ -70,9 +70,67 @@ iso_status iso_renderers_need_gl(iso_renderers *r, iso_error *err)
     return r->gl ? ISO_OK : iso_gl_create(&r->gl, r->shader_dir, err);
 }
 
-static iso_status render_reference(const iso_level *level, iso_code code, const iso_view *view, const iso_render_options *opt,
-                                   iso_image *image, const iso_progress *progress, iso_error *err)
+static int by_value(const void *a, const void *b)
 {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The fastest, the middle and the slowest of at least one frame. */
+static void sum_up(iso_render_stats *stats, double *seconds, size_t count)
+{
+    qsort(seconds, count, sizeof *seconds, by_value);
+    stats->count = count;
+    stats->seconds = seconds[0];
+    stats->median_seconds = 0.5 * (seconds[(count - 1) / 2] + seconds[count / 2]);
+    stats->most_seconds = seconds[count - 1];
+}
+
+static iso_status render_gl(iso_renderers *r, const iso_level *level, iso_code code, const iso_view *view,
+                            const iso_render_options *opt, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    iso_gl_stats inside = {0};
+    iso_gl_options o = iso_gl_defaults();
+    const iso_surface surface = {.iso = opt->iso};
+    o.source = opt->source;
+    o.step_voxels = opt->step_voxels;
+    o.shade_table = opt->shade_table;
+    o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
+    o.surface = opt->isosurface ? &surface : NULL;
+    o.repeats = opt->repeats;
+    o.repeat_seconds = opt->repeat_seconds;
+    o.stats = &inside;
+    iso_status status = iso_renderers_need_gl(r, err);
+    if (status == ISO_OK)
+        status = iso_gl_render(r->gl, level, code, view, &o, image, NULL, err);
+    if (status == ISO_OK)
+        iso_render_stats_of_gl(&inside, stats);
+    return status;
+}
+
+void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats)
+{
+    iso_gl_stats sorted = *inside;
+    sum_up(stats, sorted.draw_seconds, sorted.draw_count);
+    stats->setup_seconds = inside->upload_seconds;
+    stats->bytes = inside->texture_bytes;
+}
+
+/* What the reference reads of a level: floats of the scalar, and codes or floats of the directions. */
+static double reference_bytes(const iso_level *level, iso_direction_source source)
+{
+    const double direction = source == ISO_FROM_ON_THE_FLY                                       ? 0
+                             : source == ISO_FROM_FLOAT                                          ? 3 * sizeof(float)
+                             : source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST ? sizeof(uint16_t)
+                                                                                                 : 3;
+    return (double)iso_geometry_voxel_count(&level->geometry) * (sizeof(float) + direction);
+}
+
+static iso_status render_reference(const iso_level *level, iso_code code, const iso_view *view, const iso_render_options *opt,
+                                   iso_image *image, iso_render_stats *stats, const iso_progress *progress, iso_error *err)
+{
+    double seconds[ISO_GL_MAX_DRAWS], sum = 0;
+    size_t count = 0;
     iso_reference_options o = iso_reference_defaults();
     o.quadrature = opt->isosurface ? ISO_QUADRATURE_FIRST_HIT : opt->quadrature;
     o.iso = opt->iso;
@@ -81,7 +139,16 @@ static iso_status render_reference(const iso_level *level, iso_code code, const 
     o.threads = opt->threads;
     if (opt->intervals)
         o.intervals = opt->intervals;
-    return iso_reference_render(level, code, view, &o, image, progress, err);
+    iso_status status = ISO_OK;
+    do {
+        iso_image_destroy(image);
+        double start = iso_clock_seconds();
+        status = iso_reference_render(level, code, view, &o, image, progress, err);
+        sum += seconds[count++] = iso_clock_seconds() - start;
+    } while (status == ISO_OK && count < opt->repeats && count < ISO_GL_MAX_DRAWS && sum < opt->repeat_seconds);
+    sum_up(stats, seconds, count);
+    stats->bytes = reference_bytes(level, opt->source);
+    return status;
 }
 
 static iso_blender_options blender_options(const iso_render_options *opt)
@@ -97,10 +164,16 @@ static iso_blender_options blender_options(const iso_render_options *opt)
 }
 
 static iso_status render_cycles(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
-                                iso_image *image, const iso_progress *progress, iso_error *err)
+                                iso_image *image, iso_render_stats *stats, const iso_progress *progress, iso_error *err)
 {
     iso_blender_options o = blender_options(opt);
-    return iso_cycles_render(p, level, view, &o, image, progress, err);
+    iso_cycles_stats inside = {0};
+    o.stats = &inside;
+    iso_status status = iso_cycles_render(p, level, view, &o, image, progress, err);
+    inside.render_seconds -= inside.load_seconds;
+    sum_up(stats, &inside.render_seconds, 1);
+    stats->bytes = inside.device_bytes;
+    return status;
 }
 
 /* As few pieces of equally many intervals, at most 255, as make the longest chord's step at most step_voxels. */
@@ -115,9 +188,11 @@ static void set_povray_step(const iso_geometry *g, const iso_view *view, double 
 }
 
 static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_view *view, const iso_render_options *opt,
-                                iso_image *image, const iso_progress *progress, iso_error *err)
+                                iso_image *image, iso_render_stats *stats, const iso_progress *progress, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
+    iso_povray_stats inside = {0};
+    o.stats = &inside;
     if (opt->intervals) {
         o.intervals = opt->intervals;
         o.planes = opt->planes;
@@ -129,7 +204,10 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
     o.isosurface = opt->isosurface;
     o.iso = opt->iso;
     o.threads = opt->threads;
-    return iso_povray_render(p, level, view, &o, image, progress, err);
+    iso_status status = iso_povray_render(p, level, view, &o, image, progress, err);
+    sum_up(stats, &inside.trace_seconds, 1);
+    stats->bytes = inside.df3_bytes;
+    return status;
 }
 
 iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
@@ -143,28 +221,23 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
         return iso_fail(err, ISO_E_USAGE, "isosurfaces are rendered by reference, gl and povray, not by %s",
                         iso_renderer_name(opt->renderer));
     const iso_level *l = &p->levels[level];
-    double start = iso_clock_seconds(), drawing = -1;
+    const double start = iso_clock_seconds();
+    iso_render_stats stats = {0};
     iso_status status = ISO_OK;
     switch (opt->renderer) {
-    case ISO_WITH_GL: {
-        iso_gl_options o = iso_gl_defaults();
-        o.source = opt->source;
-        o.step_voxels = opt->step_voxels;
-        o.shade_table = opt->shade_table;
-        o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
-        const iso_surface surface = {.iso = opt->iso};
-        o.surface = opt->isosurface ? &surface : NULL;
-        status = iso_renderers_need_gl(r, err);
-        if (status == ISO_OK)
-            status = iso_gl_render(r->gl, l, p->options.code, view, &o, image, &drawing, err);
-        break;
+    case ISO_WITH_GL: status = render_gl(r, l, p->options.code, view, opt, image, &stats, err); break;
+    case ISO_WITH_CYCLES: status = render_cycles(p, level, view, opt, image, &stats, progress, err); break;
+    case ISO_WITH_POVRAY: status = render_povray(p, level, view, opt, image, &stats, progress, err); break;
+    default: status = render_reference(l, p->options.code, view, opt, image, &stats, progress, err); break;
     }
-    case ISO_WITH_CYCLES: status = render_cycles(p, level, view, opt, image, progress, err); break;
-    case ISO_WITH_POVRAY: status = render_povray(p, level, view, opt, image, progress, err); break;
-    default: status = render_reference(l, p->options.code, view, opt, image, progress, err); break;
-    }
+    const double all = iso_clock_seconds() - start;
+    const bool is_other_program = opt->renderer == ISO_WITH_CYCLES || opt->renderer == ISO_WITH_POVRAY;
+    if (is_other_program)
+        stats.setup_seconds = fmax(all - stats.seconds, 0);
     if (seconds)
-        *seconds = drawing >= 0 ? drawing : iso_clock_seconds() - start;
+        *seconds = opt->renderer == ISO_WITH_GL ? stats.seconds : all;
+    if (opt->stats)
+        *opt->stats = stats;
     return status;
 }
 

@@ -36,6 +36,15 @@ iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *
 /* "gl,povray"; NULL: all. The reference is always wanted. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err);
 
+/* What an image took, by the renderer's own account. */
+typedef struct iso_render_stats {
+    double seconds, median_seconds, most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
+    size_t count;
+    double setup_seconds; /* before it: textures; or the start, the export and the reading of another program */
+    double bytes;         /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
+                           * reference's floats and codes */
+} iso_render_stats;
+
 typedef struct iso_render_options {
     iso_renderer renderer;
     iso_direction_source source;   /* reference and GL */
@@ -47,9 +56,14 @@ typedef struct iso_render_options {
     bool isosurface;               /* first hit of the value iso; not Cycles */
     double iso;
     bool shade_table;              /* GL, palettes */
+    size_t repeats;                /* GL and the reference: frames, the last of which is the image ... */
+    double repeat_seconds;         /* ... as long as they have taken less than this; above 0 a warm-up goes before them */
+    iso_render_stats *stats;       /* filled; or NULL */
     int threads;
 } iso_render_options;
 iso_render_options iso_render_defaults(iso_renderer r);
+
+void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats);
 
 typedef struct iso_renderers {
     iso_gl *gl;

@@ -1,59 +1,97 @@
-# Image error against time and against bytes: one colour a kind of gradients, one shape a level, the front in grey.
+# Image error against time and against bytes. A kind of gradients has one colour and shape, a level one size, the front is a
+# staircase whose corners are named below, but for those that are hardly better than a cheaper one. Restyle in style.gp: fonts, colours, shapes (linetype 1, 2 ...), sizes.
 name = 'pareto'
 data = name . '.csv'
 set datafile separator comma
+set datafile columnheaders
+# What there is: the kinds of gradients, levels, ranges, and the settings on the fronts.
 series = ''
-known(m) = strstrt(series, '"' . m . '"') > 0
-stats data skip 1 using (known(strcol(1)) ? 0 : (series = series . ' "' . strcol(1) . '"', 0)) nooutput
-count = words(series)
-of(i) = strcol(1) eq word(series, i)
-stats data skip 1 using 4 nooutput
+known(s) = strstrt(series, '"' . s . '"') > 0
+of(i) = strcol("series") eq word(series, i)
+stats data using (known(strcol("series")) ? 0 : (series = series . ' "' . strcol("series") . '"', 0)) nooutput
+stats data using (metric = strcol("metric"), kind = strcol("bytes_kind"), scene = strcol("scene"), wide = column("width"), high = column("height"), 0) nooutput
+stats data using (volume = strcol("volume"), machine = strcol("machine"), want = column("want"), 0) nooutput
+stats data using (column("level")) nooutput
 levels = int(STATS_max) + 1
-stats data skip 1 using 12 nooutput
-want = STATS_max
-stats data skip 1 using 8 nooutput
-best = want > 0 && want < STATS_min ? want : STATS_min > 0 ? STATS_min : 1e-9
-worst = want > STATS_max ? want : STATS_max
-stats data skip 1 using 14 nooutput
+stats data using (strcol("quadrature") eq 'preintegrated' ? 1 : 0) nooutput
 preintegrated = STATS_max > 0
-fastest = ''
-smallest = ''
-stats data skip 1 using ((int($13) & 1) ? (fastest = strcol(2), 0) : 0) nooutput
-stats data skip 1 using ((int($13) & 2) ? (smallest = strcol(2), 0) : 0) nooutput
-legend_rows = (count + 3) / 4 + 1
+stats data using (column("error")) nooutput
+best = want > 0 && want < STATS_min ? want : STATS_min > 0 ? STATS_min : 1e-9
+worst = want > STATS_max ? want : STATS_max > best ? STATS_max : 10 * best
+array low[2]; array up[2]
+stats data using (column("milliseconds")) nooutput
+low[1] = STATS_min; up[1] = STATS_max
+stats data using (column("bytes")) nooutput
+low[2] = STATS_min; up[2] = STATS_max
+stats data using (column("number")) nooutput
+fronts = STATS_max > 0 ? int(STATS_max) : 0
+array setting[fronts + 1]
+stats data using (setting[column("number") > 0 ? int(column("number")) : fronts + 1] = strcol("setting"), 0) nooutput
+# Pixels: the list, the legend, the panels.
+count = words(series)
+rows_of(n, columns) = (n + columns - 1) / columns
+row = 18.0
+list_rows = rows_of(fronts, 2)
+legend_rows = rows_of(count, 4) + 1
 width = 980
-height = 440 + 20 * legend_rows
+list_top = 26 + row * (list_rows + 1)
+legend_top = list_top + 10 + row * legend_rows
+height = 390 + legend_top
 load 'style.gp'
-shapes = '7 5 9 13 11 15 6 4 8 12'
-shape(k) = int(word(shapes, k % 10 + 1))
+if (!exists("pale")) pale = '#c4c4c4'
+if (!exists("mark")) mark = vermillion
+if (!exists("ink")) ink = '#222222'
+if (!exists("small")) small = ',9'
+if (!exists("point_scale")) point_scale = 1.0
+size_of(k) = point_scale * (0.95 * 0.74 ** k)
 unset key
 set logscale xy
-set format xy '10^{%T}'
-set yrange [10 ** floor(log10(0.9 * best)) : 10 ** ceil(log10(1.1 * worst))]
+set yrange [10 ** floor(log10(0.95 * best)) : 10 ** ceil(log10(1.05 * worst))]
+set format y '10^{%T}'
 do for [i = 1:count] {
-    set label 100 + i word(series, i) at screen 0.09 + 0.23 * ((i - 1) % 4), screen (4.0 + 20 * (legend_rows - (i - 1) / 4)) / height - 0.01 left offset 1.2, -0.25 point lt i pt 7 ps 0.8 noenhanced
+    set label 100 + i word(series, i) at screen 0.075 + 0.235 * ((i - 1) % 4), screen (legend_top - row * (0.5 + (i - 1) / 4)) / height left offset 1.3, -0.3 point lt i ps 0.95 * point_scale noenhanced
 }
 do for [k = 0:levels - 1] {
-    set label 200 + k sprintf('level %d', k) at screen 0.09 + 0.115 * (k % 8), screen 14.0 / height left offset 1.2, -0.25 point pt shape(k) ps 0.8 lc rgb black
+    set label 200 + k sprintf('level %d', k) at screen 0.075 + 0.115 * (k % 8), screen (list_top + 10 + 0.5 * row) / height left offset 1.3, -0.3 point lt 1 lc rgb ink ps size_of(k)
 }
-if (preintegrated) set label 300 'white centre: pre-integrated' at screen 0.09 + 0.115 * (levels % 8), screen 14.0 / height left offset 1.2, -0.25 point pt 6 ps 0.8 lc rgb black
-if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb vermillion dt 2 lw 1.2 back
-if (want > 0) set label 1 sprintf('wanted: %.2g', want) at graph 0.01, first want left offset 0,0.5 textcolor rgb vermillion
-set multiplot layout 1,2 margins 0.085, 0.985, (72.0 + 20 * legend_rows) / height, 1 - 30.0 / height spacing 0.075,0.1
-do for [panel = 0:1] {
-    cost = panel == 0 ? 6 : 7
-    flag = panel == 0 ? 10 : 11
-    set ylabel (panel == 0 ? 'RMSE against the converged reference of level 0' : '') offset 1,0
-    set xlabel (panel == 0 ? 'time of one image, ms' : 'bytes of the level: scalars and directions')
-    set title (panel == 0 ? 'time' : 'bytes') offset 0,-0.4
-    chosen = panel == 0 ? fastest : smallest
-    set label 2 (chosen eq '' ? '' : (panel == 0 ? 'fastest: ' : 'smallest: ') . chosen) at graph 0.01, graph 0.04 left textcolor rgb vermillion noenhanced
-    plot data skip 1 using (column(flag) == 1 ? column(cost) : NaN):8 smooth unique with lines lc rgb '#c4c4c4' lw 3, \
-         for [i = 1:count] for [k = 0:levels - 1] data skip 1 using (of(i) && $4 == k ? column(cost) : NaN):8 with points lt i pt shape(k) ps 0.6, \
-         data skip 1 using ($14 == 1 ? column(cost) : NaN):8 with points pt 7 ps 0.18 lc rgb '#ffffff', \
-         data skip 1 using (int(column(13)) & (panel + 1) ? column(cost) : NaN):8 with points pt 6 ps 1.9 lw 2 lc rgb vermillion
+if (preintegrated) set label 300 'with a cross: pre-integrated' at screen 0.075 + 0.115 * (levels % 8), screen (list_top + 10 + 0.5 * row) / height left offset 1.3, -0.3 point pt 1 ps 0.7 * point_scale lc rgb ink
+do for [n = 1:fronts] {
+    set label 400 + n sprintf('%d  %s', n, setting[n]) at screen 0.065 + 0.47 * ((n - 1) / list_rows), screen (list_top - row * (1.5 + (n - 1) % list_rows)) / height left noenhanced font small
+}
+set label 301 sprintf('%s, %s, %d x %d pixels; %s', volume, scene, wide, high, machine) at screen 0.065, screen 12.0 / height left noenhanced font small textcolor rgb ink
+if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb mark dt 2 lw 1.2 back
+set label 302 (want > 0 ? sprintf('on the front; ringed: the fastest and the smallest with at most %.3g (dashed)', want) : 'on the front') at screen 0.065, screen (list_top - 0.5 * row) / height left noenhanced font small textcolor rgb (want > 0 ? mark : ink)
+bottom = (legend_top + 56) / height
+set multiplot
+do for [p = 1:2] {
+    set lmargin at screen (p == 1 ? 0.075 : 0.56)
+    set rmargin at screen (p == 1 ? 0.495 : 0.98)
+    set bmargin at screen bottom
+    set tmargin at screen 1 - 14.0 / height
+    cost = p == 1 ? 'milliseconds' : 'bytes'
+    flag = p == 1 ? 'time_front' : 'bytes_front'
+    format_x = p == 1 ? '%g' : '%.0s %cB'
+    set format x format_x
+    left_x = low[p] * (low[p] / up[p]) ** 0.07 * 0.93; right_x = up[p] * (up[p] / low[p]) ** 0.05 * 1.08
+    set xrange [left_x : right_x]
+    set xtics autofreq
+    if (right_x / left_x < 200) {
+        set xtics ()
+        do for [d = floor(log10(left_x)) : ceil(log10(right_x))] { do for [m in '1 2 5'] { set xtics add (gprintf(format_x, m * 10.0 ** d) m * 10.0 ** d) } }
+    }
+    set ylabel (p == 1 ? metric . ' to the converged reference of level 0' : '') offset 1, 0
+    set xlabel (p == 1 ? 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
+    plot data using (column(flag) == 1 ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \
+         data using (column(flag) == 1 && p == 1 ? column(cost) : NaN):(column("error")):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
+         for [i = 1:count] for [k = 0:levels - 1] data using (of(i) && column("level") == k ? column(cost) : NaN):(column("error")) with points lt i ps size_of(k), \
+         data using (strcol("quadrature") eq 'preintegrated' ? column(cost) : NaN):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
+         data using ((int(column("chosen")) & p) ? column(cost) : NaN):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark, \
+         data using (column(flag) == 1 && column("number") > 0 ? column(cost) : NaN):(column("error")):(sprintf('%d', int(column("number")))) with labels offset -0.9, -0.55 font small textcolor rgb ink
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
+    do for [n = 1:fronts] { unset label 400 + n }
     unset label 300
+    unset label 301
+    unset label 302
 }
 unset multiplot

@@ -6,11 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/utsname.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/file.h"
+#include "base/machine.h"
 #include "base/parallel.h"
 #include "compare/report_files.h"
 
@@ -108,25 +107,7 @@ void iso_report_put(iso_report *r, const char *section, const char *key, json_t 
 
 void iso_report_describe_machine(iso_report *r)
 {
-    struct utsname system;
-    char line[256] = "";
-    FILE *cpu = fopen("/proc/cpuinfo", "r");
-    while (cpu && fgets(line, sizeof line, cpu) && strncmp(line, "model name", 10) != 0)
-        line[0] = 0;
-    if (cpu)
-        fclose(cpu);
-    char *name = strchr(line, ':');
-    line[strcspn(line, "\n")] = 0;
-    iso_report_put(r, "machine", "processor", json_string(name ? name + 2 : "unknown"));
-    iso_report_put(r, "machine", "cores", json_integer(sysconf(_SC_NPROCESSORS_ONLN)));
-    double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    iso_report_put(r, "machine", "memory_bytes", json_integer((json_int_t)bytes));
-    if (uname(&system) == 0) {
-        char *both = NULL;
-        if (asprintf(&both, "%s %s, %s", system.sysname, system.release, system.machine) > 0)
-            iso_report_put(r, "machine", "system", json_string(both));
-        free(both);
-    }
+    json_object_set_new(r->root, "machine", iso_machine_describe());
 }
 
 iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image *image, const char *caption,

@@ -22,13 +22,18 @@ set linetype 5 lc rgb purple lw 1.6 pt 11 ps 0.6
 set linetype 6 lc rgb sky lw 1.6 pt 6 ps 0.55
 set linetype 7 lc rgb black lw 1.6 pt 4 ps 0.5
 set linetype 8 lc rgb grey lw 1.6 pt 8 ps 0.6
-set linetype 9 lc rgb '#6a3d9a' lw 1.6 pt 7 ps 0.55
-set linetype 10 lc rgb '#8c564b' lw 1.6 pt 5 ps 0.5
-set linetype 11 lc rgb '#8a9a00' lw 1.6 pt 9 ps 0.6
-set linetype 12 lc rgb '#f49ab0' lw 1.6 pt 13 ps 0.6
-set linetype 13 lc rgb '#00414f' lw 1.6 pt 11 ps 0.6
-set linetype 14 lc rgb '#9ad0a8' lw 1.6 pt 6 ps 0.55
-set linetype cycle 14
+set linetype 9 lc rgb '#6a3d9a' lw 1.6 pt 15 ps 0.6
+set linetype 10 lc rgb '#8c564b' lw 1.6 pt 10 ps 0.6
+set linetype 11 lc rgb '#8a9a00' lw 1.6 pt 12 ps 0.6
+set linetype 12 lc rgb '#d05a8a' lw 1.6 pt 14 ps 0.6
+set linetype 13 lc rgb '#00414f' lw 1.6 pt 2 ps 0.55
+set linetype 14 lc rgb '#4f9a68' lw 1.6 pt 3 ps 0.55
+set linetype 15 lc rgb '#7a4b00' lw 1.6 pt 13 ps 0.6
+set linetype 16 lc rgb '#3a3a9a' lw 1.6 pt 5 ps 0.5
+set linetype cycle 16
+# Charts of points: the front, what is chosen, text, small text, and how large points are.
+pale = '#c4c4c4'; mark = vermillion; ink = black
+small = format eq 'pdf' ? ',8' : ',11'; point_scale = 1.0
 set border 3 lc rgb '#444444' lw 0.8
 set tics nomirror out scale 0.5 textcolor rgb '#222222'
 set grid lc rgb '#e2e2e2' lw 0.6 lt 1

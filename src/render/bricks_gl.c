@@ -35,6 +35,15 @@ static void destroy_textures(brick_textures *t)
     glDeleteTextures(ISO_BRICK_MAX_PAGES, t->directions);
 }
 
+static double bytes_of(const brick_textures *t)
+{
+    double bytes = iso_gl_texture_bytes(GL_TEXTURE_2D, t->tf) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->occupancy) +
+                   iso_gl_texture_bytes(GL_TEXTURE_3D, t->layout);
+    for (size_t k = 0; k < ISO_BRICK_MAX_PAGES; ++k)
+        bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, t->scalar[k]) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->directions[k]);
+    return bytes;
+}
+
 /* ---- the cache ---------------------------------------------------------------- */
 
 typedef struct staging { /* one brick on its way */
@@ -265,12 +274,7 @@ static iso_status draw(iso_gl *gl, const iso_brick_field *f, const iso_brick_pac
         return status;
     glUseProgram(program);
     set_uniforms(program, f, pack, view, step_voxels, opt->surface);
-    stats->seconds = INFINITY;
-    for (size_t i = 0; status == ISO_OK && i < (opt->repeats ? opt->repeats : 1); ++i) {
-        double once;
-        status = iso_gl_draw(gl, program, view->width, view->height, image->rgba, &once, err);
-        stats->seconds = fmin(stats->seconds, once);
-    }
+    status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &stats->seconds, &stats->gl, err);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
@@ -296,7 +300,8 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
         status = upload(gl, f, view, opt, &textures, &pack, stats, err);
     if (status == ISO_OK) {
         glFinish();
-        stats->bake_seconds = iso_clock_seconds() - start;
+        stats->gl.texture_bytes = bytes_of(&textures);
+        stats->bake_seconds = stats->gl.upload_seconds = iso_clock_seconds() - start;
         status = draw(gl, f, &pack, view, opt, &textures, step_voxels, image, stats, err);
         destroy_textures(&textures);
     }

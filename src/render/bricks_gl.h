@@ -20,6 +20,7 @@ typedef struct iso_gl_brick_options {
     iso_gl_skip skip;     /* of hidden bricks */
     const iso_surface *surface; /* its first hit instead of the integral, or NULL */
     size_t repeats;       /* draws; the time is that of the fastest */
+    double repeat_seconds; /* as in iso_gl_options */
 } iso_gl_brick_options;
 iso_gl_brick_options iso_gl_brick_defaults(void);
 
@@ -30,6 +31,7 @@ typedef struct iso_gl_brick_stats {
     size_t texel_count;          /* of the cache, all pages */
     size_t page_count;
     size_t node_count;           /* that the shown bricks hold */
+    iso_gl_stats gl;             /* bytes of the textures, and the draws */
 } iso_gl_brick_stats;
 
 /* Bakes, packs, uploads and renders. With 16 bits the nodes must have been rounded

@@ -525,3 +525,46 @@ iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, 
     glDeleteTextures(1, &target);
     return status;
 }
+
+iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, size_t repeats, double repeat_seconds, iso_image *image,
+                                  double *least, iso_gl_stats *stats, iso_error *err)
+{
+    float pixel[4];
+    double sum = 0, best = INFINITY;
+    iso_status status = repeat_seconds > 0 ? iso_gl_draw(gl, program, 1, 1, pixel, NULL, err) : ISO_OK;
+    for (size_t i = 0; status == ISO_OK && i < (repeats ? repeats : 1) && (i == 0 || !(repeat_seconds > 0) || sum < repeat_seconds); ++i) {
+        double once = 0;
+        status = iso_gl_draw(gl, program, image->width, image->height, image->rgba, &once, err);
+        best = fmin(best, once);
+        sum += once;
+        if (stats->draw_count < ISO_GL_MAX_DRAWS)
+            stats->draw_seconds[stats->draw_count++] = once;
+    }
+    if (least)
+        *least = best;
+    return status;
+}
+
+double iso_gl_texture_bytes(GLenum target, GLuint texture)
+{
+    static const GLenum sizes[] = {GL_TEXTURE_WIDTH, GL_TEXTURE_HEIGHT, GL_TEXTURE_DEPTH};
+    static const GLenum channels[] = {GL_TEXTURE_RED_SIZE, GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE, GL_TEXTURE_ALPHA_SIZE};
+    double texels = 1, bits = 0;
+    GLint unit, value;
+    if (!texture)
+        return 0;
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &unit);
+    glActiveTexture(GL_TEXTURE15); /* which no program samples */
+    glBindTexture(target, texture);
+    for (size_t i = 0; i < 3; ++i) {
+        glGetTexLevelParameteriv(target, 0, sizes[i], &value);
+        texels *= value;
+    }
+    for (size_t i = 0; i < 4; ++i) {
+        glGetTexLevelParameteriv(target, 0, channels[i], &value);
+        bits += value;
+    }
+    glBindTexture(target, 0);
+    glActiveTexture((GLenum)unit);
+    return texels * bits / 8;
+}

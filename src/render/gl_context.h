@@ -57,6 +57,14 @@ iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t 
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
                        iso_error *err);
 
+/* Draws `repeats` times (0: once) while they have taken less than repeat_seconds (0: all; else after a draw of one pixel);
+ * adds the draws to the stats. *least may be NULL. */
+iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, size_t repeats, double repeat_seconds, iso_image *image,
+                                  double *least, iso_gl_stats *stats, iso_error *err);
+
+/* Bytes of a texture by the bits that GL says its format has; 0 for the name 0. */
+double iso_gl_texture_bytes(GLenum target, GLuint texture);
+
 /* ISO_E_PROGRAM or ISO_E_MEMORY when GL has an error pending; `what` was done. */
 iso_status iso_gl_check(const char *what, iso_error *err);
 

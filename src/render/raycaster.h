@@ -42,12 +42,24 @@ typedef enum iso_gl_skip {
 } iso_gl_skip;
 #define ISO_GL_SKIP_OCCUPIED 0.5
 
+/* What an image took. */
+#define ISO_GL_MAX_DRAWS 16
+typedef struct iso_gl_stats {
+    double upload_seconds; /* until the first draw: textures made and filled, shaders compiled */
+    double texture_bytes;  /* of all textures that a draw reads, by the bits that GL has for their formats */
+    size_t draw_count;     /* how many of draw_seconds are filled */
+    double draw_seconds[ISO_GL_MAX_DRAWS];
+} iso_gl_stats;
+
 typedef struct iso_gl_options {
     iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
     double step_voxels;          /* 0: the view's */
     iso_gl_skip skip;
     size_t brick_voxels;         /* of the skipped bricks */
     size_t repeats;              /* draws; the time is that of the fastest */
+    double repeat_seconds;       /* above 0: no further draw begins once they took so long; and a draw of one pixel goes
+                                  * before them, because drivers compile in the first one */
+    iso_gl_stats *stats;         /* filled; or NULL */
     bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */

@@ -1,0 +1,18 @@
+#!/usr/bin/env python3
+"""Checks the fronts of a chart's pareto.csv against its own figures: fronts.py FILE.csv. Of settings that are equal to the
+digits of the table, some may be on the front and some not."""
+import csv
+import sys
+
+with open(sys.argv[1], newline="") as file:
+    rows = list(csv.DictReader(file))
+wrong = 0 if rows else 1
+for cost, flag in (("milliseconds", "time_front"), ("bytes", "bytes_front")):
+    points = [(float(r[cost]), float(r["error"])) for r in rows]
+    for row, (c, e) in zip(rows, points):
+        beaten = any((a <= c and b < e) or (a < c and b <= e) for a, b in points)
+        equal = points.count((c, e)) > 1
+        if (row[flag] == "1") == beaten and not (equal and not beaten):
+            print(f"{row['setting']}: {flag} is {row[flag]}, beaten: {beaten}", file=sys.stderr)
+            wrong += 1
+sys.exit(wrong > 0)
