@@ -16,7 +16,7 @@ static int end_renderers(void **state)
 static int count_failures(iso_renderer which, iso_fault fault, iso_calibration c[ISO_CALIBRATION_COUNT])
 {
     int failures = 0;
-    assert_ok(iso_calibrate(&renderers, which, fault, c, NULL, &err));
+    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, NULL, &err));
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i)
         failures += !c[i].passed;
     return failures;
@@ -70,10 +70,9 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i)
         for (int which = ISO_WITH_REFERENCE; which <= ISO_WITH_GL; ++which) {
             iso_calibration c[ISO_CALIBRATION_COUNT];
-            int at = 0;
+            const int at = iso_calibration_number(faults[i].check);
             count_failures((iso_renderer)which, faults[i].fault, c);
-            while (strcmp(c[at].check, faults[i].check) != 0)
-                ++at;
+            assert_string_equal(c[at].check, faults[i].check);
             if (c[at].passed)
                 fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c[at].check,
                          iso_renderer_name((iso_renderer)which), c[at].value);

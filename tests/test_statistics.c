@@ -57,7 +57,7 @@ static iso_noise_test run(size_t count, double shift, double gain, double offset
         assert_ok(iso_samples_add(&s, &image, &err));
         iso_image_destroy(&image);
     }
-    assert_ok(iso_samples_test(&s, 0.001, tolerance, &test, &err));
+    assert_ok(iso_samples_test(&s, 0.001, tolerance, tolerance, &test, &err));
     iso_samples_destroy(&s);
     iso_image_destroy(&reference);
     return test;
@@ -87,7 +87,7 @@ static void clean_noise_is_never_flagged_in_20_repetitions(void **state)
         iso_noise_test t = run(6, 0, 1, 0, 0.02, 0, seed); /* a chance of 0.2 % a repetition at these fixed seeds */
         if (!t.passed)
             fail_msg("seed %d: %zu rejected, smallest p %g", (int)seed, t.rejected, t.smallest_p);
-        assert_int_equal(t.tests, 3 * width * height);
+        assert_int_equal(t.tests, 4 * width * height);
     }
 }
 
@@ -128,6 +128,164 @@ static void sidak_keeps_the_significance_of_all_tests(void **state)
     assert_at_most(t.pixel_significance, 0.001 / (double)t.tests * 1.001);
 }
 
+/* ---- rates: what is promised by chance, and what is seen ------------------------ */
+
+typedef enum noise_kind { NOISE_NORMAL, NOISE_ALIKE, NOISE_UNIFORM } noise_kind; /* alike: one value for all channels */
+enum { small_width = 6, small_height = 5, small_tests = 4 * small_width * small_height };
+
+typedef struct rates {
+    double pixels, bias; /* of the repetitions, how many were flagged */
+} rates;
+
+/* offset: of channel 0 in standard deviations of the noise; of all pixels, or of one alone. */
+static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double significance, double offset, bool everywhere)
+{
+    uint64_t state = 0x1234567 + n;
+    iso_image reference, image;
+    rates r = {0};
+    assert_ok(iso_image_create(&reference, small_width, small_height, &err));
+    assert_ok(iso_image_create(&image, small_width, small_height, &err));
+    for (size_t k = 0; k < repetitions; ++k) {
+        iso_samples s;
+        iso_noise_test t;
+        assert_ok(iso_samples_create(&s, &reference, &err));
+        for (size_t j = 0; j < n; ++j) {
+            double value = 0;
+            for (size_t i = 0; i < small_tests; ++i) {
+                if (kind != NOISE_ALIKE || i % 4 == 0)
+                    value = kind == NOISE_UNIFORM ? sqrt(12) * (uniform01(&state) - 0.5) : normal(&state);
+                image.rgba[i] = (float)(value + (i == 0 || (everywhere && i % 4 == 0) ? offset : 0));
+            }
+            assert_ok(iso_samples_add(&s, &image, &err));
+        }
+        assert_ok(iso_samples_test(&s, significance, 0, 0, &t, &err));
+        r.pixels += (t.rejected > 0) / (double)repetitions;
+        r.bias += t.biased / (double)repetitions;
+        iso_samples_destroy(&s);
+    }
+    iso_image_destroy(&reference);
+    iso_image_destroy(&image);
+    return r;
+}
+
+/* Binomial: four standard deviations, at these fixed seeds. */
+static void expect_rate(const char *what, double seen, double expected, size_t repetitions)
+{
+    const double deviation = sqrt(expected * (1 - expected) / (double)repetitions);
+    if (!(fabs(seen - expected) <= 4 * deviation))
+        fail_msg("%s: a rate of %g, expected %g +- %g", what, seen, expected, deviation);
+}
+
+static void noise_alone_is_flagged_as_often_as_was_said(void **state)
+{
+    (void)state;
+    for (size_t n = 3; n <= 8; n = 2 * n - 2) { /* 3, 4, 6 */
+        rates r = measure_rates(NOISE_NORMAL, n, 1500, 0.05, 0, false);
+        expect_rate("pixels", r.pixels, 0.05, 1500);
+        expect_rate("bias", r.bias, 0.05, 1500);
+    }
+    rates strict = measure_rates(NOISE_NORMAL, 4, 8000, 0.001, 0, false); /* what the gates ask */
+    expect_rate("pixels at 1e-3", strict.pixels, 0.001, 8000);
+    expect_rate("bias at 1e-3", strict.bias, 0.001, 8000);
+}
+
+/* Sidak's bound: tests that go together are flagged together, and the rate is lower. Four channels count as one. */
+static void channels_that_are_alike_are_flagged_less_often(void **state)
+{
+    (void)state;
+    rates r = measure_rates(NOISE_ALIKE, 4, 3000, 0.1, 0, false);
+    expect_rate("pixels", r.pixels, 1 - pow(0.9, 0.25), 3000);
+    expect_rate("bias", r.bias, 1 - pow(0.9, 0.25), 3000);
+}
+
+/* n values of density f are alike at x with a chance that goes as x^(n-1) f(x)^n: integrated, 1/32 for the uniform
+ * density and 1/(16 pi^2) for the normal one, both of variance 1. */
+static void bounded_noise_is_flagged_five_times_as_often(void **state)
+{
+    (void)state;
+    const double times = 16 * acos(-1) * acos(-1) / 32;
+    rates r = measure_rates(NOISE_UNIFORM, 4, 3000, 0.01, 0, false);
+    expect_rate("pixels", r.pixels, 1 - pow(0.99, times), 3000);
+}
+
+static double critical(double p, double freedom)
+{
+    double lo = 0, hi = 1e6;
+    for (int i = 0; i < 100; ++i) {
+        double middle = 0.5 * (lo + hi);
+        *(iso_student_two_sided(middle, freedom) > p ? &lo : &hi) = middle;
+    }
+    return lo;
+}
+
+/* P(|T| > t) of the noncentral distribution: Z + shift over sqrt(chi squared / freedom), integrated over chi. */
+static double noncentral_tail(double t, double freedom, double shift)
+{
+    const double h = 1e-3, front = log(2) * (1 - freedom / 2) - lgamma(freedom / 2);
+    double sum = 0;
+    for (double chi = h / 2; chi < 12; chi += h) {
+        double reach = t * chi / sqrt(freedom);
+        double density = exp(front + (freedom - 1) * log(chi) - chi * chi / 2);
+        sum += h * density * 0.5 * (erfc((reach - shift) / sqrt(2)) + erfc((reach + shift) / sqrt(2)));
+    }
+    return sum;
+}
+
+/* What a planted offset of known size is caught with: computed, and seen. */
+static void a_planted_offset_is_caught_as_often_as_computed(void **state)
+{
+    (void)state;
+    assert_within(noncentral_tail(2.776445105, 4, 0), 0.05, 1e-6); /* the integral's step */
+    for (size_t n = 4; n <= 8; n += 4) {
+        const double freedom = (double)n - 1, alpha = 1 - pow(0.95, 1.0 / small_tests), channel = 1 - pow(0.95, 0.25);
+        const double offset = n == 4 ? 6 : 2.5, mean_offset = 0.3;
+        const double one = noncentral_tail(critical(alpha, freedom), freedom, offset * sqrt((double)n));
+        const double all = noncentral_tail(critical(channel, freedom), freedom, mean_offset * sqrt((double)n * small_tests / 4));
+        rates r = measure_rates(NOISE_NORMAL, n, 1500, 0.05, offset, false);
+        assert_true(one > 0.2 && one < 0.95 && all > 0.2 && all < 0.95); /* neither never nor always */
+        expect_rate("one pixel", r.pixels, 1 - (1 - one) * pow(0.95, 1 - 1.0 / small_tests), 1500);
+        r = measure_rates(NOISE_NORMAL, n, 1500, 0.05, mean_offset, true);
+        expect_rate("all pixels", r.bias, 1 - (1 - all) * pow(0.95, 0.75), 1500);
+    }
+}
+
+static void critical_values_are_those_of_the_header(void **state)
+{
+    (void)state;
+    const double n[] = {3, 4, 8, 16}, pixel[] = {2023, 208, 19.4, 8.85}, bias[] = {63.2, 20.6, 6.81, 4.77};
+    for (int i = 0; i < 4; ++i) {
+        assert_within(critical(1 - pow(0.999, 1.0 / 4096), n[i] - 1) / pixel[i], 1, 3e-3); /* as printed */
+        assert_within(critical(1 - pow(0.999, 0.25), n[i] - 1) / bias[i], 1, 3e-3);
+    }
+}
+
+/* Red up and blue down; and alpha alone: neither shows in the mean of all channels' colours. */
+static void channels_do_not_cancel_and_alpha_counts(void **state)
+{
+    (void)state;
+    const double offsets[2][4] = {{0.01, 0, -0.01, 0}, {0, 0, 0, 0.01}};
+    for (int k = 0; k < 2; ++k) {
+        uint64_t random = 77;
+        iso_image reference, image;
+        iso_samples s;
+        iso_noise_test t;
+        assert_ok(iso_image_create(&reference, 16, 16, &err));
+        assert_ok(iso_image_create(&image, 16, 16, &err));
+        assert_ok(iso_samples_create(&s, &reference, &err));
+        for (int j = 0; j < 4; ++j) {
+            for (size_t i = 0; i < 4 * 16 * 16; ++i)
+                image.rgba[i] = (float)(0.005 * normal(&random) + offsets[k][i % 4]);
+            assert_ok(iso_samples_add(&s, &image, &err));
+        }
+        assert_ok(iso_samples_test(&s, 0.001, 0, 0, &t, &err));
+        assert_true(t.biased);
+        assert_true(k == 0 ? t.bias_channel == 0 || t.bias_channel == 2 : t.bias_channel == 3);
+        iso_samples_destroy(&s);
+        iso_image_destroy(&reference);
+        iso_image_destroy(&image);
+    }
+}
+
 static void mean_and_bias_are_those_of_the_images(void **state)
 {
     (void)state;
@@ -139,7 +297,7 @@ static void mean_and_bias_are_those_of_the_images(void **state)
     assert_ok(iso_samples_create(&s, &reference, &err));
     assert_ok(iso_samples_add(&s, &a, &err));
     assert_ok(iso_samples_add(&s, &b, &err));
-    assert_ok(iso_samples_test(&s, 0.01, 0, &t, &err));
+    assert_ok(iso_samples_test(&s, 0.01, 0, 0, &t, &err));
     assert_within(s.mean[0], truth(0, 0, 0) + 0.02, 1e-7); /* float images */
     assert_within(t.bias, 0.02, 1e-7);
     assert_within(t.bias_error, 0.01, 1e-7); /* deviation .0141, over the root of 2 */
@@ -159,15 +317,16 @@ static void bad_samples_are_refused(void **state)
     assert_ok(iso_image_create(&small, 3, 3, &err));
     assert_status(iso_samples_create(&s, &none, &err), ISO_E_RANGE);
     assert_ok(iso_samples_create(&s, &reference, &err));
-    assert_status(iso_samples_test(&s, 0.01, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, 0.01, 0, 0, &t, &err), ISO_E_RANGE);
     assert_status(iso_samples_add(&s, &small, &err), ISO_E_RANGE);
     bad.rgba[5] = NAN;
     assert_status(iso_samples_add(&s, &bad, &err), ISO_E_RANGE);
     assert_ok(iso_samples_add(&s, &reference, &err));
     assert_ok(iso_samples_add(&s, &reference, &err));
     assert_int_equal(s.count, 2);
-    assert_status(iso_samples_test(&s, 0, 0, &t, &err), ISO_E_RANGE);
-    assert_status(iso_samples_test(&s, 0.01, NAN, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, 0, 0, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, 0.01, NAN, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, 0.01, 0, -1, &t, &err), ISO_E_RANGE);
     iso_samples_destroy(&s);
     iso_image_destroy(&reference);
     iso_image_destroy(&bad);
@@ -207,6 +366,22 @@ static void richardson_finds_the_limit_and_the_bar_of_a_power_law(void **state)
         iso_image_destroy(&exact);
         iso_image_destroy(&limit);
     }
+}
+
+/* Where the step is not resolved the error is of first order: extrapolated as if of second, it is two bars off. */
+static void a_limit_of_first_order_is_two_bars_off(void **state)
+{
+    (void)state;
+    iso_image coarse = at_step(0.5, 1), fine = at_step(0.25, 1), exact = at_step(0, 1), limit;
+    iso_extrapolation out;
+    assert_ok(iso_richardson(&coarse, &fine, 2, 2, &limit, &out, &err));
+    double squares = 0;
+    for (size_t i = 0; i < 4 * (size_t)width * height; ++i)
+        squares += pow((double)limit.rgba[i] - (double)exact.rgba[i], 2);
+    assert_within(sqrt(squares / (4 * width * height)) / out.error_bar, 2, 1e-5); /* floats against bars of .02 */
+    iso_image *const all[] = {&coarse, &fine, &exact, &limit};
+    for (int i = 0; i < 4; ++i)
+        iso_image_destroy(all[i]);
 }
 
 static void the_order_is_observed_and_a_wrong_one_shows(void **state)
@@ -281,9 +456,16 @@ int main(void)
         cmocka_unit_test(a_bias_within_the_tolerance_is_allowed),
         cmocka_unit_test(without_noise_the_tolerance_decides),
         cmocka_unit_test(sidak_keeps_the_significance_of_all_tests),
+        cmocka_unit_test(noise_alone_is_flagged_as_often_as_was_said),
+        cmocka_unit_test(channels_that_are_alike_are_flagged_less_often),
+        cmocka_unit_test(bounded_noise_is_flagged_five_times_as_often),
+        cmocka_unit_test(a_planted_offset_is_caught_as_often_as_computed),
+        cmocka_unit_test(critical_values_are_those_of_the_header),
+        cmocka_unit_test(channels_do_not_cancel_and_alpha_counts),
         cmocka_unit_test(mean_and_bias_are_those_of_the_images),
         cmocka_unit_test(bad_samples_are_refused),
         cmocka_unit_test(richardson_finds_the_limit_and_the_bar_of_a_power_law),
+        cmocka_unit_test(a_limit_of_first_order_is_two_bars_off),
         cmocka_unit_test(the_order_is_observed_and_a_wrong_one_shows),
         cmocka_unit_test(limits_with_a_planted_fault_do_not_agree),
         cmocka_unit_test(bad_extrapolations_are_refused),

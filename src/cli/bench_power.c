@@ -1,181 +1,48 @@
 /* bench_power.c - does validation catch what is wrong, and leave alone what is right?
  *
  * Planted faults against the calibration, each by name; then random scenes, clean and with each fault, against
- * the gates of the agreement. Everything follows from --seed. */
+ * every gate of the agreement (power.h). Everything follows from --seed. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/parallel.h"
 #include "cli/bench.h"
 #include "cli/calibrate.h"
-#include "cli/validate.h"
-#include "volume/synthetic.h"
+#include "cli/power.h"
+
+enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 more are too many together */
 
 typedef struct power_options {
-    char *with;
-    int repetitions, size, scenes, seed;
+    char *with, *output, *format;
+    int repetitions, planted, size, seed, quick, sensitivity, threads;
     bool wanted[ISO_RENDERER_COUNT];
 } power_options;
 
+typedef struct tally {
+    size_t asked, rejected;
+} tally;
+
 typedef struct power_result {
-    double ratio[ISO_FAULT_COUNT][ISO_RENDERER_COUNT]; /* value over limit of the check made for it; NaN: not asked */
-    size_t caught_in_scenes[ISO_FAULT_COUNT], scenes;
-    size_t flagged[ISO_RENDERER_COUNT], clean[ISO_RENDERER_COUNT]; /* comparisons of clean scenes */
+    double ratio[ISO_FAULT_COUNT][ISO_RENDERER_COUNT];  /* value over limit of the check made for it; NaN: not asked */
+    size_t scenes, bright;                              /* all; those with a pixel above 1 */
+    size_t changed[ISO_FAULT_COUNT];                    /* scenes that the fault changes by more than their error bar */
+    tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_RENDERER_COUNT]; /* in those; ISO_FAULT_NONE: clean scenes */
+    iso_power_noise noise[ISO_POWER_KIND_COUNT];        /* of Cycles, on scenes with planted faults */
+    json_t *wrong;                                      /* faults that were missed and clean scenes that were flagged */
 } power_result;
 
-/* A random scene: a rotated, anisotropic noise under a soft TF, a camera from anywhere, one to three lights. */
-typedef struct power_scene {
-    iso_pyramid pyramid;
-    iso_view view;
-    iso_scene_agreement asked;
-} power_scene;
+/* Where the time goes, for the estimate: what every scene takes, and what the dear gates take where faults are planted. */
+typedef struct pace {
+    const iso_progress *progress;
+    double plain_seconds, dear_seconds;
+} pace;
 
-static double between(iso_random *r, double lo, double hi) { return lo + (hi - lo) * iso_random_unit(r); }
-
-static iso_vec3 direction(iso_random *r)
+/* A limit of POV-Ray or Cycles takes seconds. */
+static bool is_dear(iso_power_gate gate, iso_renderer renderer)
 {
-    double z = between(r, -1, 1), turn = between(r, 0, 6.2831853), flat = sqrt(1 - z * z);
-    return iso_v3(flat * cos(turn), flat * sin(turn), z);
-}
-
-static iso_geometry random_grid(iso_random *r)
-{
-    size_t size[3];
-    double spacing[3];
-    for (int a = 0; a < 3; ++a) {
-        size[a] = 13 + iso_random_below(r, 12);
-        spacing[a] = between(r, 0.8, 1.8);
-    }
-    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_vec3 x = direction(r), z = iso_normalize(iso_cross(x, direction(r))), y = iso_cross(z, x);
-    const iso_mat3 turn = {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
-    for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k)
-            g.index_to_world.m[i][k] = turn.m[i][k] * spacing[k];
-    g.origin_mm = iso_mul(turn, g.origin_mm);
-    return g;
-}
-
-static void random_camera(iso_random *r, const iso_geometry *g, iso_camera *c)
-{
-    double radius = 0.8 * iso_geometry_box_radius_mm(g);
-    *c = (iso_camera){.orthographic = iso_random_below(r, 2), .forward = direction(r)};
-    c->right = iso_normalize(iso_cross(c->forward, fabs(c->forward.z) < 0.9 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0)));
-    c->up = iso_cross(c->right, c->forward);
-    c->half_height = c->orthographic ? radius : 0.25;
-    c->position = iso_madd(iso_geometry_box_center_mm(g), c->forward, -(c->orthographic ? 3 * radius : 4.2 * radius));
-}
-
-static iso_status random_tf(iso_random *r, const iso_level *level, iso_tf_table *tf, iso_error *err)
-{
-    enum { entries = 64, points = 5 };
-    double p[points][4];
-    *tf = (iso_tf_table){.count = entries, .lo = level->min, .hi = level->max, .entries = malloc(entries * 4 * sizeof(float))};
-    if (!tf->entries)
-        return iso_fail(err, ISO_E_MEMORY, "bench power: no memory");
-    for (int i = 0; i < points; ++i)
-        for (int c = 0; c < 4; ++c)
-            p[i][c] = c < 3 ? between(r, 0.1, 1) : i > 0 ? between(r, 0.02, 0.3) : 0;
-    for (size_t i = 0; i < entries; ++i) {
-        double x = (double)i / (entries - 1) * (points - 1);
-        size_t k = x < points - 1 ? (size_t)x : points - 2;
-        for (int c = 0; c < 4; ++c)
-            tf->entries[4 * i + (size_t)c] = (float)(p[k][c] + (x - (double)k) * (p[k + 1][c] - p[k][c]));
-    }
-    return ISO_OK;
-}
-
-static iso_status make_scene(uint64_t seed, size_t pixels, power_scene *s, iso_error *err)
-{
-    iso_random r = {.state = seed * 7919};
-    iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = random_grid(&r), .seed = seed};
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume volume;
-    *s = (power_scene){.asked = {.tier = ISO_TIER_CONVERGENCE, .why = "random"}};
-    build.level_count = 2; /* the second is for a planted fault */
-    iso_status status = iso_field_sample(&field, ISO_U16, &volume, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_pyramid_build(&volume, "power", &build, &s->pyramid, NULL, err);
-    iso_volume_destroy(&volume);
-    if (status != ISO_OK)
-        return status;
-    iso_view *v = &s->view;
-    *v = (iso_view){.width = pixels, .height = pixels, .step_voxels = 0.5, .light_count = 1 + iso_random_below(&r, 3)};
-    v->shading = (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = between(&r, 0.3, 1), .power = between(&r, 2, 20)};
-    for (size_t i = 0; i < v->light_count; ++i)
-        v->lights[i] = (iso_light){.direction = direction(&r), .intensity = 1.0 / (double)v->light_count};
-    for (int c = 0; c < 3; ++c)
-        v->background[c] = between(&r, 0, 0.4);
-    random_camera(&r, &field.geometry, &v->camera);
-    return random_tf(&r, &s->pyramid.levels[0], &v->tf, err);
-}
-
-static void clear_scene(power_scene *s)
-{
-    iso_view_destroy(&s->view);
-    iso_pyramid_destroy(&s->pyramid);
-}
-
-static iso_status render_reference(iso_renderers *r, const power_scene *s, iso_quadrature q, iso_image *image, iso_error *err)
-{
-    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
-    opt.quadrature = q;
-    return iso_render_with(r, &s->pyramid, 0, &s->view, &opt, image, NULL, NULL, err);
-}
-
-/* The gates that validation has for a limit; *flagged when one is not held. */
-static iso_status test_limit(iso_renderers *r, const power_scene *s, const iso_image *reference, iso_renderer which,
-                             int first_seed, bool *flagged, iso_error *err)
-{
-    iso_limit limit;
-    iso_limit_options opt = iso_limit_defaults();
-    iso_report_agreement row = {.a = "reference", .b = iso_renderer_name(which)};
-    opt.seeds = 3;
-    opt.first_seed = first_seed;
-    if (which == ISO_WITH_GL)
-        opt.step_voxels = 1.0 / 16;
-    iso_status status = iso_limit_find(r, &s->pyramid, 0, &s->view, reference, which, &opt, &limit, NULL, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(reference, &limit.image, &row.metrics, err);
-    if (status == ISO_OK)
-        iso_validate_limit_row(&s->asked, &limit, &row);
-    *flagged = status == ISO_OK && strcmp(iso_report_verdict(&row), "agree") != 0;
-    iso_limit_destroy(&limit);
-    return status;
-}
-
-/* The lock-step gate of the ray caster, which is given a spoilt scene. */
-static iso_status test_lock_step(iso_renderers *r, uint64_t seed, size_t pixels, const iso_image *same, iso_fault fault,
-                                 bool *flagged, iso_error *err)
-{
-    power_scene s;
-    iso_image image = {0};
-    iso_report_agreement row = {.limits = iso_validate_gl_lock_step(false)};
-    iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
-    iso_status status = make_scene(seed, pixels, &s, err);
-    iso_fault_plant(fault, &s.pyramid, 0, &s.view);
-    if (status == ISO_OK)
-        status = iso_render_with(r, &s.pyramid, fault == ISO_FAULT_LEVEL ? 1 : 0, &s.view, &opt, &image, NULL, NULL, err);
-    if (status == ISO_OK)
-        iso_fault_spoil(fault, &image);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(same, &image, &row.metrics, err);
-    *flagged = status == ISO_OK && strcmp(iso_report_verdict(&row), "agree") != 0;
-    iso_image_destroy(&image);
-    clear_scene(&s);
-    return status;
-}
-
-static int check_number(const char *name)
-{
-    static const char *const names[ISO_CALIBRATION_COUNT] = {"placement", "slab", "transfer function", "light"};
-    int i = 0;
-    while (i + 1 < ISO_CALIBRATION_COUNT && strcmp(names[i], name) != 0)
-        ++i;
-    return i;
+    return gate == ISO_POWER_LIMIT && renderer != ISO_WITH_GL;
 }
 
 static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o, power_result *out,
@@ -185,49 +52,109 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f)
         for (int w = 0; w < ISO_RENDERER_COUNT && status == ISO_OK; ++w) {
             iso_calibration c;
+            const iso_planted planted = {.fault = (iso_fault)f};
             out->ratio[f][w] = NAN;
             if (!o->wanted[w])
                 continue;
-            iso_progress_report(progress, "planted faults", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
-            status = iso_calibrate_check(r, (iso_renderer)w, (iso_fault)f, check_number(iso_fault_check((iso_fault)f)), &c, err);
+            iso_progress_report(progress, "faults in the calibrations", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
+            status = iso_calibrate_check(r, (iso_renderer)w, &planted, iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
             out->ratio[f][w] = c.value / c.limit;
         }
     return status;
 }
 
-static iso_status run_scene(iso_renderers *r, const power_options *o, int i, power_result *out, iso_error *err)
+/* All wanted gates that are dear, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
+static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault, bool dear,
+                            power_result *out, iso_error *err)
 {
-    const uint64_t seed = (uint64_t)o->seed * 1000 + (uint64_t)i;
-    const size_t pixels = (size_t)o->size;
-    power_scene s;
-    iso_image converged = {0}, same = {0};
-    iso_status status = make_scene(seed, pixels, &s, err);
-    if (status == ISO_OK)
-        status = render_reference(r, &s, ISO_QUADRATURE_CONVERGED, &converged, err);
-    if (status == ISO_OK)
-        status = render_reference(r, &s, ISO_QUADRATURE_MIDPOINT, &same, err);
-    for (int w = ISO_WITH_REFERENCE + 1; w < ISO_RENDERER_COUNT && status == ISO_OK; ++w) {
-        bool flagged = false;
-        if (!o->wanted[w])
-            continue;
-        status = test_limit(r, &s, &converged, (iso_renderer)w, 1000 * i, &flagged, err);
-        out->clean[w] += 1;
-        out->flagged[w] += flagged;
-    }
-    for (int f = ISO_FAULT_NONE; f < ISO_FAULT_COUNT && o->wanted[ISO_WITH_GL] && status == ISO_OK; ++f) {
-        bool flagged = false;
-        status = test_lock_step(r, seed, pixels, &same, (iso_fault)f, &flagged, err);
-        if (f == ISO_FAULT_NONE)
-            out->clean[ISO_WITH_GL] += 1, out->flagged[ISO_WITH_GL] += flagged;
-        else
-            out->caught_in_scenes[f] += flagged;
-    }
-    out->scenes += 1;
-    iso_image_destroy(&converged);
-    iso_image_destroy(&same);
-    clear_scene(&s);
+    const iso_planted planted = {.fault = fault};
+    iso_status status = ISO_OK;
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (int w = 0; w < ISO_RENDERER_COUNT && status == ISO_OK; ++w) {
+            const iso_power_gate gate = (iso_power_gate)g;
+            const iso_renderer renderer = (iso_renderer)w;
+            tally *t = &out->seen[fault][g][w];
+            bool rejected;
+            if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_dear(gate, renderer) != dear)
+                continue;
+            status = iso_power_ask(r, c, gate, renderer, &planted, &rejected, err);
+            t->asked += 1;
+            t->rejected += rejected;
+            if (status == ISO_OK && rejected == (fault == ISO_FAULT_NONE))
+                json_array_append_new(out->wrong, json_pack("{s:s, s:s, s:s, s:I, s:s}", "fault", iso_fault_name(fault), "gate",
+                                                            iso_power_gate_name(gate), "renderer", iso_renderer_name(renderer),
+                                                            "seed", (json_int_t)c->seed, "kind", iso_power_kind_name(c->kind)));
+        }
     return status;
 }
+
+/* A fault that changes the picture by less than the bar that a limit may have cannot be asked to be seen: it is left out,
+ * and counted. */
+static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool dear, power_result *out,
+                                 iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f) {
+        const iso_planted planted = {.fault = (iso_fault)f};
+        double change = 0;
+        status = iso_power_change(r, c, &planted, &change, err);
+        if (!(change > iso_validate_error_bar(&c->asked)))
+            continue;
+        out->changed[f] += !dear;
+        if (status == ISO_OK)
+            status = ask_gates(r, o, c, planted.fault, dear, out, err);
+    }
+    return status;
+}
+
+static iso_status test_noise(iso_renderers *r, const power_options *o, const iso_power_case *c, power_result *out, iso_error *err)
+{
+    iso_power_noise n, *sum = &out->noise[c->kind];
+    iso_status status = iso_power_test_noise(r, c, o->quick ? 8 : 16, &n, err);
+    sum->tests += n.tests;
+    sum->below += n.below;
+    sum->rare += n.rare;
+    return status;
+}
+
+static void tell(const pace *p, const power_options *o, int i)
+{
+    char stage[160];
+    const int planted_left = o->planted > i ? o->planted - i : 0, planted_done = o->planted < i ? o->planted : i;
+    double left = i > 0 ? p->plain_seconds / i * (o->repetitions - i) : 0;
+    left += planted_done > 0 ? p->dear_seconds / planted_done * planted_left : 0;
+    int n = snprintf(stage, sizeof stage, "random scene %d of %d", i + 1, o->repetitions);
+    if (i > 0)
+        snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
+                 left < 90 ? left : left / 60);
+    iso_progress_report(p->progress, stage, (double)i / o->repetitions);
+}
+
+static iso_status run_scene(iso_renderers *r, const power_options *o, int i, power_result *out, pace *p, iso_error *err)
+{
+    iso_power_case c = {.seed = (uint64_t)o->seed * 1000 + (uint64_t)i, .pixels = (size_t)o->size, .first_seed = 1000 * i,
+                        .cycles_seeds = o->quick ? 3 : 4, .threads = o->threads};
+    const double start = iso_clock_seconds();
+    tell(p, o, i);
+    iso_status status = iso_power_open(r, &c, err);
+    for (int dear = 0; dear < 2 && status == ISO_OK; ++dear)
+        status = ask_gates(r, o, &c, ISO_FAULT_NONE, dear, out, err);
+    if (status == ISO_OK)
+        status = plant_in_scene(r, o, &c, false, out, err);
+    const double plain = iso_clock_seconds();
+    if (status == ISO_OK && i < o->planted && (o->wanted[ISO_WITH_POVRAY] || o->wanted[ISO_WITH_CYCLES]))
+        status = plant_in_scene(r, o, &c, true, out, err);
+    if (status == ISO_OK && i < o->planted && o->wanted[ISO_WITH_CYCLES] && o->size <= most_noise_pixels)
+        status = test_noise(r, o, &c, out, err);
+    p->plain_seconds += plain - start;
+    p->dear_seconds += iso_clock_seconds() - plain;
+    out->scenes += 1;
+    out->bright += c.brightest > 1;
+    iso_power_close(&c);
+    return status;
+}
+
+/* ---- results ------------------------------------------------------------------------ */
 
 static bool is_caught(const power_result *r, int fault)
 {
@@ -237,44 +164,123 @@ static bool is_caught(const power_result *r, int fault)
     return true;
 }
 
+/* The largest rate of false alarms that `asked` clean comparisons without one leave possible, at 95 % confidence. */
+static double rate_bound(size_t asked) { return 1 - pow(0.05, 1 / (double)asked); }
+
+static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_RENDERER_COUNT], const char *rejected)
+{
+    json_t *list = json_array();
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+            if (t[g][w].asked)
+                json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
+                                                      "renderer", iso_renderer_name((iso_renderer)w), "comparisons",
+                                                      (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
+    return list;
+}
+
+static json_t *noise_to_json(const power_result *r)
+{
+    json_t *list = json_array();
+    for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k)
+        if (r->noise[k].tests)
+            json_array_append_new(list, json_pack("{s:s, s:I, s:I, s:I}", "kind", iso_power_kind_name((iso_power_kind)k), "tests",
+                                                  (json_int_t)r->noise[k].tests, "below_1e-3", (json_int_t)r->noise[k].below,
+                                                  "below_1e-4", (json_int_t)r->noise[k].rare));
+    return list;
+}
+
 static json_t *to_json(const power_result *r)
 {
-    json_t *faults = json_array(), *clean = json_array();
+    json_t *faults = json_array();
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
         json_t *ratios = json_object();
         for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
             if (isfinite(r->ratio[f][w]))
                 json_object_set_new(ratios, iso_renderer_name((iso_renderer)w), json_real(r->ratio[f][w]));
-        json_array_append_new(faults, json_pack("{s:s, s:s, s:b, s:o, s:I, s:I}", "fault", iso_fault_name((iso_fault)f),
+        json_array_append_new(faults, json_pack("{s:s, s:s, s:b, s:o, s:I, s:I, s:o}", "fault", iso_fault_name((iso_fault)f),
                                                 "check", iso_fault_check((iso_fault)f), "caught", is_caught(r, f),
-                                                "times_the_limit", ratios, "caught_in_scenes",
-                                                (json_int_t)r->caught_in_scenes[f], "scenes", (json_int_t)r->scenes));
+                                                "times_the_limit", ratios, "scenes", (json_int_t)r->scenes, "scenes_changed",
+                                                (json_int_t)r->changed[f], "gates", gates_to_json(r->seen[f], "rejected")));
     }
-    for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
-        if (r->clean[w])
-            json_array_append_new(clean, json_pack("{s:s, s:I, s:I}", "renderer", iso_renderer_name((iso_renderer)w),
-                                                   "comparisons", (json_int_t)r->clean[w], "flagged", (json_int_t)r->flagged[w]));
-    return json_pack("{s:o, s:o}", "faults", faults, "clean", clean);
+    return json_pack("{s:o, s:o, s:O, s:o, s:I, s:I}", "faults", faults, "clean",
+                     gates_to_json(r->seen[ISO_FAULT_NONE], "flagged"), "wrong", r->wrong, "noise", noise_to_json(r), "scenes",
+                     (json_int_t)r->scenes, "scenes_above_1", (json_int_t)r->bright);
 }
 
-static void print_table(const power_options *o, const power_result *r)
+static void print_calibrations(const power_options *o, const power_result *r)
 {
-    printf("%-58s %-18s", "planted fault", "check");
+    printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault", "check");
     for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
         if (o->wanted[w])
             printf(" %10s", iso_renderer_name((iso_renderer)w));
-    printf("  scenes\n");
+    printf("\n");
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
-        printf("%-58s %-18s", iso_fault_name((iso_fault)f), iso_fault_check((iso_fault)f));
+        printf("%-50s %-18s", iso_fault_name((iso_fault)f), iso_fault_check((iso_fault)f));
         for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
             if (o->wanted[w])
                 printf(" %9.3gx", r->ratio[f][w]);
-        printf("  %zu of %zu%s\n", r->caught_in_scenes[f], r->scenes, is_caught(r, f) ? "" : "  NOT CAUGHT");
+        printf("%s\n", is_caught(r, f) ? "" : "  NOT CAUGHT");
     }
-    for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
-        if (r->clean[w])
-            printf("clean scenes, %s: %zu of %zu comparisons flagged\n", iso_renderer_name((iso_renderer)w), r->flagged[w],
-                   r->clean[w]);
+}
+
+/* One row of the scenes' table: a fault, or with ISO_FAULT_NONE the head. */
+static void print_scene_row(const power_options *o, const power_result *r, int fault)
+{
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (int w = 0; w < ISO_RENDERER_COUNT; ++w) {
+            const tally *t = &r->seen[fault][g][w];
+            char cell[48];
+            if (!o->wanted[w] || !iso_power_has_gate((iso_power_gate)g, (iso_renderer)w))
+                continue;
+            if (fault == ISO_FAULT_NONE)
+                snprintf(cell, sizeof cell, "%s %s", iso_renderer_name((iso_renderer)w), iso_power_gate_name((iso_power_gate)g));
+            else
+                snprintf(cell, sizeof cell, "%zu of %zu", t->rejected, t->asked);
+            printf(" %16s", t->asked || fault == ISO_FAULT_NONE ? cell : "-");
+        }
+}
+
+static void print_noise(const power_result *r)
+{
+    for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
+        const iso_power_noise *n = &r->noise[k];
+        if (n->tests)
+            printf("noise of Cycles, %s scenes: of %zu pixels and channels %.2g are below a chance of 1e-3, %.2g below 1e-4\n",
+                   iso_power_kind_name((iso_power_kind)k), n->tests, (double)n->below / (double)n->tests,
+                   (double)n->rare / (double)n->tests);
+    }
+}
+
+static void print_scenes(const power_options *o, const power_result *r)
+{
+    printf("\n%zu random scenes, %zu of them with highlights above 1: rejected of those that the fault changes by more than the bar\n"
+           "of the scene (RMSE 1/2550, sharp 1/255); in the others it is too small to be asked for\n%-50s %9s",
+           r->scenes, r->bright, "planted fault", "too small");
+    print_scene_row(o, r, ISO_FAULT_NONE);
+    printf("\n");
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
+        printf("%-50s %9zu", iso_fault_name((iso_fault)f), r->scenes - r->changed[f]);
+        print_scene_row(o, r, f);
+        printf("\n");
+    }
+    printf("\n");
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (int w = 0; w < ISO_RENDERER_COUNT; ++w) {
+            const tally *t = &r->seen[ISO_FAULT_NONE][g][w];
+            if (t->asked)
+                printf("clean scenes, %s %s: %zu of %zu flagged%s", iso_renderer_name((iso_renderer)w),
+                       iso_power_gate_name((iso_power_gate)g), t->rejected, t->asked, t->rejected ? "\n" : "");
+            if (t->asked && !t->rejected)
+                printf(" (a rate below %.2g %%, at 95 %% confidence)\n", 100 * rate_bound(t->asked));
+        }
+    print_noise(r);
+    size_t i;
+    json_t *wrong;
+    json_array_foreach(r->wrong, i, wrong)
+        printf("WRONG: %s, %s of %s, scene %lld (%s)\n", json_string_value(json_object_get(wrong, "fault")),
+               json_string_value(json_object_get(wrong, "gate")), json_string_value(json_object_get(wrong, "renderer")),
+               (long long)json_integer_value(json_object_get(wrong, "seed")), json_string_value(json_object_get(wrong, "kind")));
 }
 
 static iso_status verdict(const power_result *r, iso_error *err)
@@ -282,70 +288,100 @@ static iso_status verdict(const power_result *r, iso_error *err)
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f)
         if (!is_caught(r, f))
             return iso_fail(err, ISO_E_DIFFERS, "bench power: \"%s\" is not caught", iso_fault_name((iso_fault)f));
-    for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
-        if (r->flagged[w])
-            return iso_fail(err, ISO_E_DIFFERS, "bench power: %zu of %zu clean comparisons of %s were flagged", r->flagged[w],
-                            r->clean[w], iso_renderer_name((iso_renderer)w));
-    return ISO_OK;
+    if (json_array_size(r->wrong) == 0)
+        return ISO_OK;
+    const json_t *first = json_array_get(r->wrong, 0);
+    return iso_fail(err, ISO_E_DIFFERS, "bench power: %zu wrong answers, the first for \"%s\" by the %s of %s on scene %lld",
+                    json_array_size(r->wrong), json_string_value(json_object_get(first, "fault")),
+                    json_string_value(json_object_get(first, "gate")), json_string_value(json_object_get(first, "renderer")),
+                    (long long)json_integer_value(json_object_get(first, "seed")));
 }
 
-static iso_status bench(const iso_cli *cli, power_options *o, iso_error *err)
+/* ---- the command ------------------------------------------------------------------------ */
+
+static iso_status check(power_options *o, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(cli);
-    iso_renderers renderers = {0};
-    power_result result = {0};
-    iso_status status = iso_cli_check_range("--repetitions", o->repetitions, 0, 10000, err);
+    /* -1: not said */
+    o->repetitions = o->repetitions >= 0 ? o->repetitions : o->sensitivity ? 3 : o->quick ? 4 : 20;
+    o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
+    o->size = o->size >= 0 ? o->size : o->quick ? 16 : 32;
+    iso_status status = iso_cli_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--planted", o->planted, 0, 1000, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--size", o->size, 8, 1024, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--seed", o->seed, 0, 1e6, err);
-    if (status == ISO_OK)
-        status = iso_renderers_from_list(o->with, o->wanted, err);
-    if (status == ISO_OK)
-        status = plant_in_calibrations(&renderers, o, &result, &progress, err);
-    for (int i = 0; i < o->repetitions && status == ISO_OK; ++i) {
-        iso_progress_report(&progress, "random scenes", (double)i / o->repetitions);
-        status = run_scene(&renderers, o, i, &result, err);
-    }
-    iso_renderers_end(&renderers);
-    if (status != ISO_OK)
-        return status;
-    if (cli->json) {
+    if (status == ISO_OK && o->output && !o->sensitivity)
+        status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
+    if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+    return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
+}
+
+static iso_status bench(const iso_cli *cli, const power_options *o, iso_renderers *renderers, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    power_result result = {.wrong = json_array()};
+    pace p = {.progress = &progress};
+    iso_status status = plant_in_calibrations(renderers, o, &result, &progress, err);
+    for (int i = 0; i < o->repetitions && status == ISO_OK; ++i)
+        status = run_scene(renderers, o, i, &result, &p, err);
+    if (status == ISO_OK && cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_update_new(root, to_json(&result));
         iso_cli_print_json(root);
-    } else {
-        print_table(o, &result);
+    } else if (status == ISO_OK) {
+        print_calibrations(o, &result);
+        print_scenes(o, &result);
     }
-    return verdict(&result, err);
+    if (status == ISO_OK)
+        status = verdict(&result, err);
+    json_decref(result.wrong);
+    return status;
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    power_options o = {.repetitions = 20, .size = 32, .seed = 1};
+    power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
     struct poptOption options[] = {
-        {"repetitions", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.repetitions, 0, "random scenes", "N"},
+        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
+        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "in how many of them faults are planted for the limits of POV-Ray and Cycles (4; 1)", "N"},
         {"with", 0, POPT_ARG_STRING, &o.with, 0, "renderers besides the reference (gl,cycles,povray)", "LIST"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.size, 0, "pixels along the sides of the scenes' images", "N"},
+        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (32; 16 with --quick)", "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
+        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds of Cycles; the same gates", NULL},
+        {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0, "instead: the smallest amount of each deviation that each gate rejects", NULL},
+        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "of --sensitivity: a folder for the chart and its data", "DIR"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
         POPT_TABLEEND,
     };
     iso_cli cli;
     iso_cli_next next;
+    iso_renderers renderers = {0};
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &o, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && (status = check(&o, err)) == ISO_OK) {
+        o.threads = cli.threads;
+        iso_sensitivity_options s = {.scenes = o.repetitions, .pixels = o.size, .seed = o.seed, .threads = o.threads,
+                                     .output = o.output, .format = o.format};
+        memcpy(s.wanted, o.wanted, sizeof s.wanted);
+        status = o.sensitivity ? iso_power_sensitivity(&renderers, &s, &cli, err) : bench(&cli, &o, &renderers, err);
+    }
+    iso_renderers_end(&renderers);
     iso_cli_end(&cli);
     return status;
 }
 
 const iso_command iso_bench_power = {
     .name = "bench power",
-    .summary = "planted faults that validation catches, and clean scenes that it leaves alone",
+    .summary = "planted faults that validation catches, clean scenes that it leaves alone, and how little it sees",
     .usage = "[options]",
     .details = "Each fault is planted into the calibration of each renderer: by how many times its limit the check made for it is\n"
-               "exceeded. Then random scenes: how many clean ones the gates of the limits and of the ray caster's lock-step flag, and\n"
-               "in how many the lock-step sees each fault. Exit code 1: a fault was not caught, or a clean scene was flagged.",
-    .examples = "  isoshade bench power --with gl --repetitions 2 --size 16\n",
+               "exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many clean ones each gate\n"
+               "of validate flags, and in how many it sees each fault, of those that the fault changes by more than the scene's error\n"
+               "bar. --sensitivity: by how little a volume may be shifted, a light turned ... until each gate says so.\n"
+               "Exit code 1: a fault was not caught, or a clean scene was flagged.",
+    .examples = "  isoshade bench power --with gl --repetitions 2 --size 16\n"
+                "  isoshade bench power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",
     .run = run,
 };

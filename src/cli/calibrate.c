@@ -81,13 +81,13 @@ static void set_entry(iso_view *view, size_t i, float r, float g, float b, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
-static iso_status render_stage(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, iso_error *err)
+static iso_status render_stage(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(which);
-    iso_fault_plant(fault, &s->pyramid, 0, &s->view);
-    iso_status status = iso_render_with(r, &s->pyramid, fault == ISO_FAULT_LEVEL ? 1 : 0, &s->view, &opt, &s->got, NULL, NULL, err);
-    if (status == ISO_OK)
-        iso_fault_spoil(fault, &s->got);
+    iso_plant(planted, &s->pyramid, 0, &s->view);
+    r->planted = planted;
+    iso_status status = iso_render_with(r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &opt, &s->got, NULL, NULL, err);
+    r->planted = NULL;
     return status;
 }
 
@@ -147,7 +147,8 @@ static void expected_centroid(const stage *s, double at[2])
     at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * pixels - 0.5;
 }
 
-static iso_status check_placement(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, double *value, iso_error *err)
+static iso_status check_placement(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+                                  iso_error *err)
 {
     iso_geometry g = turned_grid(15, 12, 18);
     double expected[2], sum[3] = {0};
@@ -158,7 +159,7 @@ static iso_status check_placement(stage *s, iso_renderers *r, iso_renderer which
     for (size_t i = 0; i < tf_entries; ++i)
         set_entry(&s->view, i, 1, 1, 1, 0.2f * (float)i / (tf_entries - 1));
     expected_centroid(s, expected);
-    status = render_stage(s, r, which, fault, err);
+    status = render_stage(s, r, which, planted, err);
     for (size_t i = 0; status == ISO_OK && i < pixels * pixels; ++i) {
         double depth = -log1p(-(double)s->got.rgba[4 * i + 3]);
         sum[0] += depth * (double)(i % pixels);
@@ -176,7 +177,8 @@ static double half(const iso_geometry *g, iso_vec3 index)
     return 0.5;
 }
 
-static iso_status check_slab(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, double *value, iso_error *err)
+static iso_status check_slab(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+                             iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
     iso_status status = set_stage(s, &g, half, err);
@@ -189,7 +191,7 @@ static iso_status check_slab(stage *s, iso_renderers *r, iso_renderer which, iso
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.15f};
         expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
     }
-    status = render_stage(s, r, which, fault, err);
+    status = render_stage(s, r, which, planted, err);
     *value = largest_difference(s);
     return status;
 }
@@ -200,8 +202,8 @@ static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
     return (index.x - 0.5) / (double)(g->size[0] - 1);
 }
 
-static iso_status check_transfer_function(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, double *value,
-                                          iso_error *err)
+static iso_status check_transfer_function(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted,
+                                          double *value, iso_error *err)
 {
     const size_t size[3] = {17, 5, 6};
     const double spacing[3] = {1, 1, 1};
@@ -219,7 +221,7 @@ static iso_status check_transfer_function(stage *s, iso_renderers *r, iso_render
         iso_tf_lookup(&s->view.tf, ramp_along_x(&g, index), rgbs);
         expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
     }
-    status = render_stage(s, r, which, fault, err);
+    status = render_stage(s, r, which, planted, err);
     *value = largest_difference(s);
     return status;
 }
@@ -230,7 +232,8 @@ static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, iso_fault fault, double *value, iso_error *err)
+static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+                              iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
     iso_status status = set_stage(s, &g, tilted_ramp, err);
@@ -255,14 +258,14 @@ static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, is
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.9f};
         expect_pixel(s, i % pixels, i / pixels, rgbs, shade);
     }
-    status = render_stage(s, r, which, fault, err);
+    status = render_stage(s, r, which, planted, err);
     *value = largest_difference(s);
     return status;
 }
 
 static const struct {
     iso_calibration blank;
-    iso_status (*run)(stage *, iso_renderers *, iso_renderer, iso_fault, double *, iso_error *);
+    iso_status (*run)(stage *, iso_renderers *, iso_renderer, const iso_planted *, double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement", .unit = "pixel", .limit = 0.02,
       .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"}, check_placement},
@@ -274,24 +277,32 @@ static const struct {
       .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"}, check_light},
 };
 
-iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, iso_fault fault, int check, iso_calibration *out,
-                               iso_error *err)
+int iso_calibration_number(const char *check)
+{
+    int i = 0;
+    while (i + 1 < ISO_CALIBRATION_COUNT && strcmp(checks[i].blank.check, check) != 0)
+        ++i;
+    return i;
+}
+
+iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_planted *planted, int check,
+                               iso_calibration *out, iso_error *err)
 {
     stage s = {0};
     *out = checks[check].blank;
-    iso_status status = checks[check].run(&s, r, which, fault, &out->value, err);
+    iso_status status = checks[check].run(&s, r, which, planted, &out->value, err);
     out->passed = out->value <= out->limit; /* NaN does not pass */
     clear_stage(&s);
     return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", iso_renderer_name(which));
 }
 
-iso_status iso_calibrate(iso_renderers *r, iso_renderer which, iso_fault fault, iso_calibration out[ISO_CALIBRATION_COUNT],
-                         const iso_progress *progress, iso_error *err)
+iso_status iso_calibrate(iso_renderers *r, iso_renderer which, const iso_planted *planted,
+                         iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < ISO_CALIBRATION_COUNT && status == ISO_OK; ++i) {
         iso_progress_report(progress, "calibration", (double)i / ISO_CALIBRATION_COUNT);
-        status = iso_calibrate_check(r, which, fault, i, &out[i], err);
+        status = iso_calibrate_check(r, which, planted, i, &out[i], err);
     }
     return status;
 }

@@ -27,12 +27,15 @@ typedef struct iso_calibration {
     bool passed;
 } iso_calibration;
 
-/* ISO_OK when all checks could be made, passed or not. */
-iso_status iso_calibrate(iso_renderers *r, iso_renderer which, iso_fault fault, iso_calibration out[ISO_CALIBRATION_COUNT],
-                         const iso_progress *progress, iso_error *err);
+/* ISO_OK when all checks could be made, passed or not. planted: spoils the renderer; NULL: nothing. */
+iso_status iso_calibrate(iso_renderers *r, iso_renderer which, const iso_planted *planted,
+                         iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err);
 
-/* One check alone, by its place in the list above. */
-iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, iso_fault fault, int check, iso_calibration *out,
-                               iso_error *err);
+/* The place of a check in the list above. */
+int iso_calibration_number(const char *check);
+
+/* One check alone, by its place. */
+iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_planted *planted, int check,
+                               iso_calibration *out, iso_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
- * `isoshade bench power` can show that each is rejected, and by which check. */
+ * `isoshade bench power` can show that each is rejected, by which check, and from which amount on. */
 #ifndef ISO_CLI_FAULTS_H
 #define ISO_CLI_FAULTS_H
 
@@ -34,9 +34,49 @@ typedef enum iso_fault {
 const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
 const char *iso_fault_check(iso_fault fault); /* NULL for it */
 
-/* Spoils what a renderer is given: level `level` of p, and the view. */
-void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
+/* Faults of any amount, for the smallest that is rejected: enum, name, unit of the amount, an amount that nobody could
+ * miss, the check. A percentage of 1 makes a length, an exponent ... 1.01 times what it was. */
+#define ISO_DEVIATION_LIST(X)                                                                          \
+    X(ISO_DEVIATION_SHIFT, "the volume is shifted along x, y and z", "voxel", 0.5, "placement")        \
+    X(ISO_DEVIATION_SPACING, "voxels are longer along x", "%", 20.0, "placement")                      \
+    X(ISO_DEVIATION_CAMERA, "the camera sees more", "%", 20.0, "placement")                            \
+    X(ISO_DEVIATION_UNIT, "extinction is for more length", "%", 20.0, "slab")                          \
+    X(ISO_DEVIATION_GAIN, "radiance is too bright", "%", 20.0, "slab")                                 \
+    X(ISO_DEVIATION_PIXEL, "the middle pixel is too bright", "of 1", 1.0, "slab")                      \
+    X(ISO_DEVIATION_GAMMA, "the TF's colours have a gamma", "% above 1", 120.0, "transfer function")   \
+    X(ISO_DEVIATION_RANGE, "the TF's range ends too late", "entry", 2.0, "transfer function")          \
+    X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")                  \
+    X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                           \
+    X(ISO_DEVIATION_EXPONENT, "the highlight's exponent is larger", "%", 100.0, "light")
+
+typedef enum iso_deviation {
+    ISO_DEVIATION_NONE,
+#define ISO_DEVIATION_ENUM(name, text, unit, most, check) name,
+    ISO_DEVIATION_LIST(ISO_DEVIATION_ENUM)
+#undef ISO_DEVIATION_ENUM
+    ISO_DEVIATION_COUNT
+} iso_deviation;
+
+const char *iso_deviation_name(iso_deviation d);  /* "nothing" for ISO_DEVIATION_NONE */
+const char *iso_deviation_unit(iso_deviation d);  /* NULL for it */
+const char *iso_deviation_check(iso_deviation d); /* NULL for it */
+double iso_deviation_most(iso_deviation d);
+
+/* What is planted: a fault, a deviation of an amount, or, zeroed, nothing. */
+typedef struct iso_planted {
+    iso_fault fault;
+    iso_deviation deviation;
+    double amount;
+} iso_planted;
+
+/* Spoils what a renderer is given: level `level` of p, and the view. planted NULL: nothing. */
+void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
+/* The level that is rendered instead of `level`. */
+size_t iso_planted_level(const iso_planted *planted, size_t level);
 /* Faults of the picture itself. */
-void iso_fault_spoil(iso_fault fault, iso_image *image);
+void iso_planted_spoil(const iso_planted *planted, iso_image *image);
+
+/* iso_plant() of a fault alone. */
+void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
 
 #endif

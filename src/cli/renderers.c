@@ -234,6 +234,8 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     const bool is_other_program = opt->renderer == ISO_WITH_CYCLES || opt->renderer == ISO_WITH_POVRAY;
     if (is_other_program)
         stats.setup_seconds = fmax(all - stats.seconds, 0);
+    if (status == ISO_OK)
+        iso_planted_spoil(r->planted, image);
     if (seconds)
         *seconds = opt->renderer == ISO_WITH_GL ? stats.seconds : all;
     if (opt->stats)
@@ -260,8 +262,12 @@ iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t lev
 {
     iso_status status = ISO_OK;
     memset(images, 0, count * sizeof *images);
-    if (count > 0 && level < p->level_count && frames[0].renderer == ISO_WITH_CYCLES)
-        return render_cycles_frames(p, level, view, frames, count, images, progress, err);
+    if (count > 0 && level < p->level_count && frames[0].renderer == ISO_WITH_CYCLES) {
+        status = render_cycles_frames(p, level, view, frames, count, images, progress, err);
+        for (size_t i = 0; i < count && status == ISO_OK; ++i)
+            iso_planted_spoil(r->planted, &images[i]);
+        return status;
+    }
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = iso_render_with(r, p, level, view, &frames[i], &images[i], NULL, progress, err);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)

@@ -7,6 +7,7 @@
 #define ISO_CLI_RENDERERS_H
 
 #include "base/progress.h"
+#include "cli/faults.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
 #include "render/raycaster.h"
@@ -68,6 +69,7 @@ void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats)
 typedef struct iso_renderers {
     iso_gl *gl;
     const char *shader_dir; /* NULL: the embedded shaders */
+    const iso_planted *planted; /* what spoils each image that is rendered; NULL but where faults are studied */
 } iso_renderers;
 void iso_renderers_end(iso_renderers *r);
 /* Makes r->gl if it is not there. */

@@ -65,9 +65,16 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
 
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 
-/* What the ray caster's lock-step is held to: the same samples in float instead of double, whose difference a TF that is
- * steep (sharp) multiplies. */
-iso_limits iso_validate_gl_lock_step(bool sharp);
+/* The gates, for all who use them: nobody has a copy of his own.
+ * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in
+ * 16 bits a channel; a TF that is steep (sharp) multiplies the difference. */
+iso_limits iso_validate_lock_step(iso_renderer renderer, bool sharp);
+/* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
+enum { ISO_VALIDATE_POVRAY_INTERVALS = 128 };
+/* How the limit of a renderer is sought: first step, what ends the halving. */
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads);
+/* The error bar that the scene asks of a limit, RMSE. */
+double iso_validate_error_bar(const iso_scene_agreement *asked);
 
 /* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
  * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */

@@ -10,9 +10,6 @@
 #include "cli/limits.h"
 #include "cli/validate.h"
 
-/* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
-enum { lock_step_intervals = 128 };
-
 /* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
 static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
 /* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
@@ -20,14 +17,16 @@ static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
  * little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
 
-/* A table whose neighbouring entries differ by most of an opacity turns the last bits of a sample's value into some 1e-5. */
-iso_limits iso_validate_gl_lock_step(bool sharp)
+/* A table whose neighbouring entries differ by most of an opacity turns the last bits of a sample's value into some 1e-5.
+ * POV-Ray writes 16 bits a channel: 7.6e-6. */
+iso_limits iso_validate_lock_step(iso_renderer renderer, bool sharp)
 {
+    if (renderer == ISO_WITH_POVRAY)
+        return (iso_limits){.max_abs = sharp ? 2e-4 : 2e-5};
     return sharp ? (iso_limits){.rmse = 5e-6, .max_abs = 2e-4} : (iso_limits){.rmse = 1e-6, .max_abs = 2e-5};
 }
 
-/* POV-Ray writes 16 bits a channel: 7.6e-6. */
-static iso_limits povray_lock_step(bool sharp) { return (iso_limits){.max_abs = sharp ? 2e-4 : 2e-5}; }
+double iso_validate_error_bar(const iso_scene_agreement *asked) { return asked->sharp ? sharp_bar : smooth_bar; }
 
 /* What a level is compared with, rendered once. */
 typedef struct truth {
@@ -147,7 +146,7 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
     iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
     opt.quadrature = quadrature;
     opt.source = source;
-    opt.intervals = lock_step_intervals;
+    opt.intervals = ISO_VALIDATE_POVRAY_INTERVALS;
     opt.threads = v->threads;
     return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
 }
@@ -191,13 +190,13 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 
 static iso_status lock_step(iso_validation *v, size_t level, iso_renderer renderer, iso_error *err)
 {
-    const bool gl = renderer == ISO_WITH_GL, sharp = v->scene->agreement.sharp;
+    const bool gl = renderer == ISO_WITH_GL;
     const char *what = gl ? "gl-lockstep" : "povray-lockstep";
     truth same = {.name = "reference, same samples"};
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.b = iso_renderer_name(renderer), .tier = "lock-step", .error_bar = NAN,
-                                .limits = gl ? iso_validate_gl_lock_step(sharp) : povray_lock_step(sharp),
+                                .limits = iso_validate_lock_step(renderer, v->scene->agreement.sharp),
                                 .why = gl ? "the same samples in float instead of double"
                                           : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6)"};
     if (v->refused[renderer][0])
@@ -205,7 +204,7 @@ static iso_status lock_step(iso_validation *v, size_t level, iso_renderer render
     begin_row(v, level, what);
     opt.threads = v->threads;
     opt.source = gl ? v->source : ISO_FROM_CODES;
-    opt.intervals = gl ? 0 : lock_step_intervals;
+    opt.intervals = gl ? 0 : ISO_VALIDATE_POVRAY_INTERVALS;
     snprintf(same.image_name, sizeof same.image_name, "%.50slevel-%zu-reference-%s", v->image_prefix, level, what);
     iso_status status = render_reference(v, level, gl ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_POVRAY,
                                          gl ? v->source : exported_source(v), &same.image, err);
@@ -250,7 +249,7 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l
 {
     row->error_bar = l->bar;
     row->limits = (iso_limits){.rmse = l->allowed};
-    add_gate(row, "error bar", l->bar, asked->sharp ? sharp_bar : smooth_bar);
+    add_gate(row, "error bar", l->bar, iso_validate_error_bar(asked));
     add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {
         add_gate(row, "pixels beyond chance", (double)l->noise.rejected, 0);
@@ -262,17 +261,17 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l
     }
 }
 
-static iso_limit_options limit_options(const iso_validation *v, iso_renderer renderer)
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads)
 {
     iso_limit_options o = iso_limit_defaults();
-    o.seeds = v->seeds;
-    o.threads = v->threads;
-    o.wanted_left = v->scene->agreement.sharp ? sharp_left : smooth_left;
-    o.factor = v->scene->agreement.sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
-    o.wanted_bar = v->scene->agreement.sharp ? sharp_bar : smooth_bar;
-    if (v->scene->agreement.tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
+    o.seeds = seeds;
+    o.threads = threads;
+    o.wanted_left = asked->sharp ? sharp_left : smooth_left;
+    o.factor = asked->sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
+    o.wanted_bar = iso_validate_error_bar(asked);
+    if (asked->tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
         o.wanted_bar /= 1.5;
-    if (v->scene->agreement.sharp) /* the first pair would seldom do */
+    if (asked->sharp) /* the first pair would seldom do */
         o.step_voxels = 1.0 / 8;
     if (renderer == ISO_WITH_GL) /* costs nothing */
         o.step_voxels = 1.0 / 16;
@@ -292,7 +291,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer re
         return add_refusal(v, level, a->name, renderer, row.tier, err);
     snprintf(what, sizeof what, "%s-limit", iso_renderer_name(renderer));
     begin_row(v, level, what);
-    iso_limit_options opt = limit_options(v, renderer);
+    iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
     iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
                                        v->progress, err);
     if (status == ISO_OK) {

@@ -23,7 +23,7 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     iso_progress_report(v->progress, stage, 0);
     iso_status status = iso_renderer_version(&v->renderers, f->which, f->version, sizeof f->version, &why);
     if (status == ISO_OK)
-        status = iso_calibrate(&v->renderers, f->which, ISO_FAULT_NONE, f->checks, v->progress, &why);
+        status = iso_calibrate(&v->renderers, f->which, NULL, f->checks, v->progress, &why);
     if (status == ISO_E_MISSING) {
         snprintf(f->missing, sizeof f->missing, "missing: %.500s", why.text);
         snprintf(f->version, sizeof f->version, "missing");

@@ -64,7 +64,7 @@ static bool is_finite(const iso_image *image)
 iso_status iso_samples_create(iso_samples *s, const iso_image *reference, iso_error *err)
 {
     *s = (iso_samples){.width = reference->width, .height = reference->height, .reference = reference};
-    size_t count = 3 * s->width * s->height;
+    size_t count = 4 * s->width * s->height;
     if (count == 0)
         return iso_fail(err, ISO_E_RANGE, "statistics: the reference is empty");
     if (!is_finite(reference))
@@ -86,6 +86,14 @@ void iso_samples_destroy(iso_samples *s)
     *s = (iso_samples){0};
 }
 
+/* The n-th. */
+static void add_sample(double x, double n, double *mean, double *squares)
+{
+    double d = x - *mean;
+    *mean += d / n;
+    *squares += d * (x - *mean);
+}
+
 iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err)
 {
     if (image->width != s->width || image->height != s->height)
@@ -93,20 +101,15 @@ iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *er
                         image->height, s->width, s->height);
     if (!is_finite(image))
         return iso_fail(err, ISO_E_RANGE, "statistics: image %zu has pixels that are not finite", s->count);
-    double n = (double)++s->count, bias = 0;
+    double n = (double)++s->count, bias[4] = {0};
     size_t pixels = s->width * s->height;
-    for (size_t i = 0; i < pixels; ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            double x = image->rgba[4 * i + c], *mean = &s->mean[3 * i + c];
-            double d = x - *mean;
-            *mean += d / n;
-            s->squares[3 * i + c] += d * (x - *mean);
-            bias += x - s->reference->rgba[4 * i + c];
-        }
-    bias /= 3 * (double)pixels;
-    double d = bias - s->bias_mean;
-    s->bias_mean += d / n;
-    s->bias_squares += d * (bias - s->bias_mean);
+    for (size_t i = 0; i < 4 * pixels; ++i) {
+        double x = image->rgba[i];
+        add_sample(x, n, &s->mean[i], &s->squares[i]);
+        bias[i % 4] += x - s->reference->rgba[i];
+    }
+    for (size_t c = 0; c < 4; ++c)
+        add_sample(bias[c] / (double)pixels, n, &s->bias_mean[c], &s->bias_squares[c]);
     return ISO_OK;
 }
 
@@ -119,33 +122,54 @@ static double p_value(double difference, double error, double tolerance, double 
     return error > 0 ? iso_student_two_sided(excess / error, degrees_of_freedom) : 0;
 }
 
-iso_status iso_samples_test(const iso_samples *s, double significance, double tolerance, iso_noise_test *out,
-                            iso_error *err)
+/* Sidak (1967): so many tests keep the significance of all together. -expm1(log1p) keeps its digits. */
+static double sidak(double significance, size_t tests) { return -expm1(log1p(-significance) / (double)tests); }
+
+static void test_pixels(const iso_samples *s, double tolerance, iso_noise_test *out)
 {
-    if (s->count < 2)
-        return iso_fail(err, ISO_E_RANGE, "statistics: %zu images, at least 2 are needed", s->count);
-    if (!(significance > 0 && significance < 1))
-        return iso_fail(err, ISO_E_RANGE, "statistics: significance is %g, must be between 0 and 1", significance);
-    if (!(tolerance >= 0))
-        return iso_fail(err, ISO_E_RANGE, "statistics: tolerance is %g, must be at least 0", tolerance);
-    double n = (double)s->count, freedom = n - 1;
-    *out = (iso_noise_test){.tests = 3 * s->width * s->height, .smallest_p = 1};
-    /* Sidak (1967): independent tests keep the significance of all together. -expm1(log1p) keeps its digits. */
-    out->pixel_significance = -expm1(log1p(-significance) / (double)out->tests);
+    const double n = (double)s->count, freedom = n - 1;
     for (size_t i = 0; i < out->tests; ++i) {
-        double d = s->mean[i] - s->reference->rgba[4 * (i / 3) + i % 3];
+        double d = s->mean[i] - s->reference->rgba[i];
         double p = p_value(d, sqrt(s->squares[i] / freedom / n), tolerance, freedom);
         out->mean_abs += fabs(d) / (double)out->tests;
         out->rejected += p < out->pixel_significance;
         if (p < out->smallest_p) {
             out->smallest_p = p;
-            out->worst[0] = i / 3 % s->width;
-            out->worst[1] = i / 3 / s->width;
+            out->worst[0] = i / 4 % s->width;
+            out->worst[1] = i / 4 / s->width;
         }
     }
-    out->bias = s->bias_mean;
-    out->bias_error = sqrt(s->bias_squares / freedom / n);
-    out->biased = p_value(out->bias, out->bias_error, tolerance, freedom) < significance;
+}
+
+static void test_bias(const iso_samples *s, double significance, double tolerance, iso_noise_test *out)
+{
+    const double n = (double)s->count, freedom = n - 1;
+    double smallest_p = 2;
+    for (size_t c = 0; c < 4; ++c) {
+        double error = sqrt(s->bias_squares[c] / freedom / n), p = p_value(s->bias_mean[c], error, tolerance, freedom);
+        if (p < smallest_p || (p == smallest_p && fabs(s->bias_mean[c]) > fabs(out->bias))) {
+            smallest_p = p;
+            out->bias_channel = c;
+            out->bias = s->bias_mean[c];
+            out->bias_error = error;
+        }
+    }
+    out->biased = smallest_p < sidak(significance, 4);
+}
+
+iso_status iso_samples_test(const iso_samples *s, double significance, double tolerance, double bias_tolerance,
+                            iso_noise_test *out, iso_error *err)
+{
+    if (s->count < 2)
+        return iso_fail(err, ISO_E_RANGE, "statistics: %zu images, at least 2 are needed", s->count);
+    if (!(significance > 0 && significance < 1))
+        return iso_fail(err, ISO_E_RANGE, "statistics: significance is %g, must be between 0 and 1", significance);
+    if (!(tolerance >= 0 && bias_tolerance >= 0))
+        return iso_fail(err, ISO_E_RANGE, "statistics: tolerances are %g and %g, must be at least 0", tolerance, bias_tolerance);
+    *out = (iso_noise_test){.tests = 4 * s->width * s->height, .smallest_p = 1};
+    out->pixel_significance = sidak(significance, out->tests);
+    test_pixels(s, tolerance, out);
+    test_bias(s, significance, bias_tolerance, out);
     out->passed = out->rejected == 0 && !out->biased;
     return ISO_OK;
 }

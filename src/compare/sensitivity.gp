@@ -1,0 +1,31 @@
+# The smallest amount of each deviation that each gate rejects: a point is the median over the scenes, its line reaches from
+# the least to the largest.
+name = 'sensitivity'
+data = name . '.csv'
+set datafile separator comma
+rows = ''
+gates = ''
+known(list, m) = strstrt(list, '"' . m . '"') > 0
+stats data skip 1 using (known(rows, strcol(1)) ? 0 : (rows = rows . ' "' . strcol(1) . '"', 0)) nooutput
+stats data skip 1 using (known(gates, strcol(2)) ? 0 : (gates = gates . ' "' . strcol(2) . '"', 0)) nooutput
+count = words(rows)
+series = words(gates)
+width = 860
+height = 110 + 44 * count
+load 'style.gp'
+place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
+offset(k) = 0.68 * ((k - 0.5) / series - 0.5)
+set logscale x
+set format x '10^{%T}'
+set xlabel 'smallest amount that is rejected, in the unit of the row'
+set yrange [count + 0.6 : 0.4]
+set ytics ('' 0)
+do for [i = 1:count] { set ytics add (word(rows, i) i) }
+set ytics noenhanced scale 0
+set grid xtics noytics
+set border 1
+set key above left horizontal maxrows 2 width 1
+do for [i = 1:count - 1] { set arrow from graph 0, first i + 0.5 to graph 1, first i + 0.5 nohead lc rgb '#e2e2e2' lw 0.6 back }
+plot for [k = 1:series] data skip 1 using (strcol(2) eq word(gates, k) ? $4 : NaN):(place(strcol(1)) + offset(k)):3:5 \
+         with xerrorbars lt k notitle, \
+     for [k = 1:series] NaN with points lt k title word(gates, k)

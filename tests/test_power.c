@@ -1,0 +1,135 @@
+/* test_power.c - what is planted is what its name says, and the gates of validation answer for random scenes. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/power.h"
+#include "test.h"
+
+static iso_renderers renderers;
+
+static int end_renderers(void **state)
+{
+    (void)state;
+    iso_renderers_end(&renderers);
+    return 0;
+}
+
+static iso_power_case open_case(uint64_t seed)
+{
+    iso_power_case c = {.seed = seed, .pixels = 14, .cycles_seeds = 3, .threads = 1};
+    assert_ok(iso_power_open(&renderers, &c, &err));
+    return c;
+}
+
+static double change(const iso_power_case *c, iso_planted planted)
+{
+    double rmse;
+    assert_ok(iso_power_change(&renderers, c, &planted, &rmse, &err));
+    return rmse;
+}
+
+static bool is_rejected(const iso_power_case *c, iso_power_gate gate, const iso_planted *planted)
+{
+    bool rejected;
+    assert_ok(iso_power_ask(&renderers, c, gate, ISO_WITH_GL, planted, &rejected, &err));
+    assert_null(renderers.planted);
+    return rejected;
+}
+
+static void kinds_take_turns_and_bright_ones_are_above_1(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 500; seed < 508; ++seed) {
+        iso_power_case c = open_case(seed);
+        assert_int_equal(c.kind, seed % ISO_POWER_KIND_COUNT);
+        assert_int_equal(c.asked.sharp, c.kind == ISO_POWER_SHARP);
+        assert_int_equal(c.asked.tier == ISO_TIER_LIT, c.kind == ISO_POWER_LIT);
+        if (c.kind == ISO_POWER_BRIGHT) {
+            assert_more_than(c.brightest, 1);
+            assert_more_than(change(&c, (iso_planted){.fault = ISO_FAULT_CLIPPED}), iso_validate_error_bar(&c.asked));
+        }
+        iso_power_close(&c);
+    }
+}
+
+static void nothing_changes_nothing(void **state)
+{
+    (void)state;
+    iso_power_case c = open_case(500);
+    assert_within(change(&c, (iso_planted){0}), 0, 0);
+    for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d)
+        assert_at_most(change(&c, (iso_planted){.deviation = (iso_deviation)d}), 1e-7); /* directions are coded again */
+    iso_power_close(&c);
+}
+
+/* A tenth of a small amount changes a picture by about a tenth: nothing is lost or clamped on the way. */
+static void deviations_change_a_picture_in_proportion(void **state)
+{
+    (void)state;
+    iso_power_case c = open_case(501);
+    for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d) {
+        const double most = iso_deviation_most((iso_deviation)d);
+        double whole = change(&c, (iso_planted){.deviation = (iso_deviation)d, .amount = most / 8});
+        double tenth = change(&c, (iso_planted){.deviation = (iso_deviation)d, .amount = most / 80});
+        /* 0.3 degrees are below the directions' codes, which then turn by all or nothing */
+        if (!(tenth > 0.05 * whole && tenth < 0.3 * whole))
+            fail_msg("%s: %g by an eighth of %g, %g by a tenth of that", iso_deviation_name((iso_deviation)d), whole, most, tenth);
+    }
+    iso_power_close(&c);
+}
+
+static void every_fault_changes_some_scene(void **state)
+{
+    (void)state;
+    size_t seen[ISO_FAULT_COUNT] = {0};
+    for (uint64_t seed = 504; seed < 506; ++seed) {
+        iso_power_case c = open_case(seed);
+        for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f)
+            seen[f] += change(&c, (iso_planted){.fault = (iso_fault)f}) > iso_validate_error_bar(&c.asked);
+        iso_power_close(&c);
+    }
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f)
+        if (!seen[f])
+            fail_msg("%s: changes neither scene", iso_fault_name((iso_fault)f));
+}
+
+/* What the ray caster is asked. The faults of the picture have to reach the limit's frames, too. */
+static void clean_scenes_pass_and_spoilt_ones_do_not(void **state)
+{
+    (void)state;
+    const iso_fault faults[] = {ISO_FAULT_MIRRORED, ISO_FAULT_PREMULTIPLIED, ISO_FAULT_CLIPPED, ISO_FAULT_LEVEL, ISO_FAULT_ONE_SIDED};
+    iso_power_case c = open_case(505);
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g) {
+        const iso_power_gate gate = (iso_power_gate)g;
+        assert_false(is_rejected(&c, gate, NULL));
+        for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i)
+            if (!is_rejected(&c, gate, &(iso_planted){.fault = faults[i]}))
+                fail_msg("%s: not caught by the %s", iso_fault_name(faults[i]), iso_power_gate_name(gate));
+    }
+    iso_power_close(&c);
+}
+
+/* The limit's gates have bars of 1/2550, lock-step has single precision: a deviation between them tells the two apart. */
+static void lock_step_sees_what_a_limit_cannot(void **state)
+{
+    (void)state;
+    iso_power_case c = open_case(504);
+    const iso_planted tiny = {.deviation = ISO_DEVIATION_UNIT, .amount = 0.01}, little = {.deviation = ISO_DEVIATION_UNIT, .amount = 2};
+    assert_true(is_rejected(&c, ISO_POWER_LOCK_STEP, &tiny));
+    assert_false(is_rejected(&c, ISO_POWER_LIMIT, &tiny));
+    assert_true(is_rejected(&c, ISO_POWER_LIMIT, &little));
+    iso_power_close(&c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kinds_take_turns_and_bright_ones_are_above_1),
+        cmocka_unit_test(nothing_changes_nothing),
+        cmocka_unit_test(deviations_change_a_picture_in_proportion),
+        cmocka_unit_test(every_fault_changes_some_scene),
+        cmocka_unit_test(clean_scenes_pass_and_spoilt_ones_do_not),
+        cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
+    };
+    return cmocka_run_group_tests(tests, NULL, end_renderers);
+}
