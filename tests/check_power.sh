@@ -29,7 +29,7 @@ rows = list(csv.DictReader(open("sensitivity/sensitivity.csv")))
 of = {(r["deviation"], r["gate"]): float(r["median"]) for r in rows}
 for d in {r["deviation"] for r in rows}:
     assert 0 < of[d, "gl lock-step"] < of[d, "gl limit"], d
-assert of["the volume is shifted along x, y and z (voxel)", "gl limit"] < 0.25
+assert of["the volume is shifted along all axes (voxel)", "gl limit"] < 0.25
 PY
 check lock_step_sees_less_than_a_limit_does python3 order.py
 refuse an_output_without_a_chart_is_refused 2 "sensitivity" power --repetitions 1 -o no

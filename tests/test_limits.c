@@ -187,6 +187,48 @@ static void planted_faults_move_the_limit_out_of_its_bars(void **state)
     close_subject(&s);
 }
 
+/* The verdict at a coarse start, and where the halving ended. */
+static const char *judge_from_afar(const subject *s, const iso_image *truth, bool sharp, double hopeless, double *step)
+{
+    iso_limit limit;
+    const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
+    iso_limit_options opt = iso_validate_limit_options(&asked, ISO_WITH_GL, 2, 0);
+    iso_report_agreement row = {.a = "a", .b = "b"};
+    opt.step_voxels = 0.25;
+    opt.hopeless = hopeless;
+    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, ISO_WITH_GL, &opt, &limit, NULL, &err));
+    assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
+    iso_validate_limit_row(&asked, &limit, &row);
+    *step = limit.step_voxels;
+    iso_limit_destroy(&limit);
+    return iso_report_verdict(&row);
+}
+
+/* From a thousandth of a percent to a factor: what is given up is what would be rejected at the last step, too. */
+static void what_is_hopeless_would_be_rejected_in_the_end(void **state)
+{
+    (void)state;
+    size_t sooner = 0, agreed = 0;
+    for (int sharp = 0; sharp < 2; ++sharp) {
+        subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
+        iso_image truth = reference(&s);
+        for (double amount = 1e-3; amount < 200; amount *= 4) {
+            const iso_planted planted = {.deviation = ISO_DEVIATION_UNIT, .amount = amount};
+            subject wrong = open_subject(ISO_FIELD_NOISE, true, sharp);
+            double step, last;
+            iso_plant(&planted, &wrong.pyramid, 0, &wrong.view);
+            const char *verdict = judge_from_afar(&wrong, &truth, sharp, 5, &step);
+            assert_string_equal(verdict, judge_from_afar(&wrong, &truth, sharp, INFINITY, &last));
+            sooner += step > last;
+            agreed += strcmp(verdict, "agree") == 0;
+            close_subject(&wrong);
+        }
+        iso_image_destroy(&truth);
+        close_subject(&s);
+    }
+    assert_true(sooner >= 4 && agreed >= 4);
+}
+
 /* Where the TF's step is not resolved, the bars of a smooth TF are not reached, and the row says so. */
 static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
 {
@@ -261,6 +303,7 @@ int main(void)
         cmocka_unit_test(a_closed_form_is_refused_where_there_is_none),
         cmocka_unit_test(the_ray_caster_has_the_reference_for_its_limit),
         cmocka_unit_test(planted_faults_move_the_limit_out_of_its_bars),
+        cmocka_unit_test(what_is_hopeless_would_be_rejected_in_the_end),
         cmocka_unit_test(a_sharp_tf_that_is_called_smooth_is_told),
         cmocka_unit_test(wide_bars_are_halved_until_they_are_narrow),
         cmocka_unit_test(povrays_pair_halves_the_intervals_between_the_same_planes),

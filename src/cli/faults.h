@@ -36,18 +36,18 @@ const char *iso_fault_check(iso_fault fault); /* NULL for it */
 
 /* Faults of any amount, for the smallest that is rejected: enum, name, unit of the amount, an amount that nobody could
  * miss, the check. A percentage of 1 makes a length, an exponent ... 1.01 times what it was. */
-#define ISO_DEVIATION_LIST(X)                                                                          \
-    X(ISO_DEVIATION_SHIFT, "the volume is shifted along x, y and z", "voxel", 0.5, "placement")        \
-    X(ISO_DEVIATION_SPACING, "voxels are longer along x", "%", 20.0, "placement")                      \
-    X(ISO_DEVIATION_CAMERA, "the camera sees more", "%", 20.0, "placement")                            \
-    X(ISO_DEVIATION_UNIT, "extinction is for more length", "%", 20.0, "slab")                          \
-    X(ISO_DEVIATION_GAIN, "radiance is too bright", "%", 20.0, "slab")                                 \
-    X(ISO_DEVIATION_PIXEL, "the middle pixel is too bright", "of 1", 1.0, "slab")                      \
-    X(ISO_DEVIATION_GAMMA, "the TF's colours have a gamma", "% above 1", 120.0, "transfer function")   \
-    X(ISO_DEVIATION_RANGE, "the TF's range ends too late", "entry", 2.0, "transfer function")          \
-    X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")                  \
-    X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                           \
-    X(ISO_DEVIATION_EXPONENT, "the highlight's exponent is larger", "%", 100.0, "light")
+#define ISO_DEVIATION_LIST(X)                                                                      \
+    X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
+    X(ISO_DEVIATION_SPACING, "voxels are longer along x", "percent", 20.0, "placement")            \
+    X(ISO_DEVIATION_CAMERA, "the camera sees more", "percent", 20.0, "placement")                  \
+    X(ISO_DEVIATION_UNIT, "extinction is for more length", "percent", 20.0, "slab")                \
+    X(ISO_DEVIATION_GAIN, "radiance is too bright", "percent", 20.0, "slab")                       \
+    X(ISO_DEVIATION_PIXEL, "the middle pixel is too bright", "of 1", 1.0, "slab")                  \
+    X(ISO_DEVIATION_GAMMA, "the TF's colours have a gamma", "percent", 120.0, "transfer function") \
+    X(ISO_DEVIATION_RANGE, "the TF's range ends too late", "entry", 2.0, "transfer function")      \
+    X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")              \
+    X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                       \
+    X(ISO_DEVIATION_EXPONENT, "the highlight's exponent is larger", "percent", 100.0, "light")
 
 typedef enum iso_deviation {
     ISO_DEVIATION_NONE,

@@ -12,7 +12,7 @@ enum { most_seeds = 32 };
 iso_limit_options iso_limit_defaults(void)
 {
     return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550,
-                               .factor = ISO_LIMIT_FACTOR_SMOOTH, .wanted_left = 0.354, .seeds = 4};
+                               .factor = ISO_LIMIT_FACTOR_SMOOTH, .wanted_left = 0.354, .hopeless = INFINITY, .seeds = 4};
 }
 
 void iso_limit_destroy(iso_limit *limit)
@@ -205,6 +205,12 @@ static bool is_good(const iso_limit *limit, const iso_limit_options *opt)
     return limit->bar <= opt->wanted_bar && limit->rmse <= limit->allowed && iso_limit_left(limit) <= opt->wanted_left;
 }
 
+/* Halving again makes the bars narrower, and what is left of the error more. */
+static bool is_hopeless(const iso_limit *limit, const iso_limit_options *opt)
+{
+    return limit->rmse > opt->hopeless * limit->allowed && iso_limit_left(limit) > 0.9;
+}
+
 iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                           const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err)
@@ -224,7 +230,7 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
         if (status == ISO_OK)
             status = extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
         step /= 2;
-        if (status != ISO_OK || is_good(out, opt) || !(step >= opt->finest_voxels))
+        if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= opt->finest_voxels))
             break;
         halve(&pair, &p->levels[level], which, step, opt->finest_voxels, &first);
     }

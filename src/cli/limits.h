@@ -19,10 +19,11 @@ typedef struct iso_limit_options {
     double wanted_bar;    /* RMSE, factor included */
     double factor;        /* of safety: ISO_LIMIT_FACTOR_... */
     double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
+    double hopeless;      /* so many bars off, of an error that halving hardly changes, end the halving; INFINITY: never */
     size_t seeds;         /* of Cycles, at least 2 */
     int first_seed, threads;
 } iso_limit_options;
-/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving. */
+/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
 iso_limit_options iso_limit_defaults(void);
 
 /* What chance leaves in the mean over the seeds: mean square over pixels and channels, and its standard error. */

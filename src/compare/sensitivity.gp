@@ -7,12 +7,16 @@ rows = ''
 gates = ''
 known(list, m) = strstrt(list, '"' . m . '"') > 0
 stats data skip 1 using (known(rows, strcol(1)) ? 0 : (rows = rows . ' "' . strcol(1) . '"', 0)) nooutput
+longest = 0
+stats data skip 1 using (longest = strlen(strcol(1)) > longest ? strlen(strcol(1)) : longest, 0) nooutput
 stats data skip 1 using (known(gates, strcol(2)) ? 0 : (gates = gates . ' "' . strcol(2) . '"', 0)) nooutput
 count = words(rows)
 series = words(gates)
 width = 860
 height = 110 + 44 * count
 load 'style.gp'
+set lmargin 0.8 * longest
+set tmargin 4.4
 place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
 offset(k) = 0.68 * ((k - 0.5) / series - 0.5)
 set logscale x
@@ -24,7 +28,7 @@ do for [i = 1:count] { set ytics add (word(rows, i) i) }
 set ytics noenhanced scale 0
 set grid xtics noytics
 set border 1
-set key above left horizontal maxrows 2 width 1
+set key at screen 0.5, screen 0.99 center top horizontal maxrows 2 Left reverse width 1
 do for [i = 1:count - 1] { set arrow from graph 0, first i + 0.5 to graph 1, first i + 0.5 nohead lc rgb '#e2e2e2' lw 0.6 back }
 plot for [k = 1:series] data skip 1 using (strcol(2) eq word(gates, k) ? $4 : NaN):(place(strcol(1)) + offset(k)):3:5 \
          with xerrorbars lt k notitle, \
