@@ -19,8 +19,12 @@ expect an_update_accepts 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --up
 expect the_same_report_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
 cp "$dir/base.json" "$dir/kept.json"
 expect a_worse_figure_is_exit_1 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json"
-check the_figure_is_named grep -q '^worse .*agreement/s/level 0/reference/gl/tight/rmse: accepted 0.001 now 0.002' "$dir/out"
+check the_figure_is_named grep -q '^worse .*agreement/s/level 0/reference/gl/tight/rmse: accepted 0.001, now 0.002' "$dir/out"
 check the_baseline_is_untouched cmp "$dir/base.json" "$dir/kept.json"
+expect an_update_says_what_it_changes 0 "$ISOSHADE" baseline "$dir/worse" "$dir/kept.json" --update
+check the_change_is_named grep -q '^worse .*/rmse: accepted 0.001, now 0.002' "$dir/out"
+expect and_then_it_is_accepted 0 "$ISOSHADE" baseline "$dir/worse" "$dir/kept.json"
+check one_figure_is_one_line_of_the_file test "$(diff "$dir/base.json" "$dir/kept.json" | grep -c '^>')" = 1
 expect a_wide_factor_allows_it 0 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --factor 2
 expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --json
 for key in schema command options worse_count missing_count changes verdict; do

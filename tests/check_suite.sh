@@ -13,6 +13,30 @@ for tier in 'closed form' lock-step convergence 'first hit'; do check "the_repor
 for key in order step_bar gates rmse_at_twice_the_step; do check "the_report_has_$key" grep -q "\"$key\"" report/report.json; done
 check each_scene_says_how_to_repeat_it grep -q 'isoshade make ramp --size 29x31x17 .* && isoshade render ramp-rotated.nrrd' report/report.json
 check junit_counts_every_row test "$(grep -c '<testcase classname="agreement' report.xml)" = "$(grep -c '"verdict": "agree"' <(python3 -m json.tool report/report.json | sed -n '/"agreement"/,/"consistency"/p'))"
+# The form that the schemas of Ant and of Jenkins both ask for.
+cat >junit.py <<'END'
+import re, sys, xml.etree.ElementTree as tree
+for path in sys.argv[1:]:
+    root = tree.parse(path).getroot()
+    assert root.tag == "testsuites" and not root.attrib and len(root) > 0, path
+    for i, suite in enumerate(root):
+        children = [c.tag for c in suite]
+        cases = [c for c in suite if c.tag == "testcase"]
+        assert children == ["properties"] + ["testcase"] * len(cases) + ["system-out", "system-err"], children
+        assert suite.get("id") == str(i) and suite.get("package") and suite.get("name") and suite.get("hostname"), suite.attrib
+        assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d", suite.get("timestamp")), suite.get("timestamp")
+        for name, tag in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+            assert int(suite.get(name)) == sum(c.find(tag) is not None for c in cases), name
+        assert int(suite.get("tests")) == len(cases) and re.fullmatch(r"\d+\.\d+", suite.get("time"))
+        for case in cases:
+            assert case.get("name") and case.get("classname") and re.fullmatch(r"\d+\.\d+", case.get("time")) and len(case) <= 1, case.attrib
+            for child in case:
+                assert child.tag in ("failure", "error", "skipped") and child.get("message"), child.tag
+                assert child.tag == "skipped" or child.get("type"), child.attrib
+END
+check junit_has_the_common_form python3 junit.py report.xml
+sed 's/ failures="0"/ failures="1"/' report.xml >planted.xml
+expect a_wrong_count_in_it_is_noticed 1 python3 junit.py planted.xml
 check a_baseline_is_taken "$ISOSHADE" baseline report accepted.json --update
 check and_holds "$ISOSHADE" baseline report accepted.json
 check all_scenes_of_the_folder_name_tier_and_reason test "$(grep -l '"tier": .*"why": "..' "$suite"/*.scene.json | wc -l)" = "$(ls "$suite" | wc -l)"
@@ -26,9 +50,23 @@ for threads in 1 7; do "$ISOSHADE" validate --with gl --quick -q --suite few --s
 check scenes_at_a_time_change_nothing cmp threads-1.facts threads-7.facts
 check rows_say_their_seconds python3 -c 'import json; assert all(r["seconds"] > 0 for r in json.load(open("report/report.json"))["agreement"])'
 
-# The reproduce command of a row renders what the row says.
-line=$(python3 -c 'import json; print(next(r["command"] for r in json.load(open("report/report.json"))["agreement"] if r["scene"] == "negative-ramp" and r["b"] == "gl"))')
-check a_reproduce_command_runs bash -c "${line//isoshade /\"\$ISOSHADE\" } -q"
+# The reproduce command of a row makes image b of the row again, bit by bit, and finds it within the row's limits.
+# commands REPORT PATTERN...: of the first row of each pattern of b, its command, then the comparison without limits.
+commands() {
+    python3 - "$@" <<'END'
+import json, re, shlex, sys
+rows = json.load(open(sys.argv[1] + "/report.json"))["agreement"]
+for pattern in sys.argv[2:]:
+    row = next(r for r in rows if re.fullmatch(pattern, r["b"]) and r["command"])
+    made = re.search(r" -o (\S+\.exr) && isoshade compare", row["command"]).group(1)
+    print(f'{row["command"]} -q && isoshade compare {shlex.quote(sys.argv[1])}/images/{row["image_b"]}.exr {made} -q')
+END
+}
+isoshade() { "$ISOSHADE" "$@"; }
+run_commands() { local line; while read -r line; do eval "$line" </dev/null || return 1; done; }
+check reproduce_commands_give_the_images_of_the_report run_commands < <(commands report gl 'gl, limit' reference)
+commands report 'gl, limit' | sed 's/ --limit//' >planted
+expect a_command_that_gives_another_image_is_noticed 1 run_commands <planted
 
 mkdir false bare
 sed 's/"constant --size/"noise --size/' "$suite/constant.scene.json" >false/false.scene.json
@@ -42,9 +80,13 @@ refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scen
 mkdir sharp
 sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' "$suite/step.scene.json" >sharp/sharp.scene.json
 expect a_row_outside_its_limits_is_exit_1 1 "$ISOSHADE" validate --with gl --quick -q --suite sharp --size 12 -o wide --junit wide.xml
+check the_failure_has_the_common_form python3 junit.py wide.xml
 check and_a_failure_with_its_command grep -q 'failure type="differ".*isoshade make noise .*sharp.nrrd' wide.xml
 
 "$ISOSHADE" make marschner-lobb --size 20x17x23 -o v.nrrd -q
 check every_method_agrees_at_every_level validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 3 -o methods
 for row in 'on-the-fly' naive eq1 'moments, adapted TF' 'naive, adapted TF'; do check "there_are_rows_of_$row" grep -q "\"b\": \"gl, $row\"" methods/report.json; done
+check reproduce_commands_know_methods_and_tables run_commands < <(commands methods 'gl, on-the-fly' 'gl, naive' 'gl, eq1, adapted TF' 'gl, moments, TF over .*')
+check another_code_agrees validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 2 --code cube -o 'coded report'
+check reproduce_commands_know_codes_and_quote_paths run_commands < <(commands 'coded report' gl 'gl, eq1' 'gl, limit')
 exit $failed

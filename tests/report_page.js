@@ -8,12 +8,25 @@
     const shown = () => canvases().filter(c => !c.parentElement.hidden);
     const pictures = () => canvases().map(c => c.toDataURL());
     const button = text => [...document.querySelectorAll('#inspector button')].find(b => b.textContent.startsWith(text));
+    const button2 = text => [...document.querySelectorAll('#agreement button')].find(b => b.textContent === text);
     const above = () => Number(/(\d+) of/.exec($('#inspector canvas[aria-label=difference]').parentElement.textContent)[1]);
     const slide = async value => {
         const slider = $('#inspector input[type=range]');
         slider.value = value;
         slider.dispatchEvent(new Event('input'));
         await settle();
+    };
+    const press = async key => { document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true})); await settle(); };
+    const choose = async (control, value, event) => { control.value = value; control.dispatchEvent(new Event(event, {bubbles: true})); await settle(); };
+    const listed = () => [...document.querySelectorAll('#agreement tbody tr')];
+    const texts = column => listed().map(tr => tr.cells[column].textContent);
+    // WCAG: relative luminance, and the ratio of two colours of the style sheet.
+    const luminance = hex => [1, 3, 5].map(i => parseInt(hex.length > 4 ? hex.slice(i, i + 2) : hex[(i + 1) / 2].repeat(2), 16) / 255)
+        .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+    const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((u, v) => v - u); return (x + 0.05) / (y + 0.05); };
+    const leastContrast = rules => {
+        const style = [...rules].find(r => r.selectorText === ':root').style, of = name => style.getPropertyValue(`--${name}`).trim();
+        return Math.min(...['ink', 'quiet', 'text', 'good', 'bad', 'link'].flatMap(front => ['paper', 'soft', 'chosen'].map(back => contrast(of(front), of(back)))));
     };
     try {
         while (document.documentElement.dataset.ready !== 'yes') await settle();
@@ -27,9 +40,11 @@
         say('panels_side_by_side', shown().length);
 
         await slide(-9);
-        const all = above();
+        const all = above(), painted = pictures()[2];
+        await slide(-5);
+        const some = above();
         await slide(0);
-        say('threshold', all > 0 && above() === 0);
+        say('threshold', all > 0 && some <= all && above() === 0 && pictures()[2] !== painted);
         await slide(-9);
 
         const whole = pictures();
@@ -41,6 +56,24 @@
         await settle();
         say('whole_again', pictures().every((p, i) => p === whole[i]));
 
+        // What is under the pointer stays there.
+        const canvas = canvases()[1], box = canvas.getBoundingClientRect(), at = {clientX: box.left + 0.7 * box.width, clientY: box.top + 0.4 * box.height, bubbles: true};
+        const under = async () => {
+            canvas.dispatchEvent(new PointerEvent('pointermove', at));
+            await settle();
+            return /column \d+, row \d+/.exec($('.readout').textContent)[0];
+        };
+        const before = await under();
+        canvas.dispatchEvent(new WheelEvent('wheel', {deltaY: -500, cancelable: true, ...at}));
+        say('zoom_keeps_the_pixel_under_the_pointer', await under() === before);
+        const close = pictures()[0];
+        await press('d');
+        await press('s');
+        say('zoom_outlives_the_mode', pictures()[0] === close);
+        canvases()[0].focus();
+        await press('0');
+        say('keys_zoom', pictures()[0] === whole[0]);
+
         button('flip').click();
         await settle();
         const a = shown();
@@ -48,8 +81,46 @@
         await settle();
         const b = shown();
         say('flip', a.length === 1 && b.length === 1 && a[0] !== b[0]);
+        button('flip').focus();
+        await press(' ');
+        const c = shown();
+        await press('f');
+        say('keys_flip', c.length === 1 && c[0] === a[0] && shown()[0] === b[0]);
         button('side').click();
 
+        const first = $('#inspector select').value;
+        await press('n');
+        say('next_case', $('#inspector select').value !== first && location.hash.startsWith('#case-') && $('tr.chosen').id === location.hash.replace('#case', 'row'));
+        await press('p');
+
+        const filter = name => $(`#agreement select[data-filter=${name}]`), search = $('#agreement input[type=search]');
+        await choose(filter('renderer'), 'povray', 'change');
+        const povray = data.agreement.filter(r => r.b.startsWith('povray')).length;
+        say('filter', povray > 0 && listed().length === povray && texts(3).every(t => t.startsWith('povray')) && $('#agreement .count').textContent.startsWith(`${povray} of`));
+        await choose(search, 'LIMIT povray', 'input');
+        say('words', listed().length > 0 && texts(3).every(t => t.startsWith('povray, limit')));
+        button2('all, worst first').click();
+        await settle();
+        say('all_again', listed().length === data.agreement.length);
+        const heading = [...document.querySelectorAll('#agreement th')].find(th => th.textContent === 'RMSE');
+        const sorted = down => { const list = listed().map(tr => data.agreement.find(r => `row-${r.number}` === tr.id).rmse ?? -1); return list.every((v, i) => i === 0 || (down ? list[i - 1] >= v : list[i - 1] <= v)); };
+        heading.firstChild.click();
+        const descending = sorted(true) && heading.getAttribute('aria-sort') === 'descending';
+        heading.firstChild.click();
+        say('sort', descending && sorted(false) && heading.getAttribute('aria-sort') === 'ascending');
+        button2('all, worst first').click();
+
+        let copied = '';
+        Object.defineProperty(navigator, 'clipboard', {value: {writeText: async text => { copied = text; }}, configurable: true});
+        $('#failed .command button').click();
+        await settle();
+        say('copy', copied === data.agreement[0].command && $('#failed .command button').textContent === 'copied');
+
+        const nameless = [...document.querySelectorAll('button, select, input, canvas[tabindex], img')].filter(e => !(e.getAttribute('aria-label') || e.alt || e.textContent.trim() || e.closest('label')));
+        say('controls_without_a_name', nameless.length);
+        const rules = document.styleSheets[0].cssRules;
+        say('contrast_light', leastContrast(rules) >= 4.5);
+        say('contrast_dark', leastContrast([...rules].find(r => r.media && r.media.mediaText.includes('dark')).cssRules) >= 4.5);
         say('versions_and_machine', /Versions/.test($('#colophon').textContent) && /Machine/.test($('#colophon').textContent));
         say('fetched', performance.getEntriesByType('resource').filter(r => !r.name.startsWith('data:')).length);
         say('pictures_broken', [...document.images].filter(i => i.complete && i.naturalWidth === 0).length);

@@ -1,5 +1,6 @@
 /* The baseline: what counts as worse, and that nothing is accepted by itself. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "compare/baseline.h"
@@ -7,10 +8,10 @@
 
 static json_t *report(double rmse, double flip, const char *extra_scene)
 {
-    json_t *r = json_pack("{s:s, s:s, s:[{s:s, s:i, s:s, s:s, s:s, s:f, s:f, s:f, s:f}], s:[{s:s, s:i, s:f, s:f, s:n}]}",
-                          "schema", "isoshade.validate/1", "command", "isoshade validate v", "agreement", "scene", "smooth",
-                          "level", 1, "a", "reference", "b", "gl", "tier", "tight", "rmse", rmse, "max_abs", 0.5, "p99_abs", 0.25,
-                          "flip_mean", 0.125, "consistency", "method", "naive", "level", 2, "ssim_dissimilarity_mean", 0.1,
+    json_t *r = json_pack("{s:s, s:s, s:{s:s}, s:[{s:s, s:i, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f}], s:[{s:s, s:i, s:f, s:f, s:n}]}",
+                          "schema", "isoshade.validate/1", "command", "isoshade validate v", "versions", "gl", "llvmpipe 1",
+                          "agreement", "scene", "smooth", "level", 1, "a", "reference", "b", "gl", "tier", "tight", "verdict",
+                          "agree", "rmse", rmse, "max_abs", 0.5, "p99_abs", 0.25, "flip_mean", 0.125, "consistency", "method", "naive", "level", 2, "ssim_dissimilarity_mean", 0.1,
                           "flip_mean", flip, "gradient_angle_mean_deg");
     assert_non_null(r);
     if (extra_scene) {
@@ -42,23 +43,23 @@ static void the_same_report_is_as_accepted(void **state)
 {
     (void)state;
     iso_baseline_result r = run(figures_of(report(1e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, NULL)));
-    assert_true(r.same == 6 && r.worse + r.missing + r.better + r.added == 0); /* an angle that is null is no figure */
-    assert_int_equal(json_array_size(r.changes), 0);
-    json_decref(r.changes);
+    assert_true(r.same == 7 && r.worse + r.missing + r.better + r.added == 0); /* an angle that is null is no figure */
+    assert_int_equal(json_array_size(r.changes) + json_array_size(r.facts), 0);
+    iso_baseline_result_destroy(&r);
 }
 
 static void a_figure_beyond_the_factor_is_worse_and_comes_first(void **state)
 {
     (void)state;
     iso_baseline_result r = run(figures_of(report(1.3e-3, 0.1, NULL)), figures_of(report(1e-3, 0.2, NULL)));
-    assert_true(r.worse == 1 && r.better == 1 && r.same == 4);
+    assert_true(r.worse == 1 && r.better == 1 && r.same == 5);
     json_t *first = json_array_get(r.changes, 0);
     assert_string_equal(json_string_value(json_object_get(first, "change")), "worse");
     assert_string_equal(json_string_value(json_object_get(first, "figure")), "agreement/smooth/level 1/reference/gl/tight/rmse");
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
     r = run(figures_of(report(1.2e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, NULL)));
     assert_int_equal(r.worse, 0);
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
 }
 
 static void the_floor_forgives_rounding(void **state)
@@ -66,21 +67,21 @@ static void the_floor_forgives_rounding(void **state)
     (void)state;
     iso_baseline_result r = run(figures_of(report(9e-8, 0.2, NULL)), figures_of(report(0, 0.2, NULL)));
     assert_int_equal(r.worse, 0);
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
     r = run(figures_of(report(2e-7, 0.2, NULL)), figures_of(report(0, 0.2, NULL)));
     assert_int_equal(r.worse, 1);
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
 }
 
 static void a_lost_case_is_missing_and_a_new_one_is_no_failure(void **state)
 {
     (void)state;
     iso_baseline_result r = run(figures_of(report(1e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, "sharp")));
-    assert_int_equal(r.missing, 4);
-    json_decref(r.changes);
+    assert_int_equal(r.missing, 5); /* four figures and the verdict */
+    iso_baseline_result_destroy(&r);
     r = run(figures_of(report(1e-3, 0.2, "sharp")), figures_of(report(1e-3, 0.2, NULL)));
-    assert_true(r.added == 4 && r.worse + r.missing == 0);
-    json_decref(r.changes);
+    assert_true(r.added == 5 && r.worse + r.missing == 0);
+    iso_baseline_result_destroy(&r);
 }
 
 /* A case that is refused or not finite has null figures: it must not pass as "as accepted". */
@@ -91,7 +92,63 @@ static void a_figure_that_became_null_is_missing(void **state)
     json_object_set_new(json_array_get(json_object_get(broken, "agreement"), 0), "rmse", json_null());
     iso_baseline_result r = run(figures_of(broken), figures_of(report(1e-3, 0.2, NULL)));
     assert_int_equal(r.missing, 1);
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
+}
+
+static json_t *with_verdict(const char *verdict)
+{
+    json_t *r = report(1e-3, 0.2, NULL);
+    json_object_set_new(json_array_get(json_object_get(r, "agreement"), 0), "verdict", json_string(verdict));
+    return figures_of(r);
+}
+
+/* A gate that fails need not show in any figure. */
+static void a_row_that_agreed_and_does_not_is_worse(void **state)
+{
+    (void)state;
+    const char *const bad[] = {"differ", "refused"};
+    for (int i = 0; i < 2; ++i) {
+        iso_baseline_result r = run(with_verdict(bad[i]), with_verdict("agree"));
+        assert_true(r.worse == 1 && r.same == 6);
+        assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")),
+                            "agreement/smooth/level 1/reference/gl/tight/verdict");
+        iso_baseline_result_destroy(&r);
+        r = run(with_verdict("agree"), with_verdict(bad[i]));
+        assert_true(r.better == 1 && r.worse == 0);
+        iso_baseline_result_destroy(&r);
+    }
+}
+
+static void other_versions_are_told_and_are_no_failure(void **state)
+{
+    (void)state;
+    json_t *other = report(1e-3, 0.2, NULL);
+    json_object_set_new(json_object_get(other, "versions"), "gl", json_string("llvmpipe 2"));
+    json_object_set_new(other, "options", json_pack("{s:b}", "quick", 1));
+    iso_baseline_result r = run(figures_of(other), figures_of(report(1e-3, 0.2, NULL)));
+    assert_true(r.worse + r.missing == 0 && json_array_size(r.facts) == 2);
+    const json_t *first = json_array_get(r.facts, 0);
+    assert_string_equal(json_string_value(json_object_get(first, "fact")), "versions/gl");
+    assert_string_equal(json_string_value(json_object_get(first, "accepted")), "llvmpipe 1");
+    assert_string_equal(json_string_value(json_object_get(first, "now")), "llvmpipe 2");
+    iso_baseline_result_destroy(&r);
+}
+
+/* Reports list their rows by severity, which a last digit changes: a baseline must not. */
+static void the_same_rows_give_the_same_text_in_any_order(void **state)
+{
+    (void)state;
+    json_t *a = report(1.23456789e-3, 0.2, "another"), *b = json_deep_copy(a), *rows = json_object_get(b, "agreement");
+    json_array_append(rows, json_array_get(rows, 0));
+    json_array_remove(rows, 0);
+    a = figures_of(a), b = figures_of(b);
+    char *text_a = json_dumps(a, JSON_REAL_PRECISION(9)), *text_b = json_dumps(b, JSON_REAL_PRECISION(9));
+    assert_string_equal(text_a, text_b);
+    assert_non_null(strstr(text_a, "\"rmse\": 0.001235,")); /* and no digit that does not repeat */
+    free(text_a);
+    free(text_b);
+    json_decref(a);
+    json_decref(b);
 }
 
 static void bad_files_and_limits_are_refused(void **state)
@@ -121,6 +178,9 @@ int main(void)
         cmocka_unit_test(the_floor_forgives_rounding),
         cmocka_unit_test(a_lost_case_is_missing_and_a_new_one_is_no_failure),
         cmocka_unit_test(a_figure_that_became_null_is_missing),
+        cmocka_unit_test(a_row_that_agreed_and_does_not_is_worse),
+        cmocka_unit_test(other_versions_are_told_and_are_no_failure),
+        cmocka_unit_test(the_same_rows_give_the_same_text_in_any_order),
         cmocka_unit_test(bad_files_and_limits_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* test_image.c - images to files and back. */
 #define _GNU_SOURCE
 #include <math.h>
+#include <png.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -81,6 +82,46 @@ static void ppm_of_16_bits_is_read_and_8_bits_refused(void **state)
     free(path);
 }
 
+/* Byte 188 is 0.502886 in linear light, 1 is 1 / (255 * 12.92). */
+static void png_is_decoded_from_srgb_and_16_bits_are_refused(void **state)
+{
+    (void)state;
+    iso_image a, b;
+    char *path = iso_path_join(folder, "a.png");
+    assert_ok(iso_image_create(&a, 256, 1, &err));
+    for (size_t i = 0; i < 256; ++i)
+        for (size_t c = 0; c < 4; ++c) /* greys of all kinds, in red backwards */
+            a.rgba[4 * i + c] = c == 3 ? 1 : (float)pow((double)(c == 0 ? 255 - i : i) / 255, 2.2);
+    assert_ok(iso_image_save_png(&a, path, 1, &err));
+    assert_ok(iso_image_load_png(path, &b, &err));
+    assert_true(b.width == 256 && b.height == 1);
+    iso_image_destroy(&a);
+    assert_ok(iso_image_save_png(&b, path, 1, &err));
+    assert_ok(iso_image_load_png(path, &a, &err));
+    assert_memory_equal(a.rgba, b.rgba, 16 * 256); /* a byte and its colour are one */
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+
+    const uint8_t bytes[] = {188, 1, 255, 255, 188, 0, 0, 51};
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 1, .format = PNG_FORMAT_RGBA};
+    assert_true(png_image_write_to_file(&png, path, 0, bytes, 0, NULL));
+    assert_ok(iso_image_load_png(path, &a, &err));
+    assert_within(a.rgba[0], 0.502886, 1e-6); /* the digits given */
+    assert_within(a.rgba[1], 1 / (255 * 12.92), 1e-10);
+    assert_within(a.rgba[2], 1, 0);
+    assert_within(a.rgba[4], 0.2 * 0.502886, 1e-6); /* 51 / 255 */
+    assert_within(a.rgba[7], 0.2, 1e-8);
+    iso_image_destroy(&a);
+
+    const uint16_t deep[] = {1, 2, 3, 4, 5, 6};
+    png = (png_image){.version = PNG_IMAGE_VERSION, .width = 2, .height = 1, .format = PNG_FORMAT_LINEAR_RGB};
+    assert_true(png_image_write_to_file(&png, path, 0, deep, 0, NULL));
+    assert_status(iso_image_load_png(path, &a, &err), ISO_E_FORMAT);
+    assert_ok(iso_file_write(path, "not a picture", 13, &err));
+    assert_status(iso_image_load_png(path, &a, &err), ISO_E_FORMAT);
+    free(path);
+}
+
 static void the_background_shows_through_what_is_left_of_alpha(void **state)
 {
     (void)state;
@@ -103,6 +144,7 @@ int main(void)
         cmocka_unit_test(a_truncated_exr_is_refused),
         cmocka_unit_test(an_unwritable_folder_is_named),
         cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),
+        cmocka_unit_test(png_is_decoded_from_srgb_and_16_bits_are_refused),
         cmocka_unit_test(the_background_shows_through_what_is_left_of_alpha),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -195,6 +195,75 @@ static void ssim_of_uniform_images_is_the_luminance_term(void **state)
     iso_image_destroy(&b);
 }
 
+/* Linear light whose sRGB is the grey v. */
+static float linear_of(double v)
+{
+    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+}
+
+static void set_grey(iso_image *image, size_t x, size_t y, double v)
+{
+    for (size_t c = 0; c < 3; ++c)
+        image->rgba[4 * (y * image->width + x) + c] = linear_of(v);
+}
+
+/* A checkerboard m + s A, s = 1 or -1, and m + d + s B: under the window the mean of s is q = +-S^2, S the alternating sum of
+ * the taps, so that Eq. 13 has its means m + q A and m + d + q B, variances (1 - q^2) of A^2 and B^2 and covariance of A B. */
+static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **state)
+{
+    (void)state;
+    enum { n = 21 };
+    const struct { double m, d, amplitude_a, amplitude_b; } pairs[] = {
+        {0.5, 0, 0.2, 0.1},   {0.5, 0, 0.05, 0.15},   {0.4, 0.3, 0.1, 0.1},     {0.3, 0.1, 0.02, 0.05},
+        {0.2, 0, 0.004, 0.01}, {0.02, 0.03, 0.01, 0.01}, {0.5, 0, 0.2, -0.2},
+    };
+    double alternating = 0, sum = 0;
+    for (int i = -5; i <= 5; ++i) {
+        alternating += (i % 2 ? -1 : 1) * exp(-i * i / 4.5);
+        sum += exp(-i * i / 4.5);
+    }
+    const double S = alternating / sum, q = S * S, c1 = 1e-4, c2 = 9e-4;
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; ++k) {
+        iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
+        double mean, expected = 0, m = pairs[k].m, d = pairs[k].d, A = pairs[k].amplitude_a, B = pairs[k].amplitude_b;
+        for (size_t y = 0; y < n; ++y)
+            for (size_t x = 0; x < n; ++x) {
+                set_grey(&a, x, y, m + ((x + y) % 2 ? -A : A));
+                set_grey(&b, x, y, m + d + ((x + y) % 2 ? -B : B));
+            }
+        for (size_t y = 5; y < n - 5; ++y)
+            for (size_t x = 5; x < n - 5; ++x) {
+                double s = (x + y) % 2 ? -q : q, ma = m + s * A, mb = m + d + s * B, v = 1 - q * q;
+                expected += (2 * ma * mb + c1) * (2 * v * A * B + c2) / ((ma * ma + mb * mb + c1) * (v * A * A + v * B * B + c2));
+            }
+        assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
+        assert_within(mean, expected / ((n - 10) * (n - 10)), 2e-6); /* float pixels of 6e-8 against contrasts of .004 */
+        iso_image_destroy(&a);
+        iso_image_destroy(&b);
+    }
+}
+
+/* One white pixel against black shows each tap of the window by itself: mean w, variance w - w^2, and nothing beyond 5 pixels. */
+static void ssim_of_a_single_pixel_shows_the_window(void **state)
+{
+    (void)state;
+    enum { n = 31 };
+    iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
+    double taps[11], sum = 0, mean, expected = 0;
+    set_grey(&a, 15, 15, 1);
+    for (int i = 0; i < 11; ++i)
+        sum += taps[i] = exp(-(i - 5) * (i - 5) / (2 * 1.5 * 1.5));
+    for (int j = 0; j < 11; ++j)
+        for (int i = 0; i < 11; ++i) {
+            double w = taps[i] * taps[j] / (sum * sum);
+            expected += 1 - 1e-4 * 9e-4 / ((w * w + 1e-4) * (w - w * w + 9e-4));
+        }
+    assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
+    assert_within(1 - mean, expected / ((n - 10) * (n - 10)), 1e-12); /* white and black are exact: rounding only */
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
 /* x alternates by rows of a period of 2; y = 1 - x: means equal in the limit, covariance = -variance. */
 static void ssim_of_an_inverted_pattern_is_negative(void **state)
 {
@@ -516,6 +585,38 @@ static void hdr_flip_sees_what_is_clipped_away_in_ldr(void **state)
     iso_image_destroy(&b);
 }
 
+/* 2021 paper, sec. 3.2: from where the brightest pixel, to where the median is shown at 0.85 by the tone curve; the published
+ * example's 2^-12.5423 to 2^0.9427 are 14 exposures. */
+static void hdr_exposures_show_the_brightest_and_the_median_at_085(void **state)
+{
+    (void)state;
+    iso_image a = uniform(5, 1, 0, 0, 0), dark = uniform(5, 1, 0, 0, 0);
+    const float greys[] = {12, 0.5f, 3, 40, 0.01f}; /* the median is 3, the brightest 40 */
+    double start, stop;
+    size_t count;
+    for (size_t i = 0; i < 5; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            a.rgba[4 * i + c] = greys[i];
+    assert_ok(iso_flip_exposures(&a, &start, &stop, &count, &err));
+    const double shown[] = {40 * exp2(start), 3 * exp2(stop)};
+    for (int i = 0; i < 2; ++i) {
+        double x = 0.6 * shown[i];
+        assert_within(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.85, 1e-9);
+    }
+    assert_within(stop - start, log2(40.0 / 3), 1e-9);
+    assert_int_equal(count, 4); /* 3.74 stops */
+    for (size_t c = 0; c < 3; ++c)
+        a.rgba[4 * 3 + c] = (float)(3 * exp2(0.9427 + 12.5423));
+    assert_ok(iso_flip_exposures(&a, &start, &stop, &count, &err));
+    assert_int_equal(count, 14);
+    for (size_t c = 0; c < 3; ++c)
+        dark.rgba[c] = 1;
+    assert_ok(iso_flip_exposures(&dark, &start, &stop, &count, &err)); /* a black median has no end of exposures */
+    assert_true(stop - start == 8 && count == 8);
+    iso_image_destroy(&a);
+    iso_image_destroy(&dark);
+}
+
 static void brighten(iso_image *image, float gain)
 {
     for (size_t i = 0; i < image->width * image->height; ++i)
@@ -612,6 +713,8 @@ int main(void)
         cmocka_unit_test(empty_images_and_different_sizes_are_refused),
         cmocka_unit_test(each_limit_binds_alone),
         cmocka_unit_test(ssim_of_uniform_images_is_the_luminance_term),
+        cmocka_unit_test(ssim_of_shifted_and_stretched_contrast_is_the_closed_form),
+        cmocka_unit_test(ssim_of_a_single_pixel_shows_the_window),
         cmocka_unit_test(ssim_of_an_inverted_pattern_is_negative),
         cmocka_unit_test(ssim_is_the_mean_of_its_definition),
         cmocka_unit_test(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty),
@@ -621,6 +724,7 @@ int main(void)
         cmocka_unit_test(flip_sees_a_firefly_that_rmse_hardly_sees),
         cmocka_unit_test(flip_is_symmetric),
         cmocka_unit_test(hdr_flip_sees_what_is_clipped_away_in_ldr),
+        cmocka_unit_test(hdr_exposures_show_the_brightest_and_the_median_at_085),
         cmocka_unit_test(flip_equals_the_published_program),
         cmocka_unit_test(planted_faults_are_rejected),
         cmocka_unit_test(difference_image_is_scaled_to_its_largest),

@@ -177,11 +177,11 @@ static void the_worst_comes_first(void **state)
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
     const json_t *rows = json_object_get(iso_report_json(r), "agreement");
-    const char *const wanted[] = {"refused", "differ"};
+    const char *const wanted[] = {"differ", "refused"};
     for (size_t i = 0; i < 2; ++i)
         assert_string_equal(json_string_value(json_object_get(json_array_get(rows, i), "verdict")), wanted[i]);
     double last = INFINITY;
-    for (size_t i = 1; i + 1 < json_array_size(rows); ++i) {
+    for (size_t i = 2; i + 1 < json_array_size(rows); ++i) {
         double severity = json_number_value(json_object_get(json_array_get(rows, i), "severity"));
         assert_at_most(severity, last);
         last = severity;
@@ -256,16 +256,40 @@ static void the_sentence_tells_each_outcome(void **state)
     free(dir);
 }
 
+/* What could not be compared is no disagreement, and no agreement either. */
+static void a_refusal_is_told_as_what_it_is(void **state)
+{
+    (void)state;
+    char *dir = inside("refusal");
+    iso_report *r;
+    const iso_report_about about = {.title = "t"};
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    row.refused = "missing: povray";
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    iso_report_summary s = iso_report_summarise(r);
+    assert_false(s.good);
+    assert_non_null(strstr(s.sentence, "1 comparison agrees; 1 could not be made"));
+    iso_report_destroy(r);
+    free(dir);
+}
+
 static void junit_counts_failures_and_escapes(void **state)
 {
     (void)state;
     char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
     iso_report *r = example(dir);
+    assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program"}, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
-    assert_int_equal(count_of(xml, "<testcase "), 12);
-    assert_int_equal(count_of(xml, "<failure "), 3); /* one differs, one is refused, one calibration fails */
-    assert_non_null(strstr(xml, "tests=\"12\" failures=\"3\""));
+    assert_int_equal(count_of(xml, "<testcase "), 13);
+    assert_int_equal(count_of(xml, "<failure "), 2); /* one differs, one calibration fails */
+    assert_int_equal(count_of(xml, "<error "), 1);   /* and one renderer is not there */
+    assert_int_equal(count_of(xml, "<skipped "), 2); /* one is refused, one only reported */
+    assert_non_null(strstr(xml, "tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"0\""));
+    assert_non_null(strstr(xml, "tests=\"9\" failures=\"1\" errors=\"0\" skipped=\"2\""));
+    assert_non_null(strstr(xml, "message=\"rmse "));
     assert_non_null(strstr(xml, "smooth &lt;head&gt; &amp; &quot;neck&quot;"));
     free(xml);
     free(path);
@@ -424,6 +448,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_worst_comes_first),
         cmocka_unit_test(the_page_needs_nothing_from_outside),
         cmocka_unit_test(the_sentence_tells_each_outcome),
+        cmocka_unit_test(a_refusal_is_told_as_what_it_is),
         cmocka_unit_test(junit_counts_failures_and_escapes),
         cmocka_unit_test(gates_decide_too),
         cmocka_unit_test(an_unfinished_report_leaves_nothing),

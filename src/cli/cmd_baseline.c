@@ -13,32 +13,77 @@ typedef struct baseline_arguments {
     int update;
 } baseline_arguments;
 
+static char *text_of(const json_t *value)
+{
+    char *text = NULL;
+    if (json_is_number(value))
+        return asprintf(&text, "%.4g", json_number_value(value)) < 0 ? NULL : text;
+    return json_is_string(value) ? strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
+}
+
+/* "KIND NAME: accepted X, now Y", without what is null. */
+static void print_change(const char *kind, const char *name, const json_t *accepted, const json_t *now)
+{
+    char *before = text_of(accepted), *after = text_of(now);
+    printf("%-8s %s:", kind, name);
+    if (!json_is_null(accepted))
+        printf(" accepted %s", before ? before : "");
+    if (!json_is_null(now))
+        printf("%s now %s", json_is_null(accepted) ? "" : ",", after ? after : "");
+    putchar('\n');
+    free(before);
+    free(after);
+}
+
 static void print_changes(const iso_baseline_result *r)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(r->changes, i, row) {
-        const json_t *before = json_object_get(row, "accepted"), *after = json_object_get(row, "now");
-        printf("%-8s %s:", json_string_value(json_object_get(row, "change")), json_string_value(json_object_get(row, "figure")));
-        if (json_is_number(before))
-            printf(" accepted %.4g", json_number_value(before));
-        if (json_is_number(after))
-            printf(" now %.4g", json_number_value(after));
-        putchar('\n');
-    }
+    json_array_foreach(r->facts, i, row)
+        print_change("other", json_string_value(json_object_get(row, "fact")), json_object_get(row, "accepted"), json_object_get(row, "now"));
+    json_array_foreach(r->changes, i, row)
+        print_change(json_string_value(json_object_get(row, "change")), json_string_value(json_object_get(row, "figure")),
+                     json_object_get(row, "accepted"), json_object_get(row, "now"));
     printf("%zu as accepted, %zu better, %zu worse, %zu missing, %zu new\n", r->same, r->better, r->worse, r->missing, r->added);
 }
 
 static void print_json(const iso_cli *cli, const baseline_arguments *a, const iso_baseline_result *r)
 {
     json_t *root = iso_cli_json(cli);
-    bool good = r->worse + r->missing == 0;
-    json_object_set_new(root, "options", json_pack("{s:f, s:f}", "factor", a->factor, "floor", a->floor));
-    json_object_update_new(root, json_pack("{s:I, s:I, s:I, s:I, s:I, s:O, s:s}", "same_count", (json_int_t)r->same,
+    bool good = a->update || r->worse + r->missing == 0;
+    json_object_set_new(root, "options", json_pack("{s:f, s:f, s:b}", "factor", a->factor, "floor", a->floor, "update", a->update));
+    json_object_update_new(root, json_pack("{s:I, s:I, s:I, s:I, s:I, s:O, s:O, s:s}", "same_count", (json_int_t)r->same,
                                            "better_count", (json_int_t)r->better, "worse_count", (json_int_t)r->worse,
                                            "missing_count", (json_int_t)r->missing, "new_count", (json_int_t)r->added,
-                                           "changes", r->changes, "verdict", good ? "agree" : "differ"));
+                                           "changes", r->changes, "facts", r->facts, "verdict", good ? "agree" : "differ"));
     iso_cli_print_json(root);
+}
+
+/* What was accepted before; nothing where --update makes the first baseline. */
+static iso_status load_accepted(const baseline_arguments *a, const char *path, json_t **accepted, iso_error *err)
+{
+    if (iso_path_exists(path))
+        return iso_json_load(path, accepted, err);
+    if (!a->update)
+        return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
+    *accepted = json_pack("{s:s}", "schema", "isoshade.accepted/2");
+    return *accepted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+}
+
+static iso_status accept(const iso_cli *cli, const char *path, const json_t *now, iso_error *err)
+{
+    const char *name;
+    json_t *row;
+    size_t bad = 0;
+    iso_status status = iso_json_save(path, now, err);
+    json_object_foreach(json_object_get(now, "rows"), name, row) {
+        const char *verdict = json_string_value(json_object_get(row, "verdict"));
+        bad += verdict && (strcmp(verdict, "differ") == 0 || strcmp(verdict, "refused") == 0);
+    }
+    if (status == ISO_OK && !cli->quiet)
+        fprintf(stderr, "%s: %zu rows accepted, %zu of which do not agree\n", path,
+                json_object_size(json_object_get(now, "rows")), bad);
+    return status;
 }
 
 static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const json_t *now, iso_error *err)
@@ -46,19 +91,19 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
     const char *path = cli->arguments[1];
     json_t *accepted = NULL;
     iso_baseline_result r = {0};
-    if (!iso_path_exists(path))
-        return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
-    iso_status status = iso_json_load(path, &accepted, err);
+    iso_status status = load_accepted(a, path, &accepted, err);
     if (status == ISO_OK)
         status = iso_baseline_compare(now, accepted, a->factor, a->floor, &r, err);
+    if (status == ISO_OK && a->update)
+        status = accept(cli, path, now, err);
     if (status == ISO_OK && cli->json)
         print_json(cli, a, &r);
-    else if (status == ISO_OK)
-        print_changes(&r);
-    if (status == ISO_OK && r.worse + r.missing > 0)
+    else if (status == ISO_OK && !(a->update && json_object_size(json_object_get(accepted, "rows")) == 0))
+        print_changes(&r); /* that all is new needs no list */
+    if (status == ISO_OK && !a->update && r.worse + r.missing > 0)
         status = iso_fail(err, ISO_E_DIFFERS, "%zu figures are worse than accepted and %zu are missing; if that is right, --update accepts them",
                           r.worse, r.missing);
-    json_decref(r.changes);
+    iso_baseline_result_destroy(&r);
     json_decref(accepted);
     return status;
 }
@@ -70,11 +115,6 @@ static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_
     iso_status status = path ? iso_json_load(path, &report, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_baseline_from_report(report, &now, err);
-    if (status == ISO_OK && a->update) {
-        status = iso_json_save(cli->arguments[1], now, err);
-        if (status == ISO_OK && !cli->quiet)
-            fprintf(stderr, "%s: %zu figures accepted\n", cli->arguments[1], json_object_size(json_object_get(now, "figures")));
-    }
     if (status == ISO_OK)
         status = compare(cli, a, now, err);
     json_decref(report);
@@ -89,7 +129,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0, "worse: above this many times the accepted figure", "X"},
         {"floor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.floor, 0, "and by more than this", "X"},
-        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept the figures of this report as the new baseline", NULL},
+        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept this report as the new baseline, and print what that changes", NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -109,8 +149,10 @@ const iso_command iso_command_baseline = {
     .name = "baseline",
     .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
     .usage = "REPORT BASELINE.json [--update] [options]",
-    .details = "REPORT is a folder that `isoshade validate` wrote. Each figure of agreement and consistency is compared with the\n"
-               "accepted one. Exit code 1: a figure is worse or missing. Only --update writes the baseline.",
+    .details = "REPORT is a folder that `isoshade validate` wrote. The verdict and each figure of agreement and consistency are compared\n"
+               "with the accepted ones; other versions and options than then are told. Exit code 1: a row does not agree any more, or\n"
+               "a figure is worse or missing; 0 where it is better, new or as it was. Only --update writes the baseline, a text of one\n"
+               "line a figure in the order of names, to be kept beside the code.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
                 "  isoshade baseline report-base accepted.json --update\n"

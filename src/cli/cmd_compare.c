@@ -19,6 +19,8 @@ static iso_status load(const char *path, iso_image *image, iso_error *err)
 {
     if (iso_path_ends_with(path, ".ppm"))
         return iso_image_load_ppm(path, image, err);
+    if (iso_path_ends_with(path, ".png"))
+        return iso_image_load_png(path, image, err);
     return iso_image_load_exr(path, image, err);
 }
 
@@ -74,14 +76,20 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
         for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
             picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
         if (status == ISO_OK)
-            status = iso_image_save_png(&picture, opt->flip_map, 1, err);
+            status = iso_path_ends_with(opt->flip_map, ".exr") ? iso_image_save_exr(&picture, opt->flip_map, NULL, err)
+                                                               : iso_image_save_png(&picture, opt->flip_map, 1, err);
         iso_image_destroy(&picture);
     }
     free(map);
     return status;
 }
 
-static void print_text(const iso_metrics *m, double hdr_flip, bool agree)
+typedef struct hdr_flip {
+    double mean, start, stop;
+    size_t exposures;
+} hdr_flip;
+
+static void print_text(const iso_metrics *m, const hdr_flip *hdr, bool agree)
 {
     if (m->nonfinite_count > 0)
         printf("%zu pixels are not finite\n", m->nonfinite_count);
@@ -89,8 +97,8 @@ static void print_text(const iso_metrics *m, double hdr_flip, bool agree)
         printf("rmse      %.4g\nmax_abs   %.4g at column %zu, row %zu\np99_abs   %.4g\npsnr_db   %.4g\n"
                "ssim      %.6f\nflip_mean %.6f\n",
                m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
-    if (isfinite(hdr_flip))
-        printf("hdr_flip  %.6f\n", hdr_flip);
+    if (isfinite(hdr->mean))
+        printf("hdr_flip  %.6f over %zu exposures, 2^%.4f to 2^%.4f\n", hdr->mean, hdr->exposures, hdr->start, hdr->stop);
     printf("verdict   %s\n", agree ? "agree" : "differ");
 }
 
@@ -98,6 +106,7 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
 {
     iso_metrics m;
     double flip = NAN;
+    hdr_flip hdr = {.mean = NAN};
     iso_status status = load(cli->arguments[0], &images[0], err);
     if (status == ISO_OK)
         status = load(cli->arguments[1], &images[1], err);
@@ -110,9 +119,12 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     }
     if (status == ISO_OK && (opt->hdr || opt->flip_map) && m.nonfinite_count == 0)
         status = measure_flip(opt, images, &flip, err);
+    if (status == ISO_OK && opt->hdr && isfinite(flip)) {
+        hdr.mean = flip;
+        status = iso_flip_exposures(&images[0], &hdr.start, &hdr.stop, &hdr.exposures, err);
+    }
     if (status != ISO_OK)
         return status;
-    double hdr_flip = opt->hdr ? flip : NAN;
     bool agree = iso_metrics_within(&m, &opt->limits);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
@@ -121,11 +133,14 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         json_object_set_new(root, "b", json_string(cli->arguments[1]));
         json_object_update_new(root, iso_metrics_to_json(&m));
         if (opt->hdr)
-            json_object_set_new(root, "hdr_flip_mean", isfinite(hdr_flip) ? json_real(hdr_flip) : json_null());
+            json_object_set_new(root, "hdr_flip_mean", iso_json_number(hdr.mean));
+        if (isfinite(hdr.mean))
+            json_object_set_new(root, "hdr_flip_exposures", json_pack("{s:f, s:f, s:I}", "start", hdr.start, "stop", hdr.stop, "count",
+                                                                     (json_int_t)hdr.exposures));
         json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
         iso_cli_print_json(root);
     } else {
-        print_text(&m, hdr_flip, agree);
+        print_text(&m, &hdr, agree);
     }
     return agree ? ISO_OK : ISO_E_DIFFERS;
 }
@@ -141,7 +156,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"max-flip", 0, POPT_ARG_DOUBLE, &opt.limits.flip_mean, 0, "largest mean FLIP", "X"},
         {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
         {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
-        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map; white is the largest difference", "OUT.png"},
+        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
         {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "HDR-FLIP as well, with A as reference; of the map, too", NULL},
         POPT_TABLEEND,
     };
@@ -166,8 +181,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_compare = {
     .name = "compare",
     .summary = "measure how far two images are apart",
-    .usage = "A.exr B.exr [--max-rmse X ...] [--difference OUT.png] [--json]",
-    .details = "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
+    .usage = "A B [--max-rmse X ...] [--difference OUT.png] [--json]",
+    .details = "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
+               "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
                "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
                "on the sRGB that people see. Pixels that are not finite always differ.",
     .examples = "  isoshade make sphere --size 24 -o v.nrrd\n"

@@ -4,8 +4,10 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "cli/cached.h"
 #include "cli/cli.h"
+#include "cli/limits.h"
 #include "cli/palette_level.h"
 #include "cli/renderers.h"
 #include "cli/roi.h"
@@ -16,7 +18,7 @@ typedef struct render_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, shade_table, brick, brick_levels, page_side;
+    int level, intervals, planes, samples, seed, seeds, limit, shade_table, brick, brick_levels, page_side;
     double step, cache_bytes;
     char *plan_error_text, *code, *direction_filter, *gradient;
     double plan_error; /* 0: none */
@@ -118,6 +120,21 @@ static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *e
     return ISO_OK;
 }
 
+/* The limit is made of renders by the step alone. */
+static iso_status check_limit(const render_arguments *a, iso_renderer renderer, iso_error *err)
+{
+    if (!a->limit)
+        return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
+    if (renderer == ISO_WITH_REFERENCE || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table || is_in_bricks(a))
+        return iso_fail(err, ISO_E_USAGE, "--limit is for --with gl, cycles and povray, without --quadrature, --gradients, "
+                                          "--isosurface, --samples, --shade-table, --cache-bytes and --plan-error");
+    if (a->intervals % 2)
+        return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
+    if (a->seeds && renderer != ISO_WITH_CYCLES)
+        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with cycles alone");
+    return a->seeds ? iso_cli_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
+}
+
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
 {
     iso_renderer renderer = ISO_WITH_GL;
@@ -139,6 +156,8 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         status = check_for_renderer(a, renderer, err);
     if (status == ISO_OK)
         status = check_cache(a, renderer, err);
+    if (status == ISO_OK)
+        status = check_limit(a, renderer, err);
     if (status != ISO_OK)
         return status;
     if (a->quadrature)
@@ -246,6 +265,26 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, i
     return status;
 }
 
+/* Extrapolated from the step and its double; of Cycles the mean over seeds. */
+static iso_status render_limit(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
+                               const iso_view *view, iso_renderer which, iso_image *image, double *seconds,
+                               const iso_progress *progress, iso_error *err)
+{
+    iso_limit_options o = iso_limit_defaults();
+    const double start = iso_clock_seconds();
+    o.step_voxels = a->step > 0 ? a->step : o.step_voxels;
+    o.seeds = a->seeds ? (size_t)a->seeds : o.seeds;
+    o.first_seed = a->seed;
+    o.planes = (size_t)a->planes;
+    o.intervals = (size_t)a->intervals;
+    o.threads = cli->threads;
+    if ((size_t)a->level >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
+    iso_status status = iso_limit_render(renderers, p, (size_t)a->level, view, which, &o, image, progress, err);
+    *seconds = iso_clock_seconds() - start;
+    return status;
+}
+
 static iso_status render(const render_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -282,6 +321,8 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
         status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
     if (status == ISO_OK && is_in_bricks(a))
         status = render_cached(a, cli, &renderers, &pyramid, &view, &image, &seconds, &progress, err);
+    else if (status == ISO_OK && a->limit)
+        status = render_limit(a, cli, &renderers, &pyramid, &view, opt.renderer, &image, &seconds, &progress, err);
     else if (status == ISO_OK)
         status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
     if (status == ISO_OK)
@@ -324,6 +365,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
+        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, "gl, cycles and povray: the limit of --step (0.25), or --intervals, and its double, as validate compares it", NULL},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, "cycles with --limit: renders at each step, whose mean counts (4)", "N"},
         {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, "gl: by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits", "BYTES"},
         {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, "gl: by bricks of mixed levels, as coarse as this predicted RMSE allows", "1/255"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "of these two: voxels a side", "N"},
@@ -357,6 +400,7 @@ const iso_command iso_command_render = {
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
+                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
     .run = run,

@@ -114,9 +114,9 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene);
+    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_cli_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
-                        .scene_path = a->scene, .scene_name = name, .quick = a->quick, .threads = cli->threads,
+                        .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick, .threads = cli->threads,
                         .progress = &progress};
     const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
                                     .volume = cli->arguments[0], .scene = a->scene};
@@ -136,6 +136,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     iso_renderers_end(&v.renderers);
     iso_view_destroy(&view);
     free(line);
+    free(input);
     free(name);
     return status;
 }
@@ -172,7 +173,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
                                .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
-    v.image_prefix = v.variant = v.build_options = v.render_options = "";
+    v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->size)
         status = iso_cli_parse_image_size(a->size, &suite.width, &suite.height, err);

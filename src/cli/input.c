@@ -1,10 +1,37 @@
+#define _GNU_SOURCE
 #include "cli/input.h"
+
+#include <stdio.h>
 
 #include "cli/cli.h"
 
 void iso_cli_input_defaults(iso_cli_input *input)
 {
     *input = (iso_cli_input){0};
+}
+
+char *iso_cli_input_line(const iso_cli_input *in)
+{
+    const struct { const char *option, *value; } words[] = {
+        {"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        if (words[i].value) {
+            fprintf(f, " %s ", words[i].option);
+            iso_cli_put_word(f, words[i].value);
+        }
+    if (in->raw_big_endian)
+        fputs(" --raw-big-endian", f);
+    if (in->raw_skip_bytes)
+        fprintf(f, " --raw-skip %ld", in->raw_skip_bytes);
+    if (in->physical)
+        fputs(" --physical", f);
+    fclose(f);
+    return text;
 }
 
 static bool is_raw(const iso_cli_input *in)

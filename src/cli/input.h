@@ -27,6 +27,8 @@ typedef struct iso_cli_input {
     {"physical", 0, POPT_ARG_NONE, &(in)->physical, 0, "apply the file's slope and intercept; samples become float", NULL}
 
 void iso_cli_input_defaults(iso_cli_input *input);
+/* The options that were given, as a command line has them, each after a space; to be freed. */
+char *iso_cli_input_line(const iso_cli_input *input);
 
 /* ISO_E_USAGE for raw options that miss or contradict; else as iso_volume_load. */
 iso_status iso_cli_load_volume(const char *path, const iso_cli_input *input, iso_volume *v, iso_error *err);

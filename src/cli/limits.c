@@ -61,6 +61,19 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
     }
 }
 
+/* The means over the seeds of each half of images, created. */
+static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *coarse, iso_image *fine, iso_error *err)
+{
+    iso_status status = iso_image_create(coarse, images[0].width, images[0].height, err);
+    if (status == ISO_OK)
+        status = iso_image_create(fine, images[0].width, images[0].height, err);
+    if (status == ISO_OK) {
+        mean_of(images, seeds, coarse);
+        mean_of(images + seeds, seeds, fine);
+    }
+    return status;
+}
+
 /* The mean square error of the mean, over pixels and all four channels (the alpha of a picture may be noisier than its
  * colours, where volume and background are alike), and how well n images tell it: a variance from n samples has a
  * variance of 2 / (n - 1) times its square; the channels of a pixel err together. */
@@ -119,14 +132,9 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
 {
     iso_image limits[most_seeds] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;
-    iso_status status = iso_image_create(&coarse, reference->width, reference->height, err);
+    iso_status status = mean_pair(images, seeds, &coarse, &out->fine, err);
     if (status == ISO_OK)
-        status = iso_image_create(&out->fine, reference->width, reference->height, err);
-    if (status == ISO_OK) {
-        mean_of(images, seeds, &coarse);
-        mean_of(images + seeds, seeds, &out->fine);
         status = iso_richardson(&coarse, &out->fine, 2, ISO_LIMIT_ORDER, &out->image, &e, err);
-    }
     out->step_bar = e.error_bar;
     if (status == ISO_OK)
         status = rmse_of(&coarse, reference, &out->coarse_rmse, err);
@@ -196,8 +204,41 @@ static void first_pair(step_pair *pair, const iso_level *level, iso_renderer whi
         pair->frames[i].seed = opt->first_seed + (int)(i % pair->seeds);
         pair->frames[i].step_voxels = i < pair->seeds ? 2 * opt->step_voxels : opt->step_voxels;
     }
-    if (which == ISO_WITH_POVRAY)
+    if (which == ISO_WITH_POVRAY && opt->intervals) {
+        pair->frames[0].planes = pair->frames[1].planes = opt->planes;
+        pair->frames[0].intervals = opt->intervals / 2;
+        pair->frames[1].intervals = opt->intervals;
+    } else if (which == ISO_WITH_POVRAY) {
         iso_limit_povray_pair(level, opt->step_voxels, opt->finest_voxels, &pair->frames[0], &pair->frames[1]);
+    }
+}
+
+static iso_status check_seeds(const iso_limit_options *opt, iso_error *err)
+{
+    if (opt->seeds < 2 || opt->seeds > most_seeds)
+        return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds, most_seeds);
+    return ISO_OK;
+}
+
+iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, iso_renderer which,
+                            const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    step_pair pair;
+    iso_image coarse = {0}, fine = {0};
+    iso_extrapolation unused;
+    iso_status status = check_seeds(opt, err);
+    if (status != ISO_OK)
+        return status;
+    first_pair(&pair, &p->levels[level], which, opt);
+    status = iso_render_several(r, p, level, view, pair.frames, 2 * pair.seeds, pair.images, progress, err);
+    if (status == ISO_OK)
+        status = mean_pair(pair.images, pair.seeds, &coarse, &fine, err);
+    if (status == ISO_OK)
+        status = iso_richardson(&coarse, &fine, 2, ISO_LIMIT_ORDER, image, &unused, err);
+    destroy_pair(&pair);
+    iso_image_destroy(&coarse);
+    iso_image_destroy(&fine);
+    return status;
 }
 
 static bool is_good(const iso_limit *limit, const iso_limit_options *opt)
@@ -216,15 +257,16 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
                           const iso_progress *progress, iso_error *err)
 {
     step_pair pair;
-    iso_status status = ISO_OK;
+    iso_status status = check_seeds(opt, err);
     *out = (iso_limit){0};
-    if (opt->seeds < 2 || opt->seeds > most_seeds)
-        return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds, most_seeds);
+    if (status != ISO_OK)
+        return status;
     first_pair(&pair, &p->levels[level], which, opt);
     size_t first = 0;
     for (double step = opt->step_voxels; status == ISO_OK;) {
         iso_limit_destroy(out);
-        *out = (iso_limit){.step_voxels = step, .seeds = pair.seeds};
+        *out = (iso_limit){.step_voxels = step, .seeds = pair.seeds, .planes = pair.frames[pair.seeds].planes,
+                           .intervals = pair.frames[pair.seeds].intervals};
         status = iso_render_several(r, p, level, view, pair.frames + first, 2 * pair.seeds - first, pair.images + first,
                                     progress, err);
         if (status == ISO_OK)

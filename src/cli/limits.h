@@ -21,6 +21,7 @@ typedef struct iso_limit_options {
     double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
     double hopeless;      /* so many bars off, of an error that halving hardly changes, end the halving; INFINITY: never */
     size_t seeds;         /* of Cycles, at least 2 */
+    size_t planes, intervals; /* of POV-Ray at the step; at its double half the intervals; 0 intervals: by the step */
     int first_seed, threads;
 } iso_limit_options;
 /* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
@@ -35,6 +36,7 @@ typedef struct iso_limit {
     iso_image image;               /* the limit; mean over the seeds */
     iso_image fine;                /* at step_voxels; mean over the seeds */
     double step_voxels;            /* the finer of the last two */
+    size_t planes, intervals;      /* of POV-Ray there; else 0 */
     double coarse_rmse, fine_rmse; /* against the reference, of the means */
     double rmse;                   /* of the limit against the reference */
     double order;                  /* log2 (coarse_rmse / fine_rmse) */
@@ -66,6 +68,11 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
                           const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
+
+/* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals of
+ * a limit that was found, it is that limit's image. */
+iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, iso_renderer which,
+                            const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err);
 
 /* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing is
  * left to shrink. */

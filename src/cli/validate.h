@@ -23,6 +23,7 @@ typedef struct iso_validation {
     const char *image_prefix; /* of the report's images: "" or "NAME-" */
     /* What sets rows of other directions or TFs apart; "" and ISO_FROM_CODES for the pyramid's own. */
     const char *variant, *build_options, *render_options;
+    const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
     bool quick;
     size_t seeds;             /* of Cycles */
@@ -64,6 +65,11 @@ extern const size_t iso_method_count;
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
 
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
+
+/* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
+ * does. options: of `isoshade render`, besides v's own. */
+char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
+                             const char *image_a, const iso_limits *limits);
 
 /* The gates, for all who use them: nobody has a copy of his own.
  * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in

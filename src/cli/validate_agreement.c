@@ -69,26 +69,6 @@ static void begin_row(iso_validation *v, size_t level, const char *what)
     v->row_start = iso_clock_seconds();
 }
 
-/* The line that repeats a row's other side. */
-static char *reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&text, &size);
-    if (!f)
-        return NULL;
-    const bool built = v->build_options[0] != 0;
-    if (v->make)
-        fprintf(f, "isoshade make %s -o %s && ", v->make, v->volume_path);
-    if (built)
-        fprintf(f, "isoshade build %s %s --levels %zu -o variant.iso && ", v->volume_path, v->build_options, v->pyramid->level_count);
-    fprintf(f, "isoshade render %s --scene %s --with %s --level %zu --size %zux%zu%s%s -o %s-level-%zu.exr",
-            built ? "variant.iso" : v->volume_path, v->scene_path, iso_renderer_name(renderer), level, v->view->width,
-            v->view->height, v->render_options, options, iso_renderer_name(renderer), level);
-    fclose(f);
-    return text;
-}
-
 static bool shows_nothing(const iso_image *image)
 {
     for (size_t i = 0; i < image->width * image->height; ++i)
@@ -119,7 +99,7 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
         row->informative = true;
         row->why = "the transfer function shows nothing of this level";
     }
-    char *command = reproduce(v, level, renderer, options);
+    char *command = iso_validate_reproduce(v, level, renderer, options, a->image_name, &row->limits);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
     if (status == ISO_OK)
@@ -295,7 +275,12 @@ static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer re
     iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
                                        v->progress, err);
     if (status == ISO_OK) {
-        snprintf(options, sizeof options, " --step %g", limit.step_voxels);
+        if (limit.intervals)
+            snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
+        else if (limit.seeds > 1)
+            snprintf(options, sizeof options, " --limit --step %g --seeds %zu", limit.step_voxels, limit.seeds);
+        else
+            snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
         iso_validate_limit_row(asked, &limit, &row);
         row.statistics = limit_to_json(&limit);
         status = add_row(v, level, &row, a, what, &limit.image, renderer, options, err);

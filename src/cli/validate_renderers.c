@@ -1,4 +1,5 @@
 /* validate_renderers.c - which renderers answer, and which may be trusted. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -49,6 +50,9 @@ static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *
                      c->unit, c->limit);
         status = iso_report_add_calibration(v->report, &row, err);
     }
+    const iso_report_calibration absent = {.renderer = iso_renderer_name(f->which), .check = "answers", .value = NAN, .detail = f->missing};
+    if (status == ISO_OK && f->missing[0])
+        status = iso_report_add_calibration(v->report, &absent, err);
     iso_report_put(v->report, "versions", iso_renderer_title(f->which), json_string(f->version));
     return status;
 }

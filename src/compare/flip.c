@@ -338,22 +338,22 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Exposures, as powers of two (2021 paper, sec. 3.2): the tone curve reaches 0.85 at `bright`. */
-static iso_status exposure_range(const iso_image *reference, double *start, double *stop, iso_error *err)
+/* 2021 paper, sec. 3.2: the tone curve reaches 0.85 at `bright`. */
+iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err)
 {
-    size_t count = reference->width * reference->height;
-    double *luminance = calloc(count, sizeof *luminance);
+    size_t pixels = reference->width * reference->height;
+    double *luminance = calloc(pixels, sizeof *luminance);
     if (!luminance)
-        return iso_fail(err, ISO_E_MEMORY, "FLIP: no memory for %zu pixels", count);
-    for (size_t i = 0; i < count; ++i) {
+        return iso_fail(err, ISO_E_MEMORY, "FLIP: no memory for %zu pixels", pixels);
+    for (size_t i = 0; i < pixels; ++i) {
         double sum = 0;
         for (int c = 0; c < 3; ++c)
             sum += xyz_from_rgb[1][c] * reference->rgba[4 * i + c];
         luminance[i] = isfinite(sum) && sum > 0 ? sum : 0;
     }
-    qsort(luminance, count, sizeof *luminance, ascending);
-    double brightest = luminance[count - 1];
-    double median = count % 2 ? luminance[count / 2] : 0.5 * (luminance[count / 2 - 1] + luminance[count / 2]);
+    qsort(luminance, pixels, sizeof *luminance, ascending);
+    double brightest = luminance[pixels - 1];
+    double median = pixels % 2 ? luminance[pixels / 2] : 0.5 * (luminance[pixels / 2 - 1] + luminance[pixels / 2]);
     free(luminance);
     /* 0.36 (2.51 - 0.85 2.43) x^2 + 0.6 (0.03 - 0.85 0.59) x - 0.85 0.14 = 0 */
     double a = 0.36 * (2.51 - 0.85 * 2.43), b = 0.6 * (0.03 - 0.85 * 0.59), c = -0.85 * 0.14;
@@ -361,6 +361,7 @@ static iso_status exposure_range(const iso_image *reference, double *start, doub
     *start = brightest > 0 ? log2(bright / brightest) : 0;
     /* A black median (background) asks for no exposure at all; then the range stays at 8 stops. */
     *stop = median > 0 ? fmin(log2(bright / median), *start + 20) : *start + 8;
+    *count = (size_t)fmax(2, ceil(*stop - *start));
     return ISO_OK;
 }
 
@@ -368,15 +369,16 @@ iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double p
                         iso_error *err)
 {
     double start = 0, stop = 0;
+    size_t count = 0;
     iso_status status = check(reference, b, pixels_per_degree, err);
     if (status == ISO_OK)
-        status = exposure_range(reference, &start, &stop, err);
+        status = iso_flip_exposures(reference, &start, &stop, &count, err);
     if (status != ISO_OK)
         return status;
     memset(map, 0, reference->width * reference->height * sizeof *map);
-    double count = fmax(2, ceil(stop - start));
-    for (double k = 0; status == ISO_OK && k < count; ++k)
-        status = flip_at(reference, b, pixels_per_degree, exp2(start + (stop - start) * k / (count - 1)), true, map, err);
+    for (size_t k = 0; status == ISO_OK && k < count; ++k)
+        status = flip_at(reference, b, pixels_per_degree, exp2(start + (stop - start) * (double)k / (double)(count - 1)), true, map,
+                         err);
     return status;
 }
 

@@ -20,6 +20,10 @@
  * ISO_E_RANGE: empty, different sizes, fewer than 1 pixel a degree; ISO_E_MEMORY. */
 iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_per_degree, float *map, iso_error *err);
 
+/* The exposures of HDR-FLIP, as powers of two: `count` of them, evenly from *start to *stop. Where the reference's median is
+ * black the paper's range has no end: it stays at 8 stops then, and is never more than 20. ISO_E_MEMORY. */
+iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err);
+
 /* The largest LDR value over exposures from the one that keeps the reference's
  * brightest pixel to the one that lifts its median, both to 0.85 of the display
  * after the ACES tone curve. Non-finite or negative colours count as 0. */

@@ -83,6 +83,11 @@ void iso_report_destroy(iso_report *r)
     free(r);
 }
 
+const char *iso_report_path(const iso_report *r)
+{
+    return r->out.final_path;
+}
+
 const char *iso_report_dir(const iso_report *r)
 {
     return r->out.temp_path;
@@ -347,7 +352,11 @@ iso_report_summary iso_report_summarise(const iso_report *r)
     else if (s.good)
         snprintf(s.sentence, sizeof s.sentence, "The renderers agree: %s %zu comparison%s within %s limits.",
                  judged == 1 ? "the" : "all", judged, judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
-    else if (s.differed == 0 && s.refused == 0)
+    else if (s.differed == 0 && s.refused > 0)
+        snprintf(s.sentence, sizeof s.sentence,
+                 "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration.", s.agreed,
+                 s.agreed == 1 ? "" : "s", s.agreed == 1 ? "s" : "", s.refused);
+    else if (s.differed == 0)
         snprintf(s.sentence, sizeof s.sentence, "%zu of %zu calibrations failed, though all %zu comparisons agree.",
                  s.calibrations_failed, s.calibrations_failed + s.calibrations_passed, judged);
     else
@@ -362,8 +371,8 @@ static double sort_key(const json_t *row)
     const char *verdict = json_string_value(json_object_get(row, "verdict"));
     const json_t *value = json_object_get(row, "severity");
     double worst = json_is_number(value) ? fmin(json_number_value(value), 1e300) : 1e300;
-    int group = strcmp(verdict, "refused") == 0  ? 3
-                : strcmp(verdict, "differ") == 0 ? 2
+    int group = strcmp(verdict, "differ") == 0    ? 3
+                : strcmp(verdict, "refused") == 0 ? 2
                 : strcmp(verdict, "agree") == 0  ? 1
                                                  : 0;
     return group * 1000 + log10(fmax(worst, 1e-300));
@@ -423,124 +432,5 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     if (status == ISO_OK)
         status = iso_output_commit(&r->out, err);
     r->finished = status == ISO_OK;
-    return status;
-}
-
-static void put_xml(FILE *f, const char *s)
-{
-    for (; s && *s; ++s) {
-        if (*s == '&')
-            fputs("&amp;", f);
-        else if (*s == '<')
-            fputs("&lt;", f);
-        else if (*s == '>')
-            fputs("&gt;", f);
-        else if (*s == '"')
-            fputs("&quot;", f);
-        else
-            fputc((unsigned char)*s < 0x20 ? ' ' : *s, f);
-    }
-}
-
-static const char *string_of(const json_t *row, const char *key)
-{
-    const char *s = json_string_value(json_object_get(row, key));
-    return s ? s : "";
-}
-
-static void put_failed_gates(FILE *f, const json_t *row)
-{
-    size_t i;
-    json_t *gate;
-    json_array_foreach(json_object_get(row, "gates"), i, gate) {
-        const json_t *value = json_object_get(gate, "value");
-        double x = json_is_number(value) ? json_number_value(value) : NAN;
-        double limit = json_number_value(json_object_get(gate, "limit"));
-        if (x <= limit)
-            continue;
-        put_xml(f, string_of(gate, "name"));
-        fprintf(f, " %.4g, at most %.4g; ", x, limit);
-    }
-}
-
-static void put_agreement_case(FILE *f, const json_t *row)
-{
-    const char *verdict = string_of(row, "verdict");
-    char *metrics = NULL, *limits = json_dumps(json_object_get(row, "limits"), JSON_COMPACT | JSON_REAL_PRECISION(6));
-    if (asprintf(&metrics, "rmse %.4g, max_abs %.4g, flip_mean %.4g, %lld pixels not finite; limits %s; ",
-                 json_number_value(json_object_get(row, "rmse")), json_number_value(json_object_get(row, "max_abs")),
-                 json_number_value(json_object_get(row, "flip_mean")),
-                 (long long)json_integer_value(json_object_get(row, "nonfinite_count")), limits ? limits : "") < 0)
-        metrics = NULL;
-    fputs("    <testcase classname=\"agreement.", f);
-    put_xml(f, string_of(row, "scene"));
-    fprintf(f, "\" name=\"level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
-    put_xml(f, string_of(row, "a"));
-    fputs(" against ", f);
-    put_xml(f, string_of(row, "b"));
-    if (string_of(row, "tier")[0]) {
-        fputs(", ", f);
-        put_xml(f, string_of(row, "tier"));
-    }
-    fputs("\"", f);
-    if (strcmp(verdict, "agree") == 0 || strcmp(verdict, "reported") == 0) {
-        fputs("/>\n", f);
-    } else {
-        fputs(">\n      <failure type=\"", f);
-        put_xml(f, verdict);
-        fputs("\" message=\"", f);
-        if (strcmp(verdict, "refused") != 0) {
-            put_xml(f, metrics);
-            put_failed_gates(f, row);
-        }
-        put_xml(f, string_of(row, "why"));
-        fputs("\">", f);
-        put_xml(f, string_of(row, "command"));
-        fputs("</failure>\n    </testcase>\n", f);
-    }
-    free(metrics);
-    free(limits);
-}
-
-static void put_calibration_case(FILE *f, const json_t *row)
-{
-    fputs("    <testcase classname=\"calibration.", f);
-    put_xml(f, string_of(row, "renderer"));
-    fputs("\" name=\"", f);
-    put_xml(f, string_of(row, "check"));
-    if (strcmp(string_of(row, "verdict"), "pass") == 0) {
-        fputs("\"/>\n", f);
-        return;
-    }
-    const json_t *value = json_object_get(row, "value");
-    fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g, limit %.6g\">",
-            json_is_number(value) ? json_number_value(value) : NAN, json_number_value(json_object_get(row, "limit")));
-    put_xml(f, string_of(row, "detail"));
-    fputs("</failure>\n    </testcase>\n", f);
-}
-
-iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_error *err)
-{
-    char *xml = NULL;
-    size_t size = 0, i;
-    FILE *f = open_memstream(&xml, &size);
-    if (!f)
-        return no_memory(err);
-    const json_t *agreement = json_object_get(r->root, "agreement"), *calibration = json_object_get(r->root, "calibration");
-    json_t *row;
-    iso_report_summary s = iso_report_summarise(r);
-    fprintf(f, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"isoshade validate\" tests=\"%zu\" failures=\"%zu\">\n",
-            json_array_size(agreement) + json_array_size(calibration), s.differed + s.refused + s.calibrations_failed);
-    fprintf(f, "  <testsuite name=\"calibration\" tests=\"%zu\" failures=\"%zu\">\n", json_array_size(calibration),
-            s.calibrations_failed);
-    json_array_foreach(calibration, i, row)
-        put_calibration_case(f, row);
-    fprintf(f, "  </testsuite>\n  <testsuite name=\"agreement\" tests=\"%zu\" failures=\"%zu\">\n",
-            json_array_size(agreement), s.differed + s.refused);
-    json_array_foreach(agreement, i, row)
-        put_agreement_case(f, row);
-    fputs("  </testsuite>\n</testsuites>\n", f);
-    iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err) : no_memory(err);
-    free(xml);
     return status;
 }

@@ -29,6 +29,8 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
 /* Drops what was not finished; accepts NULL. */
 void iso_report_destroy(iso_report *report);
 
+/* The directory as it is called once the report is finished. */
+const char *iso_report_path(const iso_report *report);
 /* Where other files of the report may be written until it is finished (logs, scenes). */
 const char *iso_report_dir(const iso_report *report);
 
@@ -84,7 +86,7 @@ typedef struct iso_report_consistency {
 } iso_report_consistency;
 iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);
 
-/* A renderer's fitness before it is compared. Passes when |value| <= limit. */
+/* A renderer's fitness before it is compared. Passes when |value| <= limit; NaN: nothing could be measured, which fails. */
 typedef struct iso_report_calibration {
     const char *renderer, *check;
     double value, limit;
@@ -104,7 +106,8 @@ iso_report_summary iso_report_summarise(const iso_report *report);
  * report has no charts and says so. */
 iso_status iso_report_finish(iso_report *report, iso_error *err);
 
-/* The rows as JUnit's XML, for continuous integration; before or after finish. */
+/* The rows as JUnit's XML, for continuous integration; before or after finish. Rows that differ and calibrations that
+ * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped. */
 iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
 
 /* The data model, borrowed. */

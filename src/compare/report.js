@@ -31,7 +31,7 @@ const plain = x => x === null || x === undefined ? '–' : x === 0 ? '0' : x >= 
 
 function command(line) {
     if (!line) return null;
-    const button = el('button', {type: 'button', onclick: async () => {
+    const button = el('button', {type: 'button', 'aria-label': 'copy the command', onclick: async () => {
         try { await navigator.clipboard.writeText(line); }
         catch (e) { // pages opened from a file may not have the clipboard
             const range = document.createRange();
@@ -40,9 +40,10 @@ function command(line) {
             getSelection().addRange(range);
             document.execCommand('copy');
         }
-        button.textContent = 'copied';
-        setTimeout(() => { button.textContent = 'copy'; }, 1500);
-    }}, 'copy');
+        said.textContent = 'copied';
+        setTimeout(() => { said.textContent = 'copy'; }, 1500);
+    }}, el('span', {'aria-live': 'polite'}, 'copy'));
+    const said = button.firstChild;
     const code = el('code', {}, line);
     return el('div', {class: 'command'}, code, button);
 }
@@ -94,29 +95,30 @@ async function differences(key) {
     return {logs, width: p.width, height: p.height};
 }
 const stops = [[0, 8, 8, 24], [0.25, 72, 20, 110], [0.5, 176, 44, 104], [0.75, 244, 126, 60], [1, 252, 246, 190]];
-function colour(t) {
-    t = Math.min(Math.max(t, 0), 1);
+const shades = 1024, colours = new Uint8ClampedArray(3 * (shades + 1));
+for (let i = 0; i <= shades; ++i) {
+    const t = i / shades;
     let k = 1;
     while (k < stops.length - 1 && t > stops[k][0]) ++k;
     const [t0, ...a] = stops[k - 1], [t1, ...b] = stops[k], f = (t - t0) / (t1 - t0);
-    return a.map((v, i) => v + f * (b[i] - v));
+    a.forEach((v, c) => { colours[3 * i + c] = v + f * (b[c] - v); });
 }
+const shadeOf = t => 3 * Math.round(Math.min(Math.max(t, 0), 1) * shades);
 const scaleLow = -8, scaleHigh = 0; // one scale for all cases, so that they can be compared
 // Above the threshold in colour; below it the image itself, grey and faint.
 function paintDifference(d, under, threshold) {
     const canvas = el('canvas', {width: d.width, height: d.height}), context = canvas.getContext('2d');
     const out = context.createImageData(d.width, d.height);
     let above = 0;
-    for (let i = 0; i < d.logs.length; ++i) {
-        let rgb;
-        if (d.logs[i] === Infinity) rgb = [0, 255, 255];
-        else if (d.logs[i] > threshold) rgb = colour((d.logs[i] - scaleLow) / (scaleHigh - scaleLow));
-        else {
-            const grey = under ? 0.12 * (under.bytes[4 * i] + under.bytes[4 * i + 1] + under.bytes[4 * i + 2]) / 3 : 0;
-            rgb = [grey, grey, grey];
-        }
-        above += d.logs[i] > threshold;
-        out.data.set([rgb[0], rgb[1], rgb[2], 255], 4 * i);
+    for (let i = 0, o = 0; i < d.logs.length; ++i, o += 4) {
+        const log = d.logs[i];
+        if (log === Infinity) out.data.set([0, 255, 255], o);
+        else if (log > threshold) {
+            const at = shadeOf((log - scaleLow) / (scaleHigh - scaleLow));
+            for (let c = 0; c < 3; ++c) out.data[o + c] = colours[at + c];
+        } else if (under) out.data.fill(0.12 * (under.bytes[o] + under.bytes[o + 1] + under.bytes[o + 2]) / 3, o, o + 3);
+        out.data[o + 3] = 255;
+        above += log > threshold;
     }
     context.putImageData(out, 0, 0);
     return {canvas, above};
@@ -125,10 +127,10 @@ function legend() {
     const width = 320, canvas = el('canvas', {width, height: 12, style: 'height:12px;width:320px', 'aria-hidden': 'true'});
     const context = canvas.getContext('2d');
     for (let x = 0; x < width; ++x) {
-        context.fillStyle = `rgb(${colour(x / (width - 1)).map(Math.round)})`;
+        context.fillStyle = `rgb(${colours.slice(shadeOf(x / (width - 1)), shadeOf(x / (width - 1)) + 3)})`;
         context.fillRect(x, 0, 1, 12);
     }
-    const ticks = el('div', {style: 'display:flex;justify-content:space-between;width:320px;font:11px/1.4 var(--sans);color:#555'});
+    const ticks = el('div', {style: 'display:flex;justify-content:space-between;width:320px;font:11px/1.4 var(--sans);color:var(--quiet)'});
     for (let e = scaleLow; e <= scaleHigh; e += 2) ticks.append(el('span', {}, e === 0 ? '1' : el('span', {}, '10', el('sup', {}, String(e).replace('-', '−')))));
     return el('div', {}, canvas, ticks);
 }
@@ -150,39 +152,113 @@ const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity:
 function valueOf(row, key) {
     return key === 'ssim_dissimilarity' ? (row.ssim === null ? null : 1 - row.ssim) : row[key];
 }
+// All that is asked of a row, the worst first: limits of metrics, and gates.
+function asked(row) {
+    if (row.verdict === 'refused') return [];
+    const all = Object.entries(row.limits).map(([key, limit]) => ({name: names[key], value: valueOf(row, key), limit}));
+    for (const gate of row.gates || []) all.push(gate);
+    return all.map(({name, value, limit}) => ({name, value, limit, held: value !== null && value <= limit,
+        ratio: value === null ? Infinity : limit > 0 ? value / limit : value <= 0 ? 0 : Infinity})).sort((x, y) => y.ratio - x.ratio);
+}
 function explain(row) {
     if (row.verdict === 'refused') return ['Refused: ', row.why];
     if (row.nonfinite_count > 0) return [`${row.nonfinite_count} pixels are not finite. `, row.why || ''];
-    const out = [];
-    for (const [key, limit] of Object.entries(row.limits)) {
-        const value = valueOf(row, key);
-        if (value <= limit) continue;
-        out.push(`${names[key]} is `, number(value), `, ${plain(value / limit)} times its limit of `, number(limit), '. ');
-    }
-    for (const gate of row.gates || [])
-        if (!(gate.value !== null && gate.value <= gate.limit)) out.push(`${gate.name}: `, number(gate.value), ', at most ', number(gate.limit), '. ');
-    if (out.length === 0 && Object.keys(row.limits).length === 0 && !(row.gates || []).length) out.push('No limit was given, so only equal images agree. ');
+    const out = [], all = asked(row);
+    for (const {name, value, limit} of all.filter(x => !x.held))
+        out.push(`${name} is `, number(value), ...(limit > 0 && value !== null ? [`, ${plain(value / limit)} times its limit of `, number(limit)] : [', at most ', number(limit)]), '. ');
+    if (all.length === 0) out.push('No limit was given, so only equal images agree. ');
     return [...out, row.why ? `Why this limit: ${row.why}` : ''];
 }
-const limitsText = row => [...Object.entries(row.limits).map(([key, limit]) => [`${names[key]} ≤ `, number(limit), '; ']).flat(),
-    ...(row.gates || []).map(gate => [`${gate.name} `, number(gate.value), ' ≤ ', number(gate.limit), '; ']).flat()];
-// What the gates were taken from: steps, order, seeds.
-const statisticsText = row => !row.statistics ? [] : [el('table', {}, el('tbody', {}, Object.entries(row.statistics).map(([key, value]) =>
-    el('tr', {}, cell(key.replaceAll('_', ' ')), cell(typeof value === 'number' ? number(value) : String(value), true)))))];
+const percent = x => x === Infinity ? '∞' : x < 0.01 ? '< 0.01' : plain(x);
+function askedTable(row) {
+    const all = asked(row);
+    if (all.length === 0) return [];
+    return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['what is asked', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
+        el('tbody', {}, all.map(x => el('tr', {}, cell(x.name), cell(number(x.value), true, x.held ? '' : 'differ'), cell(number(x.limit), true), cell(percent(x.ratio), true, x.held ? '' : 'differ'))))))];
+}
+// What the gates were taken from, in a sentence; the rest for those who ask.
+function statisticsText(row) {
+    const s = row.statistics;
+    if (!s) return [];
+    const out = [], step = x => x >= 1 ? plain(x) : `1/${plain(1 / x)}`;
+    if (s.step_voxels) {
+        out.push(`Extrapolated from steps of ${step(2 * s.step_voxels)} and ${step(s.step_voxels)} voxel, whose RMSE is `, number(s.rmse_at_twice_the_step, 2), ' and ', number(s.rmse_at_the_step, 2));
+        if (s.order !== null) out.push(` (order ${plain(s.order)})`);
+        out.push('. Error bar: ', number(s.step_bar, 2), ' by the step');
+        if (s.seeds > 1) out.push(', ', number(s.noise_bar, 2), ` by the noise of the mean over ${s.seeds} seeds. Bias `, number(s.signed_bias, 2), ' ± ', number(s.standard_error_of_bias, 2), ', mean local error ', number(s.mean_local_error, 2));
+        out.push('.');
+    }
+    return [el('p', {}, out), el('details', {}, el('summary', {}, 'all its statistics'), el('dl', {class: 'statistics'}, Object.entries(s).map(([key, value]) =>
+        [el('dt', {}, key.replaceAll('_', ' ')), el('dd', {}, typeof value === 'number' ? number(value) : value === null ? '–' : String(value))]).flat()))];
+}
 
-function agreementTable() {
-    if (data.agreement.length === 0) return el('p', {}, 'Nothing was compared.');
-    const rows = data.agreement.map((row, at) => {
-        const tr = el('tr', {class: 'pick', id: `row-${row.number}`, tabindex: 0}, cell(String(row.level), true), cell([row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), cell(row.a), cell(row.b),
-            withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
-            withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
-            cell(number(row.error_bar), true), cell(row.verdict === 'reported' ? '–' : ratio(row), true), cell(row.verdict, false, row.verdict));
-        tr.addEventListener('click', () => inspect(at, true));
-        tr.addEventListener('keydown', e => { if (e.key === 'Enter') inspect(at, true); });
-        return tr;
+// ---- the table of agreement: sorted and filtered by its reader --------------------
+const renderer = row => row.b.split(',')[0];
+const severityOf = row => row.verdict === 'reported' ? -1 : row.severity ?? Infinity;
+const verdicts = ['reported', 'agree', 'refused', 'differ'];
+// heading, what it sorts by (numbers: the largest first), numeric
+const columns = [['level', row => row.level, true], ['scene', row => row.scene], ['a', row => row.a], ['b', row => row.b],
+    ['RMSE', row => row.rmse, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
+    ['1 − SSIM', row => valueOf(row, 'ssim_dissimilarity'), true], ['FLIP', row => row.flip_mean, true], ['error bar', row => row.error_bar, true],
+    ['of limit', severityOf, true], ['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900), false]];
+const filters = [['verdict', row => row.verdict], ['renderer', renderer], ['level', row => String(row.level)], ['tier', row => row.tier || ''], ['scene', row => row.scene]];
+const order = {rows: data.agreement.map((row, at) => at), column: -1, down: true, filter: {}, text: ''};
+let agreement = null;
+
+// What comes nearest to its limit, in a word; gates have longer names.
+const words = {'error bar': 'bar', 'left of the error by halving the step': 'halving', 'pixels beyond chance': 'pixels', 'bias beyond chance': 'bias'};
+function agreementRow(row, at) {
+    const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
+    const worst = asked(row)[0];
+    return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }}, cell(String(row.level), true),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), cell(row.a), cell(row.b),
+        withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+        withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
+        cell(number(row.error_bar, 2), true), el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null}, row.verdict === 'reported' ? '–' : [ratio(row), worst ? el('small', {}, ` ${words[worst.name] || worst.name}`) : '']),
+        cell(row.verdict, false, row.verdict));
+}
+function arrange() {
+    const wanted = order.text.toLowerCase().split(/\s+/).filter(Boolean);
+    const passes = row => filters.every(([name, of]) => !order.filter[name] || of(row) === order.filter[name]) &&
+        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a} ${row.b} ${row.verdict}`.toLowerCase().includes(w));
+    order.rows = data.agreement.map((row, at) => at).filter(at => passes(data.agreement[at]));
+    if (order.column >= 0) {
+        const key = at => columns[order.column][1](data.agreement[at]) ?? -Infinity, sign = order.down ? -1 : 1;
+        order.rows.sort((x, y) => sign * (typeof key(x) === 'string' ? key(x).localeCompare(key(y)) : key(x) === key(y) ? 0 : key(x) < key(y) ? -1 : 1) || x - y);
+    }
+    agreement.body.replaceChildren(...order.rows.map(at => agreement.rows[at]));
+    agreement.count.textContent = order.rows.length === data.agreement.length ? `${order.rows.length} cases` : `${order.rows.length} of ${data.agreement.length} cases`;
+    agreement.heads.forEach((th, i) => th.setAttribute('aria-sort', i !== order.column ? 'none' : order.down ? 'descending' : 'ascending'));
+}
+function agreementFilters() {
+    const selects = filters.map(([name, of]) => {
+        const values = [...new Set(data.agreement.map(of))].filter(Boolean).sort((x, y) => x.localeCompare(y, undefined, {numeric: true}));
+        if (values.length < 2) return null;
+        return el('label', {}, name, el('select', {'data-filter': name, onchange: e => { order.filter[name] = e.target.value; arrange(); }},
+            el('option', {value: ''}, 'all'), values.map(v => el('option', {value: v}, v))));
     });
-    return table('Agreement, worst first. Figures outside their limit are red; a limit shows when the pointer rests on its figure.',
-        [['level', 1], ['scene'], ['a'], ['b'], ['RMSE', 1], ['max', 1], ['p99', 1], ['1 − SSIM', 1], ['FLIP', 1], ['error bar', 1], ['of limit', 1], ['verdict']], rows);
+    const text = el('input', {type: 'search', placeholder: 'words', 'aria-label': 'rows with these words', oninput: () => { order.text = text.value; arrange(); }});
+    const all = el('button', {type: 'button', onclick: () => {
+        order.filter = {}; order.text = text.value = ''; order.column = -1;
+        for (const select of controls.querySelectorAll('select')) select.value = '';
+        arrange();
+    }}, 'all, worst first');
+    const controls = el('div', {class: 'controls'}, text, selects, all, agreement.count);
+    return controls;
+}
+function agreementTable() {
+    if (data.agreement.length === 0) return [el('p', {}, 'Nothing was compared.')];
+    agreement = {rows: data.agreement.map(agreementRow), body: el('tbody', {}), count: el('output', {class: 'count'})};
+    agreement.heads = columns.map(([name, , numeric], i) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, el('button', {type: 'button', class: 'sort', onclick: () => {
+        order.down = order.column === i ? !order.down : Boolean(numeric) || name === 'verdict';
+        order.column = i;
+        arrange();
+    }}, name)));
+    const out = [agreementFilters(), el('div', {class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': 'table of agreement'},
+        el('table', {}, caption('Agreement. Figures outside their limit are red; a limit shows when the pointer rests on its figure, and below the images of a case.'),
+            el('thead', {}, el('tr', {}, agreement.heads)), agreement.body))];
+    arrange();
+    return out;
 }
 
 // ---- panels of failed cases ---------------------------------------------------
@@ -199,9 +275,10 @@ async function differencePanel(row) {
     return holder;
 }
 function failures() {
-    const bad = data.agreement.filter(row => row.verdict === 'differ' || row.verdict === 'refused');
-    if (bad.length === 0) return;
-    const shown = 8;
+    const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
+    for (const row of data.agreement.filter(r => r.verdict === 'refused')) reasons.set(row.why, [...reasons.get(row.why) || [], row]);
+    const unfit = data.calibration.filter(r => r.verdict === 'fail');
+    if (bad.length + reasons.size + unfit.length === 0) return;
     $('failed').hidden = false;
     for (const row of bad.slice(0, shown)) {
         const panels = el('div', {class: 'panels'});
@@ -211,7 +288,13 @@ function failures() {
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
             inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'look closer') : null));
     }
-    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more stand in the table below.`));
+    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more that differ stand in the table below.`));
+    for (const r of unfit)
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `Calibration of ${r.renderer}: ${r.check}`),
+            el('p', {}, r.value === null ? 'Nothing could be measured. ' : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '], r.detail || '')));
+    for (const [why, rows] of reasons)
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `${rows.length} case${rows.length === 1 ? '' : 's'} refused: ${[...new Set(rows.map(renderer))].join(', ')}`), el('p', {}, why),
+            el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));
 }
 
 // ---- inspector ----------------------------------------------------------------
@@ -224,6 +307,7 @@ function buildInspector() {
     section.hidden = false;
     const select = el('select', {'aria-label': 'case', onchange: () => inspect(Number(select.value), false)},
         cases.map(c => el('option', {value: c.at}, `${c.row.verdict}: ${title(c.row)}`)));
+    const walk = el('span', {class: 'group'}, el('button', {type: 'button', onclick: () => next(-1)}, '‹ previous'), el('button', {type: 'button', onclick: () => next(1)}, 'next ›'));
     const modes = {side: 'side by side', flip: 'flip A/B', difference: 'difference'};
     const buttons = Object.entries(modes).map(([mode, name]) => el('button', {type: 'button', 'data-mode': mode, onclick: () => { view.mode = mode; show(); }}, name));
     const flipButton = el('button', {type: 'button', onclick: swap}, 'swap (space)');
@@ -234,10 +318,10 @@ function buildInspector() {
     const slider = el('input', {type: 'range', min: -9, max: 0, step: 0.05, 'aria-label': 'threshold', oninput: () => { view.threshold = Number(slider.value); show(); }});
     const value = el('output', {});
     const zoomTo = factor => { view.zoom = Math.min(Math.max(view.zoom * factor, 1), 64); clampView(); show(); };
-    const reset = () => { view.zoom = 1; clampView(); show(); };
+    const reset = () => zoomTo(0);
     const panel = name => {
-        const canvas = el('canvas', {tabindex: 0, 'aria-label': name});
-        const label = el('span', {});
+        const canvas = el('canvas', {tabindex: 0, role: 'img', 'aria-label': name});
+        const label = el('span', {'aria-live': 'polite'});
         attachPointer(canvas);
         return {box: el('div', {class: 'panel'}, canvas, label), canvas, label};
     };
@@ -245,15 +329,32 @@ function buildInspector() {
         flipGroup: el('span', {class: 'group'}, flipButton, auto), thresholdGroup: el('label', {}, 'differences above', slider, value),
         panels: el('div', {class: 'panels'}), readout: el('p', {class: 'readout'}, '\u00a0'), text: el('div', {}), buttons};
     parts.panels.append(parts.a.box, parts.b.box, parts.d.box);
-    section.append(el('div', {class: 'controls'}, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup,
+    section.append(el('div', {class: 'controls'}, walk, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup,
         el('span', {class: 'group'}, el('button', {type: 'button', 'aria-label': 'zoom in', onclick: () => zoomTo(1.5)}, '+'),
             el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
         el('figure', {}, parts.panels, parts.readout, legend(), figcaption('The two images and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
-            'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
+            'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Keys: f flips, space swaps, s side by side, d difference, ' +
+            'n and p the next and the previous case of the table, + − 0 and arrows zoom and move. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
+    const move = (x, y) => { view.x += x / view.zoom; view.y += y / view.zoom; clampView(); show(); };
+    const mode = name => { view.mode = name; show(); };
+    const keys = {f: () => view.mode === 'flip' ? swap() : mode('flip'), s: () => mode('side'), d: () => mode('difference'), n: () => next(1), p: () => next(-1),
+        '+': () => zoomTo(1.5), '=': () => zoomTo(1.5), '-': () => zoomTo(1 / 1.5), 0: reset};
+    const arrows = {ArrowLeft: () => move(-0.1, 0), ArrowRight: () => move(0.1, 0), ArrowUp: () => move(0, -0.1), ArrowDown: () => move(0, 0.1)};
     document.addEventListener('keydown', e => {
-        if (e.key === ' ' && view.mode === 'flip' && !/^(INPUT|SELECT|BUTTON)$/.test(document.activeElement.tagName)) { e.preventDefault(); swap(); }
+        const on = document.activeElement, inside = section.contains(on);
+        if (e.ctrlKey || e.altKey || e.metaKey || /^(INPUT|SELECT|TEXTAREA)$/.test(on.tagName)) return;
+        // Space presses the button that has the focus; the one that chose to flip goes on flipping.
+        const swaps = e.key === ' ' && view.mode === 'flip' && (on === document.body || on.tagName === 'CANVAS' || on.dataset.mode === 'flip');
+        const act = swaps ? swap : keys[e.key] || (inside && on.tagName === 'CANVAS' && view.zoom > 1 ? arrows[e.key] : null);
+        if (act) { e.preventDefault(); act(); }
     });
+    addEventListener('hashchange', followHash);
     addEventListener('resize', show);
+}
+// The case after this one in the table, as its reader has arranged it.
+function next(step) {
+    const list = order.rows.filter(at => cases.some(c => c.at === at)), here = list.indexOf(view.at);
+    if (list.length) inspect(list[here < 0 ? 0 : (here + step + list.length) % list.length], false);
 }
 function swap() { view.flip = view.flip === 'a' ? 'b' : 'a'; show(); }
 function clampView() {
@@ -268,6 +369,7 @@ function attachPointer(canvas) {
         return {u: view.x + ((e.clientX - r.left) / r.width - 0.5) / view.zoom, v: view.y + ((e.clientY - r.top) / r.height - 0.5) / view.zoom, r};
     };
     canvas.addEventListener('wheel', e => {
+        if (e.deltaY > 0 && view.zoom === 1) return; // nothing to zoom out of: the page scrolls
         e.preventDefault();
         const before = place(e), zoom = Math.min(Math.max(view.zoom * Math.exp(-e.deltaY * 0.002), 1), 64);
         view.x = before.u + (view.x - before.u) * view.zoom / zoom;
@@ -323,18 +425,19 @@ function show() {
     parts.d.box.hidden = flip;
     parts.slider.value = view.threshold;
     parts.value.textContent = (10 ** view.threshold).toExponential(1);
-    if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, flip ? '(a)' : 'a');
-    if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, flip ? '(b)' : 'b');
+    if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, 'a');
+    if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, 'b');
     if (!parts.d.box.hidden) {
-        const {canvas, above} = paintDifference(d, a, view.threshold <= -9 ? -Infinity : view.threshold);
+        const threshold = view.threshold <= -9 ? -Infinity : view.threshold;
+        if (!loaded.painted || loaded.painted.threshold !== threshold) loaded.painted = {threshold, ...paintDifference(d, a, threshold)};
+        const {canvas, above} = loaded.painted;
         draw(parts.d, canvas, 'difference', `${above} of ${d.logs.length} pixels (${Number((100 * above / d.logs.length).toPrecision(3))} %) above`);
     }
 }
 async function inspect(at, scroll) {
     const row = data.agreement[at];
     if (!parts || !row.image_a || !row.image_b) return;
-    for (const tr of document.querySelectorAll('tr.chosen')) tr.classList.remove('chosen');
-    $(`row-${row.number}`).classList.add('chosen');
+    agreement.rows.forEach((tr, i) => { tr.classList.toggle('chosen', i === at); i === at ? tr.setAttribute('aria-current', 'true') : tr.removeAttribute('aria-current'); });
     view.at = at;
     const [a, b, d] = await Promise.all([pixels(inlined.images[row.image_a]), pixels(inlined.images[row.image_b]), differences(row.number)]);
     if (view.at !== at) return; // another case was chosen meanwhile
@@ -343,10 +446,20 @@ async function inspect(at, scroll) {
     // Where all is within the limits, all differences show; else those beyond the limit.
     const gate = row.verdict === 'agree' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
     view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
-    parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), '. Limits: ', limitsText(row), row.tier ? `tier: ${row.tier}. ` : '', row.why ? `Why: ${row.why} ` : '',
-        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), command(row.command) || '', ...statisticsText(row));
+    parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...statisticsText(row), command(row.command) || '');
+    // The address names the case, so that it can be passed on.
+    if (scroll !== null && location.hash !== `#case-${row.number}`) history.replaceState(null, '', `#case-${row.number}`);
     show();
-    if (scroll) $('inspector').scrollIntoView({behavior: 'smooth'});
+    if (scroll) $('inspector').scrollIntoView({behavior: matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'});
+}
+// #case-12, or #case-12-flip to begin with; scrolls there.
+function followHash() {
+    const wanted = /^#case-(\d+)(?:-(side|flip|difference))?$/.exec(location.hash);
+    const found = wanted ? cases.find(c => c.row.number === Number(wanted[1])) : null;
+    if (wanted && wanted[2]) view.mode = wanted[2];
+    if (found) inspect(found.at, true);
+    return Boolean(found);
 }
 
 // ---- consistency, calibration, colophon ----------------------------------------
@@ -399,16 +512,13 @@ function colophon() {
 
 failures();
 if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
-$('agreement').append(agreementTable());
-if (inlined.charts.agreement) $('agreement').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
-    figcaption('RMSE of each comparison on a log axis. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
+$('agreement').append(...agreementTable());
 if (cases.length > 0) {
     buildInspector();
-    const wanted = /^#case-(\d+)(?:-(side|flip|difference))?$/.exec(location.hash);
-    const first = wanted ? cases.find(c => c.row.number === Number(wanted[1])) : null;
-    if (wanted && wanted[2]) view.mode = wanted[2];
-    inspect((first || cases[0]).at, Boolean(first));
+    if (!followHash()) inspect(cases[0].at, null);
 }
+if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
+    figcaption('RMSE of each comparison on a log axis, the 40 worst at most. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
 consistency();
 calibration();
 colophon();

@@ -84,6 +84,55 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
     return status;
 }
 
+/* IEC 61966-2-1, the other way. */
+static double linear_of_byte(uint8_t byte)
+{
+    double c = byte / 255.0;
+    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+}
+
+static iso_status take_png(const char *path, png_image *png, iso_image *image, iso_error *err)
+{
+    if (png->format & PNG_FORMAT_FLAG_LINEAR)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has 16 bits a channel, wanted 8 (sRGB)", path);
+    png->format = PNG_FORMAT_RGBA;
+    iso_status status = iso_image_create(image, png->width, png->height, err);
+    if (status != ISO_OK)
+        return status;
+    size_t count = image->width * image->height;
+    uint8_t *bytes = malloc(4 * count);
+    if (!bytes)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu pixels", path, image->width, image->height);
+    else if (!png_image_finish_read(png, NULL, bytes, 0, NULL))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png->message);
+    for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i) {
+        double alpha = bytes[i | 3] / 255.0;
+        image->rgba[i] = (float)(i % 4 == 3 ? alpha : alpha * linear_of_byte(bytes[i]));
+    }
+    free(bytes);
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
+}
+
+iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err)
+{
+    char *data;
+    size_t size;
+    *image = (iso_image){0};
+    iso_status status = iso_file_read(path, &data, &size, err);
+    if (status != ISO_OK)
+        return status;
+    png_image png = {.version = PNG_IMAGE_VERSION};
+    if (png_image_begin_read_from_memory(&png, data, size))
+        status = take_png(path, &png, image, err);
+    else
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
+    png_image_free(&png);
+    free(data);
+    return status;
+}
+
 /* The next number of a PPM header; # starts a comment that ends with the line. */
 static bool ppm_number(const char **at, const char *end, size_t *number)
 {

@@ -28,6 +28,9 @@ iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err
 /* 8-bit sRGB for people, opaque. exposure scales the linear colour first. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
 
+/* 8 bits a channel, decoded from sRGB to linear and premultiplied by alpha (A = 1 where it has none). 16 bits are refused. */
+iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err);
+
 /* POV-Ray writes 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
 iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err);
 
