@@ -44,7 +44,7 @@ check all_scenes_of_the_folder_name_tier_and_reason test "$(grep -l '"tier": .*"
 # Scenes at a time are a matter of speed alone.
 facts() { python3 -c 'import json, sys
 report = json.load(open(sys.argv[1]))
-for row in report["agreement"]: del row["seconds"]
+for row in report["agreement"]: del row["seconds"]; row["command"] = row["command"].replace(sys.argv[1].split("/")[0], "report")
 print(json.dumps([report["agreement"], report["images"]], sort_keys=True, indent=1))' "$1/report.json" >"$1.facts"; }
 for threads in 1 7; do "$ISOSHADE" validate --with gl --quick -q --suite few --size 8 --threads $threads -o threads-$threads >/dev/null && facts threads-$threads; done
 check scenes_at_a_time_change_nothing cmp threads-1.facts threads-7.facts

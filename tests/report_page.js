@@ -35,7 +35,7 @@
         say('failed_cases_shown', !failed.hidden && failed.querySelectorAll('.failure').length);
         say('failed_cases_on_top', Boolean(failed.compareDocumentPosition($('#agreement')) & Node.DOCUMENT_POSITION_FOLLOWING));
         say('rows', rows.length === data.agreement.length && rows.length);
-        say('worst_row_first', rows[0].lastElementChild.textContent);
+        say('worst_row_first', rows[0].cells[0].textContent);
         say('reproduce', $('#failed .command code').textContent);
         say('panels_side_by_side', shown().length);
 
@@ -96,9 +96,9 @@
         const filter = name => $(`#agreement select[data-filter=${name}]`), search = $('#agreement input[type=search]');
         await choose(filter('renderer'), 'povray', 'change');
         const povray = data.agreement.filter(r => r.b.startsWith('povray')).length;
-        say('filter', povray > 0 && listed().length === povray && texts(3).every(t => t.startsWith('povray')) && $('#agreement .count').textContent.startsWith(`${povray} of`));
+        say('filter', povray > 0 && listed().length === povray && texts(4).every(t => t.startsWith('povray')) && $('#agreement .count').textContent.startsWith(`${povray} of`));
         await choose(search, 'LIMIT povray', 'input');
-        say('words', listed().length > 0 && texts(3).every(t => t.startsWith('povray, limit')));
+        say('words', listed().length > 0 && texts(4).every(t => t.startsWith('povray, limit')));
         button2('all, worst first').click();
         await settle();
         say('all_again', listed().length === data.agreement.length);

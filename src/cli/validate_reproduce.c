@@ -40,8 +40,9 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, iso_rende
     if (built) {
         fputs("isoshade build ", f);
         iso_cli_put_word(f, v->volume_path);
-        fprintf(f, "%s --code %s%s --levels %zu -o variant.iso && ", v->input_options,
-                iso_code_describe(v->pyramid->options.code)->name, v->build_options, v->pyramid->level_count);
+        fprintf(f, "%s --code %s%s%s --levels %zu -o variant.iso && ", v->input_options,
+                iso_code_describe(v->pyramid->options.code)->name, v->build_options[0] ? " " : "", v->build_options,
+                v->pyramid->level_count);
     }
     fputs("isoshade render ", f);
     iso_cli_put_word(f, built ? "variant.iso" : v->volume_path);

@@ -21,7 +21,7 @@ set xlabel 'RMSE of linear RGB and alpha'
 set ytics noenhanced scale 0
 set grid noytics
 set border 1
-set key at graph 0, screen 0.99 left top horizontal width -6
+set key at screen 0.02, screen 0.99 left top horizontal maxrows 1 width -2
 plot name . '.csv' every ::1::rows using (least):0:(least):(above($2)):($0 - 0.3):($0 + 0.3):(colour(strcol(7))):ytic(1) \
          with boxxyerror fill solid 0.85 noborder lc rgb variable notitle, \
      '' every ::1::rows using 3:0:(0):(0.42) with vectors nohead lc rgb black lw 2 notitle, \

@@ -359,6 +359,9 @@ iso_report_summary iso_report_summarise(const iso_report *r)
     else if (s.differed == 0)
         snprintf(s.sentence, sizeof s.sentence, "%zu of %zu calibrations failed, though all %zu comparisons agree.",
                  s.calibrations_failed, s.calibrations_failed + s.calibrations_passed, judged);
+    else if (s.refused == 0)
+        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s.", judged,
+                 judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "");
     else
         snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s, %zu %s refused.",
                  judged, judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "", s.refused,

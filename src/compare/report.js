@@ -27,6 +27,14 @@ function number(x, digits = 3) {
     const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
     return el('span', {}, `${Number(mantissa)}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
 }
+// For tables: two digits, so that exponents stand below each other.
+function brief(x) {
+    if (x === null || x === undefined) return '–';
+    if (x === 0) return '0';
+    if (Math.abs(x) >= 0.0995) return String(Number(x.toPrecision(2)));
+    const [mantissa, exponent] = x.toExponential(1).split('e');
+    return el('span', {}, `${mantissa}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
+}
 const plain = x => x === null || x === undefined ? '–' : x === 0 ? '0' : x >= 0.001 && x < 10000 ? String(Number(x.toPrecision(3))) : x.toExponential(1);
 
 function command(line) {
@@ -49,7 +57,7 @@ function command(line) {
 }
 const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
 const title = row => `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
-const ratio = row => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : plain(row.severity);
+const ratio = (row, digits) => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : row.severity < 1e4 ? String(Number(row.severity.toPrecision(digits))) : row.severity.toExponential(0);
 
 // ---- head -------------------------------------------------------------------
 $('verdict').classList.add(data.verdict === 'agree' ? 'good' : 'bad');
@@ -145,7 +153,7 @@ function table(text, heads, rows) {
 const withLimit = (row, key, value) => {
     const limit = row.limits[key];
     const over = row.verdict !== 'reported' && limit !== undefined && value !== null && !(value <= limit);
-    return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, number(value));
+    return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, brief(value));
 };
 
 const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};
@@ -197,10 +205,11 @@ const renderer = row => row.b.split(',')[0];
 const severityOf = row => row.verdict === 'reported' ? -1 : row.severity ?? Infinity;
 const verdicts = ['reported', 'agree', 'refused', 'differ'];
 // heading, what it sorts by (numbers: the largest first), numeric
-const columns = [['level', row => row.level, true], ['scene', row => row.scene], ['a', row => row.a], ['b', row => row.b],
-    ['RMSE', row => row.rmse, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
-    ['1 − SSIM', row => valueOf(row, 'ssim_dissimilarity'), true], ['FLIP', row => row.flip_mean, true], ['error bar', row => row.error_bar, true],
-    ['of limit', severityOf, true], ['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900), false]];
+const columns = [['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900)], ['of limit', severityOf, true],
+    ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', row => row.b],
+    ['RMSE', row => row.rmse, true], ['error bar', row => row.error_bar, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
+    ['1 − SSIM', row => valueOf(row, 'ssim_dissimilarity'), true], ['FLIP', row => row.flip_mean, true], ['seconds', row => row.seconds, true]]
+    .filter(([name]) => name !== 'seconds' || data.agreement.some(row => row.seconds));
 const filters = [['verdict', row => row.verdict], ['renderer', renderer], ['level', row => String(row.level)], ['tier', row => row.tier || ''], ['scene', row => row.scene]];
 const order = {rows: data.agreement.map((row, at) => at), column: -1, down: true, filter: {}, text: ''};
 let agreement = null;
@@ -210,12 +219,14 @@ const words = {'error bar': 'bar', 'left of the error by halving the step': 'hal
 function agreementRow(row, at) {
     const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
     const worst = asked(row)[0];
-    return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }}, cell(String(row.level), true),
-        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), cell(row.a), cell(row.b),
-        withLimit(row, 'rmse', row.rmse), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
-        withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean),
-        cell(number(row.error_bar, 2), true), el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null}, row.verdict === 'reported' ? '–' : [ratio(row), worst ? el('small', {}, ` ${words[worst.name] || worst.name}`) : '']),
-        cell(row.verdict, false, row.verdict));
+    const limit = el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null},
+        row.verdict === 'reported' ? '–' : [worst ? el('small', {}, `${words[worst.name] || worst.name} `) : '', ratio(row, 2)]);
+    const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
+    return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
+        cell(row.verdict, false, row.verdict), limit, cell(String(row.level), true),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, ` ${row.a}`)),
+        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+        withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
 function arrange() {
     const wanted = order.text.toLowerCase().split(/\s+/).filter(Boolean);
@@ -237,7 +248,7 @@ function agreementFilters() {
         return el('label', {}, name, el('select', {'data-filter': name, onchange: e => { order.filter[name] = e.target.value; arrange(); }},
             el('option', {value: ''}, 'all'), values.map(v => el('option', {value: v}, v))));
     });
-    const text = el('input', {type: 'search', placeholder: 'words', 'aria-label': 'rows with these words', oninput: () => { order.text = text.value; arrange(); }});
+    const text = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'rows with these words', oninput: () => { order.text = text.value; arrange(); }});
     const all = el('button', {type: 'button', onclick: () => {
         order.filter = {}; order.text = text.value = ''; order.column = -1;
         for (const select of controls.querySelectorAll('select')) select.value = '';
@@ -254,9 +265,10 @@ function agreementTable() {
         order.column = i;
         arrange();
     }}, name)));
-    const out = [agreementFilters(), el('div', {class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': 'table of agreement'},
-        el('table', {}, caption('Agreement. Figures outside their limit are red; a limit shows when the pointer rests on its figure, and below the images of a case.'),
-            el('thead', {}, el('tr', {}, agreement.heads)), agreement.body))];
+    const out = [agreementFilters(), el('p', {class: 'caption', id: 'agreement-caption'}, el('b', {}, `Table ${++tables}. `),
+        'Agreement. Figures outside their limit are red; a limit shows when the pointer rests on its figure, and below the images of a case.'),
+        el('div', {class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': 'table of agreement'},
+        el('table', {'aria-labelledby': 'agreement-caption'}, el('thead', {}, el('tr', {}, agreement.heads)), agreement.body))];
     arrange();
     return out;
 }
@@ -424,7 +436,7 @@ function show() {
     parts.b.box.hidden = !(side || (flip && view.flip === 'b'));
     parts.d.box.hidden = flip;
     parts.slider.value = view.threshold;
-    parts.value.textContent = (10 ** view.threshold).toExponential(1);
+    parts.value.replaceChildren(view.threshold <= -9 ? 'any' : brief(10 ** view.threshold));
     if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, 'a');
     if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, 'b');
     if (!parts.d.box.hidden) {
