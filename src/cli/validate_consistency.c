@@ -140,7 +140,10 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
     opt.level_count = v->pyramid->level_count;
     opt.keep_float = opt.keep_magnitude = false;
     opt.threads = v->threads;
-    return iso_pyramid_build(&borrowed, v->pyramid->source, &opt, p, NULL, err);
+    iso_status status = iso_pyramid_build(&borrowed, v->pyramid->source, &opt, p, NULL, err);
+    if (status == ISO_OK) /* so that renderers keep the same texture of it */
+        p->levels[0].stored_type = level0->stored_type;
+    return status;
 }
 
 static iso_status measure_method(iso_validation *v, const iso_method *m, const iso_image *finest, iso_error *err)

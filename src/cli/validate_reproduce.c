@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "cli/cli.h"
 #include "cli/validate.h"
 
@@ -22,41 +21,30 @@ static void put_limits(FILE *f, const iso_limits *l)
             fprintf(f, " %s %.6g", all[i].option, all[i].value);
 }
 
-/* A volume becomes a pyramid in memory by the defaults alone; what else it was made by takes a build. */
-static bool needs_build(const iso_validation *v)
-{
-    return v->build_options[0] || (!iso_path_ends_with(v->volume_path, ".iso") &&
-                                   v->pyramid->options.code != iso_pyramid_defaults().code);
-}
-
 static void put_render(FILE *f, const iso_validation *v, size_t level, iso_renderer renderer, const char *options, const char *image)
 {
-    const bool built = needs_build(v);
+    const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
     if (v->make) {
         fprintf(f, "isoshade make %s -o ", v->make);
         iso_cli_put_word(f, v->volume_path);
         fputs(" && ", f);
     }
-    if (built) {
-        fputs("isoshade build ", f);
-        iso_cli_put_word(f, v->volume_path);
-        fprintf(f, "%s --code %s%s%s --levels %zu -o variant.iso && ", v->input_options,
-                iso_code_describe(v->pyramid->options.code)->name, v->build_options[0] ? " " : "", v->build_options,
-                v->pyramid->level_count);
-    }
     fputs("isoshade render ", f);
-    iso_cli_put_word(f, built ? "variant.iso" : v->volume_path);
-    fputs(" --scene ", f);
+    iso_cli_put_word(f, v->volume_path);
+    fputs(v->input_options, f);
+    if (is_volume && v->pyramid->options.code != iso_pyramid_defaults().code)
+        fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
+    fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
     iso_cli_put_word(f, v->scene_path);
-    fprintf(f, "%s --with %s --level %zu --size %zux%zu%s%s -o %s", built ? "" : v->input_options, iso_renderer_name(renderer), level,
-            v->view->width, v->view->height, v->render_options, options, image);
+    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", iso_renderer_name(renderer), level, v->view->width, v->view->height,
+            v->render_options, options, image);
 }
 
 char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
                              const char *image_a, const iso_limits *limits)
 {
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
-    if (v->build_options[0] && iso_path_ends_with(v->volume_path, ".iso"))
+    if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))
         return NULL;
     char image[64], *text = NULL, *path = NULL;
     size_t size = 0;
