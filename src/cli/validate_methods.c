@@ -1,8 +1,9 @@
 /* validate_methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it; with the pyramid's own directions also under the tables over two values. The ray caster and POV-Ray by the same samples, Cycles by its limit; exports carry directions, so
- * gradients on the fly are the ray caster's alone. The quick run keeps to the ray caster. */
+ * adapting changes it; with the pyramid's own directions also under the tables over two values. The ray caster and
+ * POV-Ray by the same samples, Cycles by its limit; exports carry directions, so gradients on the fly are the ray
+ * caster's alone. The quick run keeps to the ray caster. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

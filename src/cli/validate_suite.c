@@ -47,26 +47,7 @@ typedef struct suite_run {
     const iso_suite_options *options;
     const char *scratch;
     struct dirent **entries;
-    size_t count, begun, done;
-    double start;
 } suite_run;
-
-/* One line a scene, with the time that is left at the pace so far. */
-static void report_scene(suite_run *run, const char *name, const iso_progress *progress)
-{
-    char stage[200];
-    const double elapsed = iso_clock_seconds() - run->start;
-    const int length = (int)(strlen(name) - strlen(".scene.json"));
-    size_t begun, done;
-    #pragma omp critical (iso_suite)
-    begun = ++run->begun, done = run->done;
-    const double left = elapsed / (double)done * (double)(run->count - done);
-    int n = snprintf(stage, sizeof stage, "scene %zu of %zu, %.*s", begun, run->count, length < 60 ? length : 60, name);
-    if (done > 0)
-        snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
-                 left < 90 ? left : left / 60);
-    iso_progress_report(progress, stage, (double)done / (double)run->count);
-}
 
 static char *scene_name(const char *file)
 {
@@ -134,31 +115,31 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
 
 static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
 {
-    suite_run *run = user;
-    report_scene(run, run->entries[i]->d_name, mine->progress);
+    const suite_run *run = user;
+    const char *name = run->entries[i]->d_name;
+    char stage[100];
+    snprintf(stage, sizeof stage, "scene %.*s", (int)(strlen(name) - strlen(".scene.json")), name);
+    iso_progress_report(mine->progress, stage, 0);
     mine->progress = NULL; /* one line a scene is enough */
     mine->order = i * most_levels;
-    iso_status status = load_and_validate(mine, run, i, err);
-    #pragma omp critical (iso_suite)
-    run->done++;
-    return status;
+    return load_and_validate(mine, run, i, err);
 }
 
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
 {
-    suite_run run = {.options = opt, .start = iso_clock_seconds()};
+    suite_run run = {.options = opt};
     int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
     if (count < 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
     char *scratch = iso_make_temp_dir();
     iso_status status = ISO_OK;
-    run.count = (size_t)count, run.scratch = scratch;
+    run.scratch = scratch;
     if (count == 0)
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
         status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
     if (status == ISO_OK)
-        status = iso_validate_each(v, run.count, one_scene, &run, err);
+        status = iso_validate_each(v, (size_t)count, one_scene, &run, err);
     for (int i = 0; i < count; ++i)
         free(run.entries[i]);
     free(run.entries);
