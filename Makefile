@@ -10,7 +10,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin \
-	blender povray gnuplot-nox python3-openvdb python3-numpy mricron-data chromium
+	blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -35,7 +35,7 @@ program := $(build)/isoshade
 mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := $(wildcard src/brick/warp_map.h src/encode/code_decode.h src/render/shaders/*.glsl src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
+embedded := $(wildcard src/brick/warp_map.h src/encode/code_decode.h src/render/shaders/*.glsl src/cli/*.html src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all

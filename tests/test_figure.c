@@ -110,7 +110,7 @@ static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
             assert_more_than(rows[i].w / inches, 299.9); /* rounding of the figures in the file */
             double aspect = (rows[i].top - rows[i].bottom) * rows[i].figure_height / (inches * 96);
             assert_within(aspect, (double)height / width, 1e-4);
-            assert_at_most(rows[i].figure_width, 170 / 25.4 * 96 + 0.1);
+            assert_at_most(rows[i].figure_width, opt.width_mm / 25.4 * 96 + 0.1);
             for (size_t j = 0; j < i; ++j)
                 assert_false(overlap(&rows[i], &rows[j]));
         }

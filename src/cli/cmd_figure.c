@@ -15,7 +15,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"kind", 0, POPT_ARG_STRING, &kind, 0, "levels (default) or renderers", "KIND"},
         {"methods", 0, POPT_ARG_STRING, &methods, 0, "levels: of the report, such as naive,moments; else its first and last", "LIST"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &level, 0, "renderers: the level", "K"},
-        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.width_mm, 0, "of the figure, at most", "MM"},
+        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.width_mm, 0, "of the figure, at most; 85 is one column of many journals, 178 both", "MM"},
+        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.height_mm, 0, "of the figure, at most", "MM"},
         {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.dpi, 0, "of its pictures, at least", "DPI"},
         POPT_TABLEEND,
     };

@@ -6,28 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/embed.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "compare/chart.h"
+#include "compare/figure_draw.h"
 #include "compare/metrics.h"
-#include "compare/srgb.h"
-
-ISO_EMBED(figure_gp, "src/compare/figure.gp");
 
 static const char *const kind_names[ISO_FIGURE_COUNT] = {"levels", "renderers"};
 enum { max_panels = 256 };
 
-/* One picture, or one difference map (against set). Strings without commas: they go to a CSV. */
-typedef struct panel {
-    size_t row, column;
-    const char *image, *against; /* names in the report; borrowed from it */
-    char title[96], note[96], side[96];
-    iso_image a, b;
-    iso_metrics metrics; /* of a difference */
-    double mm_per_pixel; /* 0: unknown */
-    bool scale_bar;
-} panel;
+typedef iso_figure_panel panel; /* texts are without commas and quotes once they are in the CSV */
 
 typedef struct figure {
     const iso_figure_options *opt;
@@ -57,7 +44,7 @@ iso_status iso_figure_from_name(const char *name, iso_figure_kind *kind, iso_err
 
 iso_figure_options iso_figure_defaults(void)
 {
-    return (iso_figure_options){.kind = ISO_FIGURE_LEVELS, .width_mm = 170, .dpi = 300};
+    return (iso_figure_options){.kind = ISO_FIGURE_LEVELS, .width_mm = 178, .height_mm = 230, .dpi = 300};
 }
 
 static const char *string_of(const json_t *object, const char *key)
@@ -70,6 +57,12 @@ static double number_of(const json_t *object, const char *key)
 {
     const json_t *value = json_object_get(object, key);
     return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+/* A caption names the file, not where it lies. */
+static const char *file_name_of(const json_t *report, const char *key)
+{
+    return iso_path_base(string_of(report, key));
 }
 
 static iso_status load_image(const figure *f, const char *name, iso_image *image, iso_error *err)
@@ -152,7 +145,7 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     if (status != ISO_OK)
         return status;
     panel *added = &f->panels[f->count - 1];
-    snprintf(added->note, sizeof added->note, "RMSE %.3g  1−SSIM %.3g  FLIP %.3g", added->metrics.rmse,
+    snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
              1 - added->metrics.ssim, added->metrics.flip_mean);
     fprintf(f->caption, " %s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees.", string_of(row, "method"),
             level, number_of(row, "ssim_dissimilarity_mean"), number_of(row, "flip_mean"),
@@ -171,7 +164,7 @@ static iso_status plan_levels(figure *f, iso_error *err)
         status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
     fprintf(f->caption, "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
                         "channels, on a linear scale. Figures below a map are of this view; means over all views:",
-            string_of(f->report, "volume"), string_of(f->report, "scene"));
+            file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
     json_object_foreach(methods, method, value) {
         bool wanted = f->opt->methods ? is_in_list(f->opt->methods, method) : place == 0 || place + 1 == count;
         ++place;
@@ -205,7 +198,7 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b");
     panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
     panel middle = {.row = 1, .column = column, .image = b}, bottom = {.row = 2, .column = column, .image = b, .against = a};
-    snprintf(top.title, sizeof top.title, "%s%s%s", string_of(row, "b"), string_of(row, "tier")[0] ? ": " : "",
+    snprintf(top.title, sizeof top.title, "%s%s%s", string_of(row, "b"), string_of(row, "tier")[0] ? "|" : "",
              string_of(row, "tier"));
     if (column == 0) {
         snprintf(top.side, sizeof top.side, "reference");
@@ -220,32 +213,46 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     if (status != ISO_OK)
         return status;
     panel *added = &f->panels[f->count - 1];
-    snprintf(added->note, sizeof added->note, "RMSE %.2g  max %.2g", added->metrics.rmse, added->metrics.max_abs);
+    snprintf(added->note, sizeof added->note, "RMSE %.2g|max %.2g", added->metrics.rmse, added->metrics.max_abs);
     fprintf(f->caption, " %s against %s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", string_of(row, "b"),
             string_of(row, "a"), added->metrics.rmse, added->metrics.max_abs, added->metrics.flip_mean,
             string_of(row, "verdict"));
     return ISO_OK;
 }
 
+static bool is_pictured(const json_t *row, size_t level)
+{
+    return (size_t)json_integer_value(json_object_get(row, "level")) == level && string_of(row, "image_a")[0] &&
+           string_of(row, "image_b")[0] && strcmp(string_of(row, "verdict"), "refused") != 0;
+}
+
+/* Renderers stand together, whatever order the report has. */
+static int by_renderer(const void *a, const void *b)
+{
+    const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
+    int order = strcmp(string_of(x, "b"), string_of(y, "b"));
+    return order ? order : strcmp(string_of(x, "tier"), string_of(y, "tier"));
+}
+
 static iso_status plan_renderers(figure *f, iso_error *err)
 {
     const json_t *rows = json_object_get(f->report, "agreement");
-    json_t *row;
-    size_t i, column = 0;
-    iso_status status = ISO_OK;
+    json_t *row, **shown = calloc(json_array_size(rows) + 1, sizeof *shown);
+    size_t i, count = 0;
+    if (!shown)
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    json_array_foreach(rows, i, row)
+        if (is_pictured(row, f->opt->level))
+            shown[count++] = row;
+    qsort(shown, count, sizeof *shown, by_renderer);
     fprintf(f->caption, "Renderers at level %zu of %s (%s): the reference, each renderer, and the largest difference over the "
                         "channels on a log scale.",
-            f->opt->level, string_of(f->report, "volume"), string_of(f->report, "scene"));
-    json_array_foreach(rows, i, row) {
-        if (status != ISO_OK || (size_t)json_integer_value(json_object_get(row, "level")) != f->opt->level)
-            continue;
-        if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] || strcmp(string_of(row, "verdict"), "refused") == 0)
-            continue;
-        status = add_comparison(f, row, column++, err);
-    }
-    if (status == ISO_OK && column == 0)
-        status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu", f->report_dir,
-                          f->opt->level);
+            f->opt->level, file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
+    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu",
+                                                      f->report_dir, f->opt->level);
+    for (i = 0; i < count && status == ISO_OK; ++i)
+        status = add_comparison(f, shown[i], i, err);
+    free(shown);
     return status;
 }
 
@@ -264,138 +271,15 @@ static void choose_scale(figure *f)
         f->high = 1;
 }
 
-static double difference_at(const figure *f, const panel *p, size_t i)
-{
-    double d = 0;
-    for (int c = 0; c < 4; ++c)
-        d = fmax(d, fabs((double)p->a.rgba[4 * i + (size_t)c] - (double)p->b.rgba[4 * i + (size_t)c]));
-    return f->in_logs ? fmax(log10(d), f->low) : fmin(d, f->high);
-}
-
-/* The panel's pixels, each repeated `times` in both directions; row 0 on top. */
-static iso_status write_pixels(const figure *f, const panel *p, size_t times, const char *path, iso_error *err)
-{
-    size_t width = p->a.width, height = p->a.height, bytes_of_one = p->against ? sizeof(float) : 3;
-    size_t size = width * times * height * times * bytes_of_one;
-    unsigned char *out = malloc(size), *at = out;
-    if (!out)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, size);
-    for (size_t y = 0; y < height * times; ++y)
-        for (size_t x = 0; x < width * times; ++x, at += bytes_of_one) {
-            size_t i = y / times * width + x / times;
-            float value = p->against ? (float)difference_at(f, p, i) : 0;
-            if (p->against)
-                memcpy(at, &value, sizeof value);
-            else
-                for (size_t c = 0; c < 3; ++c)
-                    at[c] = (unsigned char)(iso_srgb_encode(p->a.rgba[4 * i + c]) * 255 + 0.5);
-        }
-    iso_status status = iso_file_write(path, out, size, err);
-    free(out);
-    return status;
-}
-
-/* 1, 2 or 5 times a power of ten, at most a third of the width. */
-static double bar_length_mm(double width_mm)
-{
-    double decade = pow(10, floor(log10(width_mm / 3)));
-    return width_mm / 3 >= 5 * decade ? 5 * decade : width_mm / 3 >= 2 * decade ? 2 * decade : decade;
-}
-
-static void put_text(FILE *csv, const char *s)
-{
-    if (!*s)
-        fputs("-", csv);
-    for (; *s; ++s)
-        fputc(*s == ',' ? ';' : *s == '"' ? '\'' : *s, csv);
-    fputc(',', csv);
-}
-
-/* Millimetres: labels on the left, colour legend on the right, a line of text above and below where there is any. */
-typedef struct layout {
-    double panel_width, panel_height, left, gap, head, foot, width, height;
-} layout;
-
-static layout plan_layout(const figure *f)
-{
-    layout l = {.left = 6, .gap = 1.5, .head = 6, .foot = 5, .width = f->opt->width_mm};
-    const iso_image *first = &f->panels[0].a;
-    double right = 17, columns = (double)f->columns;
-    l.panel_width = fmin((l.width - l.left - right - (columns - 1) * l.gap) / columns, 60);
-    l.width = l.left + columns * l.panel_width + (columns - 1) * l.gap + right;
-    l.panel_height = l.panel_width * (double)first->height / (double)first->width;
-    l.height = l.head;
-    return l;
-}
-
-/* Does any panel of the row have a note below? */
-static bool row_has_note(const figure *f, size_t row)
+/* What the drawing adds: the scale bar and the colours. */
+static void describe_drawing(const figure *f)
 {
     for (size_t i = 0; i < f->count; ++i)
-        if (f->panels[i].row == row && f->panels[i].note[0])
-            return true;
-    return false;
-}
-
-/* From the top of the figure to the bottom of a row. */
-static double row_bottom(const figure *f, const layout *l, size_t row)
-{
-    double y = l->head;
-    for (size_t r = 0; r <= row; ++r)
-        y += l->panel_height + (r < row ? (row_has_note(f, r) ? l->foot : l->gap) : 0);
-    return y;
-}
-
-static iso_status write_panels(const figure *f, const char *dir, FILE *csv, iso_error *err)
-{
-    layout l = plan_layout(f);
-    l.height = row_bottom(f, &l, f->rows - 1) + l.foot;
-    const double px = 96 / 25.4;
-    iso_status status = ISO_OK;
-    fputs("kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,figure_height\n", csv);
-    for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
-        const panel *p = &f->panels[i];
-        size_t times = (size_t)ceil(f->opt->dpi * l.panel_width / 25.4 / (double)p->a.width);
-        char file[32], *path, bar_text[32] = "";
-        snprintf(file, sizeof file, "panel%zu.raw", i);
-        path = iso_path_join(dir, file);
-        if (!path)
-            return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-        status = write_pixels(f, p, times, path, err);
-        free(path);
-        double x = l.left + (double)p->column * (l.panel_width + l.gap), bottom = row_bottom(f, &l, p->row), bar = 0;
-        if (p->scale_bar && p->mm_per_pixel > 0) {
-            double width_mm = p->mm_per_pixel * (double)p->a.width, length = bar_length_mm(width_mm);
-            bar = length / width_mm;
-            snprintf(bar_text, sizeof bar_text, "%g mm", length);
-        }
-        fprintf(csv, "%d,%s,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, file, p->a.width * times, p->a.height * times,
-                x / l.width, (x + l.panel_width) / l.width, 1 - bottom / l.height, 1 - (bottom - l.panel_height) / l.height);
-        put_text(csv, p->title);
-        put_text(csv, p->note);
-        put_text(csv, p->side);
-        fprintf(csv, "%.6f,", bar);
-        put_text(csv, bar_text);
-        fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f\n", f->low, f->high, f->in_logs, l.width * px, l.height * px);
-    }
-    return status;
-}
-
-static iso_status draw(const figure *f, const char *dir, iso_error *err)
-{
-    char *csv = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&csv, &size);
-    if (!file)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    iso_status status = write_panels(f, dir, file, err);
-    fclose(file);
-    if (status == ISO_OK)
-        status = iso_chart_draw(dir, "figure", csv, figure_gp, "pdf", err);
-    if (status == ISO_OK)
-        status = iso_chart_draw(dir, "figure", csv, figure_gp, "svg", err);
-    free(csv);
-    return status;
+        if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
+            fprintf(f->caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
+                    iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
+    fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity.\n",
+            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high);
 }
 
 static iso_status make(figure *f, const char *dir, iso_error *err)
@@ -409,9 +293,12 @@ static iso_status make(figure *f, const char *dir, iso_error *err)
         status = f->opt->kind == ISO_FIGURE_LEVELS ? plan_levels(f, err) : plan_renderers(f, err);
     if (status == ISO_OK) {
         choose_scale(f);
-        fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g.\n", f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "",
-                f->high);
-        status = draw(f, dir, err);
+        describe_drawing(f);
+        const iso_figure_sheet sheet = {.panels = f->panels, .count = f->count, .rows = f->rows, .columns = f->columns,
+                                        .rows_a_side = f->opt->kind == ISO_FIGURE_LEVELS ? 2 : 1, .in_logs = f->in_logs,
+                                        .low = f->low, .high = f->high, .width_mm = f->opt->width_mm,
+                                        .height_mm = f->opt->height_mm, .dpi = f->opt->dpi};
+        status = iso_figure_draw(&sheet, dir, err);
     }
     if (f->caption)
         fclose(f->caption);
@@ -431,6 +318,8 @@ static iso_status check(const iso_figure_options *opt, iso_error *err)
 {
     if (!(opt->width_mm >= 40 && opt->width_mm <= 1000))
         return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", opt->width_mm);
+    if (!(opt->height_mm >= 40 && opt->height_mm <= 1000))
+        return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", opt->height_mm);
     if (!(opt->dpi >= 36 && opt->dpi <= 1200))
         return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", opt->dpi);
     return ISO_OK;

@@ -27,7 +27,8 @@ typedef struct iso_figure_options {
     iso_figure_kind kind;
     const char *methods; /* levels: "naive,moments"; NULL: the first and the last of the report */
     size_t level;        /* renderers */
-    double width_mm;     /* of the whole figure */
+    double width_mm;     /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
+    double height_mm;    /* the same: panels become smaller */
     double dpi;          /* of the pictures, at least */
 } iso_figure_options;
 iso_figure_options iso_figure_defaults(void);

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Publication figures as a journal takes them: fonts inside, text that is text and apart, sizes, resolution, the scale bar.
+. "$(dirname "$0")/lib.sh"
+cd "$top" || exit 1
+"$ISOSHADE" make shells --size 24x26x22 --quiet -o "$dir/v.nrrd"
+for level in 0 1; do
+    "$ISOSHADE" render "$dir/v.nrrd" --scene refscenes/shells.scene.json --level $level --size 48x30 --quiet -o "$dir/level-$level.exr" >/dev/null
+done
+cd "$dir" || exit 1
+
+# A report of so many levels, with these methods, and a comparison for each of these renderers.
+report() { # folder, levels, "methods", "renderers"
+    mkdir -p "$1/images"
+    cp level-0.exr level-1.exr "$1/images"
+    {
+        echo '{"schema": "isoshade.validate/1", "command": "x", "volume": "a/b/v.nrrd", "scene": "s.scene.json",'
+        echo '"images": {"level-0": {"mm_per_pixel": 0.5}, "level-1": {"mm_per_pixel": 0.5}}, "agreement": ['
+        local comma="" IFS=,
+        for renderer in $4; do
+            echo "$comma"'{"scene": "s", "level": 0, "a": "reference", "b": "'"$renderer"'", "tier": "convergence", "image_a": "level-0", "image_b": "level-1", "verdict": "agree"}'
+            comma=,
+        done
+        echo '], "consistency": ['
+        comma=""
+        for method in $3; do
+            for ((level = 1; level < $2; ++level)); do
+                echo "$comma"'{"method": "'"$method"'", "level": '$level', "image": "level-1", "reference_image": "level-0", "ssim_dissimilarity_mean": 0.1, "flip_mean": 0.2, "gradient_angle_mean_deg": 3}'
+                comma=,
+            done
+        done
+        echo ']}'
+    } >"$1/report.json"
+}
+report four 4 on-the-fly,naive,eq1,moments gl,povray,cycles
+report long 4 "directions on the fly from the level's own scalar,moments of the gradients with coherence as length" \
+    "the ray caster in OpenGL by the same samples,Cycles by the mean over seeds,povray"
+report one 1 "" gl
+
+# What a word processor's checks would look at.
+millimetres() { pdfinfo "$1" | awk '/Page size/ {printf "%.0f %.0f", $3 / 72 * 25.4, $5 / 72 * 25.4}'; }
+fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
+dense_enough() { pdfimages -list "$1" | awk 'NR > 2 {++n; if ($13 < 300 || $14 < 300) bad = 1} END {exit !(n > 0 && !bad)}'; }
+# Words may touch no other word, and lie on the page.
+words_are_apart() {
+    pdftotext -bbox "$1" - | tr -d '\r' | awk -F'"' '/<page/ {w = $2; h = $4}
+        /<word/ {++n; l[n] = $2; t[n] = $4; r[n] = $6; b[n] = $8; if (l[n] < 0 || t[n] < 0 || r[n] > w || b[n] > h) {print "off the page: " $0; bad = 1}}
+        END {for (i = 1; i <= n; ++i) for (j = 1; j < i; ++j)
+            # The boxes hold ascenders and descenders of the font, which lines of text share.
+            if (l[i] < r[j] - 0.2 && l[j] < r[i] - 0.2 && t[i] < b[j] - 1.5 && t[j] < b[i] - 1.5) {print "words " i " and " j " meet at " l[i] " " t[i]; bad = 1}
+            exit !(n > 0 && !bad)}'
+}
+# Sizes stand in the figure's own script; the least of the print is that of exponents, 0.8 of a tick's.
+readable() {
+    awk -F'[=;]' '/^title_pt/ {found = 1; exit !($2 >= 6 && $4 >= 6 && $6 >= 6)} END {if (!found) exit 1}' "$1/figure.gp"
+}
+# Text beyond the edge of the page is no text to the reader.
+words_are_all_there() { # pdf, words: each of them is in it
+    local word found
+    found=$(pdftotext -bbox "$1" - | sed -n 's/.*<word.*>\(.*\)<.word>.*/\1/p' | sed "s/&apos;/'/")
+    for word in $2; do grep -qxF -- "$word" <<<"$found" || { echo "no $word"; return 1; }; done
+}
+for width in 85 178; do
+    for kind in levels renderers; do
+        for from in four long; do
+            name=${from}_${kind}_$width
+            expect "$name" 0 "$ISOSHADE" figure $from --kind $kind --width $width --methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)" -o $name
+            read -r wide high <<<"$(millimetres $name/figure.pdf)"
+            check ${name}_fits test "$wide" -le $width -a "$high" -le 230
+            check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
+            check ${name}_has_300_dpi dense_enough $name/figure.pdf
+            check ${name}_can_be_read readable $name
+            check ${name}_has_its_words_apart words_are_apart $name/figure.pdf
+            keys=$([ $kind = levels ] && echo method || echo b)
+            check ${name}_has_all_its_words words_are_all_there $name/figure.pdf "$(sed -n 's/.*"'$keys'": "\([^"]*\)".*/\1/p' $from/report.json | uniq)"
+        done
+    done
+done
+# Planted: titles that are twice as large as the layout knows run into each other.
+cp -r long_renderers_85 planted && sed -i 's/^title_pt = [0-9.]*/title_pt = 14/' planted/figure.gp
+(cd planted && gnuplot -e "format='pdf'" figure.gp)
+check words_that_meet_are_noticed test -n "$(words_are_apart planted/figure.pdf)"
+
+# The bar: its line in the SVG beside the panel that it stands in, 48 pixels of 0.5 mm.
+check the_bar_says_5_mm grep -q '5 mm' four_levels_178/figure.svg
+check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 / 24) ^ 2 < 1e-8)}' four_levels_178/figure.csv
+
+check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles  convergence gl  convergence povray  convergence"
+check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
+check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
+expect one_level_has_renderers 0 "$ISOSHADE" figure one --kind renderers -o one_renderers
+refuse one_level_has_no_levels 5 'no pictures of levels' "$ISOSHADE" figure one -o f
+sed 's/"consistency"/"other"/' one/report.json >r.json && mkdir bare && mv r.json bare/report.json
+refuse a_report_without_consistency_is_refused 5 'no pictures of levels' "$ISOSHADE" figure bare -o f
+report torn 3 moments gl && rm torn/images/level-1.exr
+refuse a_missing_image_is_named 3 'torn/images/level-1.exr' "$ISOSHADE" figure torn -o f
+head -c 2000 four/images/level-1.exr >torn/images/level-1.exr
+refuse half_an_image_is_refused 4 'level-1.exr' "$ISOSHADE" figure torn -o f
+refuse a_figure_too_narrow_is_refused 5 'do not fit' "$ISOSHADE" figure long --kind renderers --width 40 -o f
+refuse a_width_that_is_none 5 '--width is 20' "$ISOSHADE" figure four --width 20 -o f
+refuse a_height_that_is_none 5 '--height is 2000' "$ISOSHADE" figure four --height 2000 -o f
+mkdir mine && touch mine/thesis.txt
+refuse a_folder_of_somebody_else_is_kept 3 mine "$ISOSHADE" figure four -o mine
+# /proc takes no files from anybody, root included.
+refuse a_folder_that_takes_no_files 3 /proc/figure "$ISOSHADE" figure four -o /proc/figure
+refuse a_folder_that_is_not_there 3 nowhere "$ISOSHADE" figure four -o nowhere/figure
+exit $failed
