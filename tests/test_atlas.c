@@ -1,28 +1,102 @@
-/* test_atlas.c - every failure of the atlas is still one, and every fallback still mends it. */
-#include "cli/atlas.h"
-#include "test.h"
+/* test_atlas.c - every failure of the atlas is still one, and every fallback still mends it: a test a case. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-static void every_failure_and_every_fallback_stands(void **state)
+#include "base/file.h"
+#include "base/json.h"
+#include "cli/atlas.h"
+#include "tests/folder.h"
+#include "tests/test.h"
+
+/* Between what was measured and its limit: room for another compiler's rounding, and for little else. */
+static const double margin = 1.05;
+/* Between the two limits: what is seen with the naked eye. */
+static const double contrast = 1.3;
+
+static void a_failure_and_its_fallback_stand(void **state)
+{
+    const iso_atlas_case *c = *state;
+    iso_atlas_result r;
+    assert_ok(iso_atlas_run(c, &r, &err));
+    const double bad = r.values[ISO_ATLAS_FAILURE], good = r.values[ISO_ATLAS_FALLBACK];
+    printf("%-20s failure %-9.3g fallback %-9.3g\n", c->id, bad, good);
+    assert_more_than(bad, c->failure_at_least * margin);
+    assert_at_most(good * margin, c->fallback_at_most);
+    assert_more_than(c->failure_at_least, c->fallback_at_most * contrast);
+    assert_true(iso_atlas_stands(c, &r));
+    /* Planted: a failure that is cured, a fallback that mends nothing, figures that are no numbers. */
+    iso_atlas_result cured = r, broken = r, none = r;
+    cured.values[ISO_ATLAS_FAILURE] = good;
+    broken.values[ISO_ATLAS_FALLBACK] = bad;
+    none.values[ISO_ATLAS_FALLBACK] = NAN;
+    assert_false(iso_atlas_stands(c, &cured));
+    assert_false(iso_atlas_stands(c, &broken));
+    assert_false(iso_atlas_stands(c, &none));
+    /* Something is seen in each rendered picture but where the failure is that all has gone. */
+    for (int w = 0; w < ISO_ATLAS_WAYS && !c->draw; ++w) {
+        double brightest = 0;
+        for (size_t i = 0; i < 4 * r.images[w].width * r.images[w].height; i += 4)
+            brightest = fmax(brightest, (double)r.images[w].rgba[i]);
+        assert_more_than(brightest, w == ISO_ATLAS_FAILURE ? -1. : 0.08);
+    }
+    iso_atlas_clear(&r);
+}
+
+/* A case runs what the option strings say: one that no command knows is refused. */
+static void an_unknown_option_is_refused(void **state)
 {
     (void)state;
+    iso_atlas_case c = iso_atlas_cases[0];
+    iso_atlas_result r;
+    c.ways[ISO_ATLAS_FALLBACK].build = "--gradients sobel";
+    assert_status(iso_atlas_run(&c, &r, &err), ISO_E_USAGE);
+    c.ways[ISO_ATLAS_FALLBACK].build = "--gradient prewitt";
+    assert_status(iso_atlas_run(&c, &r, &err), ISO_E_USAGE);
+}
+
+/* What the atlas writes for its reader is a scene file, of the same transfer function and camera. */
+static void the_scene_is_a_scene_file(void **state)
+{
+    (void)state;
+    char *path = iso_path_join(folder, "case.scene.json");
     for (size_t i = 0; i < iso_atlas_case_count; ++i) {
-        const iso_atlas_case *c = &iso_atlas_cases[i];
-        iso_atlas_result r;
-        assert_ok(iso_atlas_run(c, &r, &err));
-        printf("%-20s failure %-9.3g fallback %-9.3g\n", c->id, r.bad, r.good);
-        assert_more_than(r.bad, c->bad_at_least);
-        assert_at_most(r.good, c->good_at_most);
-        assert_true(iso_atlas_stands(c, &r));
-        /* A cured failure and a broken fallback would both be noticed. */
-        iso_atlas_result cured = {.bad = r.good, .good = r.good}, broken = {.bad = r.bad, .good = r.bad};
-        assert_false(iso_atlas_stands(c, &cured));
-        assert_false(iso_atlas_stands(c, &broken));
-        iso_atlas_clear(&r);
+        const iso_atlas_scene *s = &iso_atlas_cases[i].scene;
+        if (!s->field)
+            continue;
+        json_t *json = iso_atlas_scene_to_json(s, "comment");
+        iso_scene scene;
+        assert_non_null(json);
+        assert_ok(iso_json_save(path, json, &err));
+        assert_ok(iso_scene_load(path, &scene, &err));
+        assert_int_equal(scene.width, ISO_ATLAS_PIXELS);
+        assert_int_equal(scene.tf.point_count, s->band ? 5 : 4);
+        assert_within(scene.tf.points[1].value, s->lo, 0);
+        assert_true(scene.orthographic && scene.height_mm > 1);
+        iso_scene_destroy(&scene);
+        json_decref(json);
     }
+    free(path);
+}
+
+static void ids_are_of_their_own(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < iso_atlas_case_count; ++i)
+        assert_ptr_equal(iso_atlas_find(iso_atlas_cases[i].id), &iso_atlas_cases[i]);
+    assert_null(iso_atlas_find("none"));
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_failure_and_every_fallback_stands)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    struct CMUnitTest *tests = calloc(iso_atlas_case_count + 3, sizeof *tests);
+    for (size_t i = 0; i < iso_atlas_case_count; ++i)
+        tests[i] = (struct CMUnitTest){.name = iso_atlas_cases[i].id, .test_func = a_failure_and_its_fallback_stand,
+                                       .initial_state = (void *)&iso_atlas_cases[i]};
+    tests[iso_atlas_case_count] = (struct CMUnitTest)cmocka_unit_test(an_unknown_option_is_refused);
+    tests[iso_atlas_case_count + 1] = (struct CMUnitTest)cmocka_unit_test(ids_are_of_their_own);
+    tests[iso_atlas_case_count + 2] = (struct CMUnitTest)cmocka_unit_test(the_scene_is_a_scene_file);
+    int rc = _cmocka_run_group_tests("atlas", tests, iso_atlas_case_count + 3, make_folder, remove_folder);
+    free(tests);
+    return rc;
 }

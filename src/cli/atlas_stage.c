@@ -1,172 +1,211 @@
-/* atlas_stage.c - small volumes of closed-form fields, seen by the CPU reference. */
+/* atlas_stage.c - a scene of the atlas as volume, view and scene file; a way as a picture. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/random.h"
+#include "cli/adapted.h"
 #include "cli/atlas.h"
-#include "compare/metrics.h"
+#include "cli/cli.h"
 #include "render/reference.h"
-#include "render/sampler.h"
 
-enum { tf_entries = 512 };
+static const double colour[3] = {0.95, 0.72, 0.5};
+static const iso_shading shading = {.ambient = 0.1, .diffuse = 0.65, .specular = 0.25, .power = 20};
+static const double step_voxels = 0.25, unit_distance_mm = 1e-3;
 
-iso_atlas_options iso_atlas_defaults(void)
+/* ---- the volume ---- */
+
+iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_error *err)
 {
-    iso_atlas_options o = {.size = 48, .type = ISO_F32, .steps = 256, .build = iso_pyramid_defaults()};
-    o.build.level_count = 3;
-    o.build.keep_float = true;
-    return o;
-}
-
-static iso_status sample(iso_volume *v, const iso_geometry *g, iso_atlas_field field, const iso_atlas_options *opt, iso_error *err)
-{
+    const double *n = (const double[3]){(double)scene->size[0], (double)scene->size[1], (double)scene->size[2]};
+    const double spacing[3] = {2 / n[0], 2 / n[1], 2 / n[2]}, steps = (double)scene->values - 1;
+    const iso_geometry g = iso_geometry_axis_aligned(scene->size, spacing);
     iso_random random = {.state = 1};
-    iso_status status = iso_volume_create(v, g, ISO_F32, "atlas", err);
+    iso_status status = iso_volume_create(v, &g, ISO_F32, "atlas", err);
     if (status != ISO_OK)
         return status;
     float *out = v->data;
-    for (size_t z = 0; z < g->size[2]; ++z)
-        for (size_t y = 0; y < g->size[1]; ++y)
-            for (size_t x = 0; x < g->size[0]; ++x) {
+    for (size_t z = 0; z < g.size[2]; ++z)
+        for (size_t y = 0; y < g.size[1]; ++y)
+            for (size_t x = 0; x < g.size[0]; ++x) {
                 iso_vec3 normal, index = {(double)x + 0.5, (double)y + 0.5, (double)z + 0.5};
-                double value = field(iso_geometry_to_world(g, index), &normal) + opt->noise * (2 * iso_random_unit(&random) - 1);
-                if (opt->type == ISO_U8)
-                    value = round(value * (double)(opt->steps - 1)) / (double)(opt->steps - 1);
-                *out++ = (float)value;
+                double value = scene->field(iso_geometry_to_world(&g, index), &normal) + scene->noise * (2 * iso_random_unit(&random) - 1);
+                *out++ = (float)(scene->values ? round(value * steps) / steps : value);
             }
     return ISO_OK;
 }
 
-static iso_camera oblique_camera(double half_height)
+/* ---- the view, and the same as a file ---- */
+
+static iso_vec3 forward_of(const iso_atlas_scene *s)
 {
-    iso_camera c = {.orthographic = true, .forward = iso_normalize(iso_v3(1, 2, -1.2)), .half_height = half_height};
-    c.right = iso_normalize(iso_cross(c.forward, iso_v3(0, 0, 1)));
-    c.up = iso_cross(c.right, c.forward);
-    c.position = iso_scale(c.forward, -10);
-    return c;
+    return iso_normalize(iso_norm(s->forward) > 0 ? s->forward : iso_v3(1, 2, -1.2));
 }
 
-/* The box is 2 mm along its shortest edge and centred at the origin, so that fields need no scale. */
-iso_status iso_atlas_stage_create(iso_atlas_stage *s, iso_atlas_field field, const iso_atlas_options *opt, iso_error *err)
+static iso_vec3 light_of(const iso_atlas_scene *s)
 {
-    const size_t size[3] = {opt->size, opt->size, opt->size};
-    const double spacing[3] = {2.0 / (double)opt->size, 2.0 / (double)opt->size, 2.0 / (double)opt->size};
-    iso_geometry g = opt->geometry ? *opt->geometry : iso_geometry_axis_aligned(size, spacing);
-    iso_volume v = {0};
-    *s = (iso_atlas_stage){.field = field, .view = {.width = ISO_ATLAS_PIXELS, .height = ISO_ATLAS_PIXELS, .light_count = 1,
-                                                    .step_voxels = 0.25, .shading = {0.2, 0.8, 0, 1}}};
-    s->view.camera = oblique_camera(1.15);
-    s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.2, -1, 0.9)), .intensity = 1};
-    iso_status status = sample(&v, &g, field, opt, err);
+    return iso_normalize(iso_norm(s->light) > 0 ? s->light : iso_v3(-0.55, -0.25, 0.8));
+}
+
+static double height_of(const iso_atlas_scene *s) { return s->height_mm > 0 ? s->height_mm : 1.7; }
+
+/* Points are lent: at most 5. */
+static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
+{
+    const double opacity = 1 - exp(-s->extinction_per_mm * unit_distance_mm);
+    const double values[2][5] = {{0, s->lo, s->hi, 1, 1}, {0, s->lo, 0.5 * (s->lo + s->hi), s->hi, 1}};
+    const double shown[2][5] = {{0, 0, 1, 1, 1}, {0, 0, 1, 0, 0}};
+    for (size_t i = 0; i < 5; ++i) {
+        points[i] = (iso_tf_point){.value = values[s->band][i], .opacity = opacity * shown[s->band][i]};
+        memcpy(points[i].rgb_linear, colour, sizeof colour);
+    }
+    return (iso_tf){.point_count = s->band ? 5 : 4, .points = points, .range = {0, 1}, .unit_distance = unit_distance_mm, .table_size = 512};
+}
+
+static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso_view *view, iso_error *err)
+{
+    iso_tf_point points[5];
+    const iso_tf tf = tf_of(s, points);
+    *view = (iso_view){.width = ISO_ATLAS_PIXELS, .height = ISO_ATLAS_PIXELS, .light_count = 1, .step_voxels = step_voxels,
+                       .shading = shading};
+    view->lights[0] = (iso_light){.direction = light_of(s), .intensity = 1};
+    iso_camera *c = &view->camera;
+    *c = (iso_camera){.orthographic = true, .forward = forward_of(s), .half_height = 0.5 * height_of(s)};
+    c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
+    c->up = iso_cross(c->right, c->forward);
+    c->position = iso_scale(c->forward, -10);
+    return iso_tf_tabulate(&tf, 0, 1, g, &view->tf, err);
+}
+
+static json_t *vector(iso_vec3 v) { return json_pack("[f, f, f]", v.x, v.y, v.z); }
+
+json_t *iso_atlas_scene_to_json(const iso_atlas_scene *s, const char *comment)
+{
+    iso_tf_point points[5];
+    const iso_tf tf = tf_of(s, points);
+    return json_pack("{s:s, s:s, s:{s:i, s:i}, s:{s:s, s:o, s:[f, f, f], s:[i, i, i], s:f}, s:[{s:o, s:s}], "
+                     "s:{s:f, s:f, s:f, s:f}, s:[i, i, i], s:f, s:o}",
+                     "schema", "isoshade.scene/1", "comment", comment, "image", "width", ISO_ATLAS_PIXELS, "height", ISO_ATLAS_PIXELS,
+                     "camera", "projection", "orthographic", "position", vector(iso_scale(forward_of(s), -10)), "look_at", 0., 0., 0.,
+                     "up", 0, 0, 1, "height_mm", height_of(s), "lights", "direction", vector(light_of(s)), "space", "world", "shading",
+                     "ambient", shading.ambient, "diffuse", shading.diffuse, "specular", shading.specular, "power", shading.power,
+                     "background", 0, 0, 0, "step_voxels", step_voxels, "tf", iso_tf_to_json(&tf));
+}
+
+/* ---- a way ---- */
+
+/* The options of a way, as the two commands would take them. */
+typedef struct taken_options {
+    iso_pyramid_options build;
+    iso_reference_options render;
+    iso_cli_adapted adapted;
+    size_t level;
+} taken_options;
+
+typedef struct option_words {
+    char *gradient, *direction_filter, *quadrature, *gradients;
+    int level, radius, exponent;
+    double sigma, step;
+} option_words;
+
+static iso_status parse(const char *text, const struct poptOption *options, iso_error *err)
+{
+    int count = 0;
+    const char **words = NULL;
+    if (!text)
+        return ISO_OK;
+    if (poptParseArgvString(text, &count, &words) != 0)
+        return iso_fail(err, ISO_E_USAGE, "atlas: \"%s\" is no list of options", text);
+    poptContext context = poptGetContext("atlas", count, words, options, POPT_CONTEXT_KEEP_FIRST);
+    int rc = poptGetNextOpt(context);
+    bool left = poptPeekArg(context) != NULL;
+    poptFreeContext(context);
+    free(words);
+    return rc == -1 && !left ? ISO_OK : iso_fail(err, ISO_E_USAGE, "atlas: an option of \"%s\" is not known", text);
+}
+
+static iso_status take_words(const option_words *w, taken_options *o, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if (w->gradient)
+        status = iso_gradient_from_name(w->gradient, &o->build.gradient.method, err);
+    if (status == ISO_OK && w->direction_filter)
+        status = iso_direction_filter_from_name(w->direction_filter, &o->build.direction_filter, err);
+    if (status == ISO_OK && w->gradients)
+        status = iso_direction_source_from_name(w->gradients, &o->render.source, err);
+    o->level = (size_t)w->level;
+    o->build.level_count = o->level + 1;
+    o->build.keep_float = true;
+    o->build.gauss_radius = (size_t)w->radius;
+    o->build.gauss_sigma_voxels = w->sigma;
+    o->build.eq1_exponent = (size_t)w->exponent;
+    o->render.step_voxels = w->step;
+    const bool preintegrated = w->quadrature && strcmp(w->quadrature, "preintegrated") == 0;
+    o->render.quadrature = preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
+    return status;
+}
+
+/* o->adapted.table is to be freed. */
+static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_error *err)
+{
+    *o = (taken_options){.build = iso_pyramid_defaults(), .render = iso_reference_defaults()};
+    iso_cli_adapted_defaults(&o->adapted);
+    option_words w = {.radius = (int)o->build.gauss_radius, .exponent = (int)o->build.eq1_exponent, .sigma = o->build.gauss_sigma_voxels};
+    const struct poptOption build[] = {{"gradient", 0, POPT_ARG_STRING, &w.gradient, 0, NULL, NULL},
+                                       {"direction-filter", 0, POPT_ARG_STRING, &w.direction_filter, 0, NULL, NULL},
+                                       {"gauss-radius", 0, POPT_ARG_INT, &w.radius, 0, NULL, NULL},
+                                       {"gauss-sigma", 0, POPT_ARG_DOUBLE, &w.sigma, 0, NULL, NULL},
+                                       {"eq1-exponent", 0, POPT_ARG_INT, &w.exponent, 0, NULL, NULL},
+                                       POPT_TABLEEND};
+    const struct poptOption render[] = {{"level", 0, POPT_ARG_INT, &w.level, 0, NULL, NULL},
+                                        {"gradients", 0, POPT_ARG_STRING, &w.gradients, 0, NULL, NULL},
+                                        {"quadrature", 0, POPT_ARG_STRING, &w.quadrature, 0, NULL, NULL},
+                                        {"step", 0, POPT_ARG_DOUBLE, &w.step, 0, NULL, NULL},
+                                        {"adapt", 0, POPT_ARG_NONE, &o->adapted.wanted, 0, NULL, NULL},
+                                        {"table", 0, POPT_ARG_STRING, &o->adapted.table, 0, NULL, NULL},
+                                        {"window", 0, POPT_ARG_DOUBLE, &o->adapted.window, 0, NULL, NULL},
+                                        POPT_TABLEEND};
+    iso_status status = parse(way->build, build, err);
     if (status == ISO_OK)
-        status = iso_pyramid_build(&v, "atlas", &opt->build, &s->pyramid, NULL, err);
-    iso_volume_destroy(&v);
-    if (status != ISO_OK)
-        iso_atlas_stage_destroy(s);
+        status = parse(way->render, render, err);
+    if (status == ISO_OK)
+        status = take_words(&w, o, err);
+    free(w.gradient);
+    free(w.direction_filter);
+    free(w.quadrature);
+    free(w.gradients);
     return status;
 }
 
-void iso_atlas_stage_destroy(iso_atlas_stage *s)
+static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const taken_options *o, iso_image *image, iso_error *err)
 {
-    iso_view_destroy(&s->view);
-    iso_pyramid_destroy(&s->pyramid);
-    *s = (iso_atlas_stage){0};
-}
-
-static iso_status set_tf(iso_atlas_stage *s, double (*extinction)(double value, const double p[3]), const double p[3], iso_error *err)
-{
-    iso_tf_table *t = &s->view.tf;
-    free(t->entries);
-    *t = (iso_tf_table){.count = tf_entries, .lo = 0, .hi = 1, .entries = malloc(tf_entries * 4 * sizeof(float))};
-    if (!t->entries)
-        return iso_fail(err, ISO_E_MEMORY, "atlas: no memory for a transfer function");
-    for (size_t i = 0; i < tf_entries; ++i) {
-        float *e = t->entries + 4 * i;
-        e[0] = 0.95f, e[1] = 0.72f, e[2] = 0.5f;
-        e[3] = (float)extinction((double)i / (tf_entries - 1), p);
-    }
-    return ISO_OK;
-}
-
-static double above(double value, const double p[3]) { return p[2] * fmin(fmax((value - p[0]) / (p[1] - p[0]), 0), 1); }
-static double band(double value, const double p[3]) { return p[2] * fmax(1 - fabs(value - p[0]) / p[1], 0); }
-
-iso_status iso_atlas_show_above(iso_atlas_stage *s, double lo, double hi, double extinction, iso_error *err)
-{
-    return set_tf(s, above, (const double[3]){lo, hi, extinction}, err);
-}
-
-iso_status iso_atlas_show_band(iso_atlas_stage *s, double middle, double half_width, double extinction, iso_error *err)
-{
-    return set_tf(s, band, (const double[3]){middle, half_width, extinction}, err);
-}
-
-iso_status iso_atlas_render(const iso_atlas_stage *s, size_t level, iso_direction_source source, double step_voxels,
-                            iso_image *image, iso_error *err)
-{
-    iso_reference_options opt = iso_reference_defaults();
-    opt.source = source;
-    opt.tolerance = 1e-5; /* pictures of 8 bits */
-    opt.quadrature = step_voxels > 0 ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
-    opt.step_voxels = step_voxels;
-    return iso_reference_render(&s->pyramid.levels[level], s->pyramid.options.code, &s->view, &opt, image, NULL, err);
-}
-
-static iso_vec3 center_of(const iso_geometry *g, size_t i)
-{
-    return iso_v3((double)(i % g->size[0]) + 0.5, (double)(i / g->size[0] % g->size[1]) + 0.5,
-                  (double)(i / (g->size[0] * g->size[1])) + 0.5);
-}
-
-iso_status iso_atlas_render_truth(iso_atlas_stage *s, size_t level, iso_image *image, iso_error *err)
-{
-    iso_level *l = &s->pyramid.levels[level];
-    size_t count = iso_geometry_voxel_count(&l->geometry);
-    float *kept = l->directions, *closed = malloc(count * 3 * sizeof *closed);
-    if (!closed)
-        return iso_fail(err, ISO_E_MEMORY, "atlas: no memory for %zu directions", count);
-    for (size_t i = 0; i < count; ++i) {
-        iso_vec3 n;
-        s->field(iso_geometry_to_world(&l->geometry, center_of(&l->geometry, i)), &n);
-        closed[3 * i] = (float)n.x, closed[3 * i + 1] = (float)n.y, closed[3 * i + 2] = (float)n.z;
-    }
-    l->directions = closed;
-    iso_status status = iso_atlas_render(s, level, ISO_FROM_FLOAT, 0.25, image, err);
-    l->directions = kept;
-    free(closed);
+    iso_view view;
+    iso_status status = make_view(scene, &p->levels[0].geometry, &view, err);
+    if (status == ISO_OK)
+        status = iso_cli_adapt_view(&o->adapted, "", p, o->level, &view, 0, err);
+    if (status == ISO_OK)
+        status = iso_reference_render(&p->levels[o->level], p->options.code, &view, &o->render, image, NULL, err);
+    iso_view_destroy(&view);
     return status;
 }
 
-iso_status iso_atlas_angle(const iso_atlas_stage *s, size_t level, iso_direction_source source, double *degrees, iso_error *err)
+iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image, double *value,
+                          iso_error *err)
 {
-    const iso_level *l = &s->pyramid.levels[level];
-    iso_sampler sampler;
-    double sum = 0;
-    size_t count = 0;
-    *degrees = NAN;
-    iso_status status = iso_sampler_create(&sampler, l, s->pyramid.options.code, source, err);
-    for (size_t i = 0; status == ISO_OK && i < iso_geometry_voxel_count(&l->geometry); ++i) {
-        iso_vec3 normal, at = center_of(&l->geometry, i);
-        double rgbs[4];
-        iso_tf_lookup(&s->view.tf, (double)l->scalar[i], rgbs);
-        s->field(iso_geometry_to_world(&l->geometry, at), &normal);
-        if (rgbs[3] <= 0 || iso_norm(normal) == 0)
-            continue;
-        double c = fabs(iso_dot(iso_normalize(normal), iso_normalize(iso_sample_normal(&sampler, at))));
-        sum += acos(fmin(c, 1)) * (180 / 3.14159265358979323846);
-        ++count;
-    }
-    if (count > 0)
-        *degrees = sum / (double)count;
-    iso_sampler_destroy(&sampler);
-    return status;
-}
-
-iso_status iso_atlas_rmse(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
-{
-    iso_metrics m;
-    iso_status status = iso_metrics_measure(a, b, &m, err);
-    *rmse = status == ISO_OK ? m.rmse : NAN;
+    const iso_atlas_way *way = &c->ways[which];
+    taken_options o;
+    iso_pyramid p = {0};
+    *value = NAN;
+    if (c->draw)
+        return c->draw(v, which, image, value, err);
+    iso_status status = take_options(way, &o, err);
+    if (status == ISO_OK)
+        status = iso_pyramid_build(v, "atlas", &o.build, &p, NULL, err);
+    if (status == ISO_OK && way->fault)
+        status = way->fault(&c->scene, &p, o.level, err);
+    if (status == ISO_OK)
+        status = draw(&c->scene, &p, &o, image, err);
+    iso_pyramid_destroy(&p);
+    free(o.adapted.table);
     return status;
 }

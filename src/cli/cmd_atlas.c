@@ -4,140 +4,150 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/embed.h"
 #include "base/file.h"
 #include "cli/atlas.h"
 #include "cli/cli.h"
 
-ISO_EMBED(iso_atlas_page, "src/cli/atlas.html");
-
-static iso_status save_picture(const char *dir, const char *id, const char *which, const iso_image *image, iso_error *err)
+/* --case ID,ID: marks those that are wanted; all without it. */
+static iso_status choose(const char *list, bool *wanted, iso_error *err)
 {
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s-%s.png", dir, id, which) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = iso_image_save_png(image, path, 1, err);
-    free(path);
-    return status;
+    for (size_t i = 0; i < iso_atlas_case_count; ++i)
+        wanted[i] = !list;
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        char id[64];
+        snprintf(id, sizeof id, "%.*s", (int)strcspn(at, ","), at);
+        const iso_atlas_case *c = iso_atlas_find(id);
+        if (!c) {
+            char names[1024] = "";
+            for (size_t i = 0; i < iso_atlas_case_count; ++i)
+                snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i ? ", " : "", iso_atlas_cases[i].id);
+            return iso_fail(err, ISO_E_USAGE, "--case: the atlas has no \"%s\"; it has %s", id, names);
+        }
+        wanted[c - iso_atlas_cases] = true;
+    }
+    return ISO_OK;
 }
 
-static iso_status save_pictures(const char *dir, const iso_atlas_case *c, const iso_atlas_result *r, iso_error *err)
+static void print_case(const iso_atlas_case *c, const iso_atlas_result *r)
 {
-    iso_status status = save_picture(dir, c->id, "right", &r->truth, err);
-    if (status == ISO_OK)
-        status = save_picture(dir, c->id, "failure", &r->failure, err);
-    return status == ISO_OK ? save_picture(dir, c->id, "fallback", &r->mended, err) : status;
+    printf("%-20s failure %-9.3g fallback %-9.3g %s%s\n", c->id, r->values[ISO_ATLAS_FAILURE], r->values[ISO_ATLAS_FALLBACK],
+           iso_atlas_measure(c), iso_atlas_stands(c, r) ? "" : "  (does not stand)");
 }
 
-/* The texts are ours and hold no character that HTML would misread. */
-static void print_case(FILE *page, const iso_atlas_case *c, const iso_atlas_result *r)
-{
-    fprintf(page, "<section id=\"%s\"><h2>%s</h2><p>%s</p><div class=\"row\">\n", c->id, c->title, c->cause);
-    fprintf(page, "<figure><img src=\"%s-right.png\" alt=\"\"><figcaption>as it should be</figcaption></figure>\n", c->id);
-    fprintf(page, "<figure><img src=\"%s-failure.png\" alt=\"\"><figcaption>%s<b>%.3g</b></figcaption></figure>\n", c->id, c->failure, r->bad);
-    fprintf(page, "<figure><img src=\"%s-fallback.png\" alt=\"\"><figcaption>%s<b>%.3g</b></figcaption></figure>\n", c->id, c->mended, r->good);
-    fprintf(page, "</div><p class=\"measure\">%s</p></section>\n", c->measure);
-}
-
-static json_t *to_json(const iso_atlas_case *c, const iso_atlas_result *r)
-{
-    return json_pack("{s:s, s:s, s:s, s:s, s:f, s:s, s:f, s:b}", "id", c->id, "cause", c->cause, "measure", c->measure, "failure",
-                     c->failure, "failure_value", r->bad, "fallback", c->mended, "fallback_value", r->good, "stands",
-                     iso_atlas_stands(c, r));
-}
-
-static iso_status make_cases(const iso_cli *cli, const char *dir, json_t *cases, FILE *page, bool *all_stand, iso_error *err)
+static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_page *page, size_t *fallen, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_status status = ISO_OK;
-    *all_stand = true;
     for (size_t i = 0; i < iso_atlas_case_count && status == ISO_OK; ++i) {
         const iso_atlas_case *c = &iso_atlas_cases[i];
         iso_atlas_result r;
+        if (!wanted[i])
+            continue;
         iso_progress_report(&progress, "atlas", (double)i / (double)iso_atlas_case_count);
         status = iso_atlas_run(c, &r, err);
         if (status != ISO_OK)
             break;
-        status = save_pictures(dir, c, &r, err);
-        print_case(page, c, &r);
-        json_array_append_new(cases, to_json(c, &r));
-        *all_stand = *all_stand && iso_atlas_stands(c, &r);
+        status = iso_atlas_page_add(page, c, &r, err);
+        *fallen += !iso_atlas_stands(c, &r);
         if (!cli->json)
-            printf("%-20s failure %-9.3g fallback %-9.3g %s%s\n", c->id, r.bad, r.good, c->measure,
-                   iso_atlas_stands(c, &r) ? "" : "  (does not stand)");
+            print_case(c, &r);
         iso_atlas_clear(&r);
     }
     iso_progress_report(&progress, "atlas", 1);
     return status;
 }
 
-static iso_status write_file(const char *dir, const char *name, const char *text, size_t size, iso_error *err)
+static iso_status write_page(const char *dir, const json_t *root, const char *sections, iso_error *err)
 {
-    char *path = iso_path_join(dir, name);
-    iso_status status = path ? iso_file_write(path, text, size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    free(path);
+    char *text = NULL, *page = iso_path_join(dir, "index.html"), *data = iso_path_join(dir, "atlas.json");
+    size_t size = 0;
+    FILE *html = open_memstream(&text, &size);
+    iso_status status = page && data && html ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (html) {
+        iso_atlas_page_begin(html, json_object_get(root, "cases"));
+        fputs(sections, html);
+        iso_atlas_page_end(html);
+        fclose(html);
+    }
+    if (status == ISO_OK)
+        status = iso_file_write(page, text, size, err);
+    if (status == ISO_OK)
+        status = iso_json_save(data, root, err);
+    free(text);
+    free(page);
+    free(data);
     return status;
 }
 
-static iso_status make_atlas(const iso_cli *cli, const char *output, iso_error *err)
+/* root gets the cases. */
+static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char *output, json_t *root, iso_error *err)
 {
     iso_output out;
-    json_t *root = iso_cli_json(cli), *cases = json_array();
-    char *text = NULL, *path = NULL;
-    size_t size = 0;
-    bool all_stand = false;
-    json_object_set_new(root, "cases", cases);
-    iso_status status = output ? ISO_OK : iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the atlas");
-    if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, output, "atlas.json", err);
-    if (status != ISO_OK) {
-        json_decref(root);
+    char *sections = NULL;
+    size_t size = 0, fallen = 0;
+    iso_atlas_page page = {.name = output, .cases = json_array()};
+    json_object_set_new(root, "cases", page.cases);
+    iso_status status = iso_output_begin_dir(&out, output, "atlas.json", err);
+    if (status != ISO_OK)
         return status;
-    }
-    FILE *page = open_memstream(&text, &size);
-    fputs(iso_atlas_page, page);
-    status = make_cases(cli, out.temp_path, cases, page, &all_stand, err);
-    fputs("</main></body></html>\n", page);
-    fclose(page);
+    page.dir = out.temp_path;
+    page.html = open_memstream(&sections, &size);
+    status = page.html ? make_cases(cli, wanted, &page, &fallen, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (page.html)
+        fclose(page.html);
     if (status == ISO_OK)
-        status = write_file(out.temp_path, "index.html", text, size, err);
-    if (status == ISO_OK && !(path = iso_path_join(out.temp_path, "atlas.json")))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+        status = write_page(out.temp_path, root, sections, err);
     if (status == ISO_OK)
-        status = iso_json_save(path, root, err);
-    status = status == ISO_OK ? iso_output_commit(&out, err) : (iso_output_abandon(&out), status);
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(sections);
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(root));
-    if (status == ISO_OK && !all_stand)
-        status = iso_fail(err, ISO_E_DIFFERS, "a failure is no longer one, or a fallback no longer mends it: see %s/index.html", output);
-    free(path);
-    free(text);
-    json_decref(root);
+    if (status == ISO_OK && fallen > 0)
+        status = iso_fail(err, ISO_E_DIFFERS, "%zu failures are no longer ones, or not mended by their fallback: see %s/index.html", fallen, output);
     return status;
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    char *output = NULL;
+    char *output = NULL, *cases = NULL;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the atlas", "DIR"},
+        {"case", 0, POPT_ARG_STRING, &cases, 0, "these alone, such as thin-plates,noise", "LIST"},
         POPT_TABLEEND,
     };
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = make_atlas(&cli, output, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN) {
+        bool *wanted = calloc(iso_atlas_case_count, sizeof *wanted);
+        json_t *root = iso_cli_json(&cli);
+        if (!wanted)
+            status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+        else if (!output)
+            status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the atlas");
+        else
+            status = choose(cases, wanted, err);
+        if (status == ISO_OK)
+            status = make_atlas(&cli, wanted, output, root, err);
+        json_decref(root);
+        free(wanted);
+    }
     iso_cli_end(&cli);
+    free(output);
+    free(cases);
     return status;
 }
 
 const iso_command iso_command_atlas = {
     .name = "atlas",
     .summary = "the ways in which methods fail: the smallest scene for each, its figure, and the fallback",
-    .usage = "-o DIR [options]",
-    .details = "DIR/index.html shows each failure beside what is right and what mends it; DIR/atlas.json holds the figures.\n"
+    .usage = "-o DIR [--case LIST] [options]",
+    .details = "DIR/index.html shows each failure beside what is right and what mends it, with the commands that repeat both from\n"
+               "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
                "Exit code 1: a failure is cured, or a fallback no longer mends it, so that a text somewhere is out of date.",
-    .examples = "  isoshade atlas -o atlas\n",
+    .examples = "  isoshade atlas -o atlas\n"
+                "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
+                "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",
     .run = run,
 };
