@@ -65,4 +65,14 @@ lost a_dead_filter_and_a_dead_heading_are_noticed 's/order.filter\[name\] = e.ta
 browse "$page" --screenshot="$dir/report.png" >/dev/null
 # A blank page of this size packs into a few kilobytes.
 check a_screenshot_is_no_blank_page test "$(stat -c %s "$dir/report.png")" -gt 40000
+
+# Levels under the original and the adapted transfer function. Nothing fails on this page, so the rest is not asked of it.
+"$ISOSHADE" make shells --size 16x18x14 -o "$dir/v.nrrd"
+expect a_volume_of_two_levels_is_validated 0 "$ISOSHADE" validate "$dir/v.nrrd" --scene refscenes/shells.scene.json --quick --with gl \
+    --levels 2 --size 24 --quiet -o "$dir/levels"
+findings "$dir/levels/index.html"
+check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
+check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
+page=$dir/levels/index.html
+lost rows_of_the_wrong_tf_are_noticed "s/r.tf === 'adapted' ? 'adapted' : 'original'/'original'/" 'consistency_rows false'
 exit $failed

@@ -31,6 +31,12 @@
     try {
         while (document.documentElement.dataset.ready !== 'yes') await settle();
         await settle();
+        const levels = [...document.querySelectorAll('#consistency tbody tr')];
+        const told = (tr, row) => tr.textContent.includes(row.method) && tr.dataset.tf === row.tf && tr.textContent.includes('original kept') === (row.original_kept !== null);
+        const ordered = [...data.consistency].sort((x, y) => x.level - y.level);
+        say('consistency_rows', levels.length === ordered.length && levels.every((tr, i) => told(tr, ordered[i])) && levels.length);
+        say('rows_under_the_adapted_tf', levels.filter(tr => tr.dataset.tf === 'adapted').length);
+
         const failed = $('#failed'), rows = [...document.querySelectorAll('#agreement tbody tr')];
         say('failed_cases_shown', !failed.hidden && failed.querySelectorAll('.failure').length);
         say('failed_cases_on_top', Boolean(failed.compareDocumentPosition($('#agreement')) & Node.DOCUMENT_POSITION_FOLLOWING));

@@ -84,6 +84,30 @@ static void a_lost_case_is_missing_and_a_new_one_is_no_failure(void **state)
     iso_baseline_result_destroy(&r);
 }
 
+/* The figures under an adapted TF stand beside those under the original; reports of before have none, and no "tf". */
+static void rows_under_either_tf_are_kept_apart(void **state)
+{
+    (void)state;
+    json_t *now = report(1e-3, 0.2, NULL), *rows = json_object_get(now, "consistency");
+    json_t *adapted = json_deep_copy(json_array_get(rows, 0));
+    json_object_set_new(json_array_get(rows, 0), "tf", json_string("original"));
+    json_object_set_new(adapted, "tf", json_string("adapted"));
+    json_object_set_new(adapted, "flip_mean", json_real(0.1));
+    json_array_append_new(rows, adapted);
+    json_t *worse = json_deep_copy(now);
+    json_object_set_new(json_array_get(json_object_get(worse, "consistency"), 1), "flip_mean", json_real(0.2));
+    json_t *accepted = figures_of(now);
+    const json_t *kept = json_object_get(json_object_get(accepted, "rows"), "consistency/naive+adapted/level 2");
+    assert_within(json_number_value(json_object_get(kept, "flip_mean")), 0.1, 0);
+    iso_baseline_result r = run(json_incref(accepted), figures_of(report(1e-3, 0.2, NULL)));
+    assert_true(r.same == 7 && r.added == 2 && r.worse + r.missing == 0);
+    iso_baseline_result_destroy(&r);
+    r = run(figures_of(worse), accepted); /* planted: the original's figure under the adapted TF */
+    assert_int_equal(r.worse, 1);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")), "consistency/naive+adapted/level 2/flip_mean");
+    iso_baseline_result_destroy(&r);
+}
+
 /* A case that is refused or not finite has null figures: it must not pass as "as accepted". */
 static void a_figure_that_became_null_is_missing(void **state)
 {
@@ -177,6 +201,7 @@ int main(void)
         cmocka_unit_test(a_figure_beyond_the_factor_is_worse_and_comes_first),
         cmocka_unit_test(the_floor_forgives_rounding),
         cmocka_unit_test(a_lost_case_is_missing_and_a_new_one_is_no_failure),
+        cmocka_unit_test(rows_under_either_tf_are_kept_apart),
         cmocka_unit_test(a_figure_that_became_null_is_missing),
         cmocka_unit_test(a_row_that_agreed_and_does_not_is_worse),
         cmocka_unit_test(other_versions_are_told_and_are_no_failure),

@@ -56,6 +56,12 @@ static char *make_report(const char *name, double mm_per_pixel)
             iso_report_consistency row = {.level = level, .views = 1, .method = methods[m], .image = image,
                                           .ssim_dissimilarity_mean = 0.0321, .reference_image = "fine"};
             assert_ok(iso_report_add_consistency(r, &row, &err));
+            /* Adapted, half as far off; refused at level 1. */
+            row.adapted = true;
+            row.original_kept = level == 1 ? "no nearer" : NULL;
+            snprintf(image, sizeof image, "m%d-%zu-own", m, level);
+            add_picture(r, image, level == 1 ? 0.125 : 0.0625 * (double)level, mm_per_pixel);
+            assert_ok(iso_report_add_consistency(r, &row, &err));
         }
     iso_report_agreement row = {.level = 1, .scene = "s", .a = "reference", .b = "gl", .image_a = "fine", .image_b = "m0-1",
                                 .limits = {.rmse = 1}, .error_bar = NAN};
@@ -164,6 +170,33 @@ static void maps_hold_the_differences(void **state)
     free(out);
 }
 
+/* The adapted TF is a method of its own, by its name. */
+static void the_adapted_tf_can_be_asked_for(void **state)
+{
+    (void)state;
+    char *report = make_report("r7", 2), *out = inside("f7"), *data;
+    size_t size;
+    iso_figure_options opt = iso_figure_defaults();
+    row rows[32];
+    opt.methods = "d,d+adapted";
+    assert_ok(iso_figure_make(report, &opt, out, &err));
+    assert_int_equal(read_rows(out, rows, 32), 10);
+    assert_string_equal(rows[0].side, "d");
+    assert_string_equal(rows[5].side, "d (adapted TF)");
+    assert_non_null(strstr(rows[4].note, "RMSE 0.153")); /* of level 2: 1/4 in 3 of 4 channels of half the pixels */
+    assert_non_null(strstr(rows[9].note, "RMSE 0.0765")); /* planted otherwise: the original's */
+    read_text(out, "caption.txt", &data, &size);
+    assert_non_null(strstr(data, "d, level 1: "));
+    assert_non_null(strstr(data, "d with the adapted transfer function, level 1: 1 - SSIM 0.0321, FLIP 0, direction error 0 degrees (adapting refused, the original kept)."));
+    free(data);
+    opt.methods = "zz+adapted";
+    iso_error why = {""};
+    assert_int_equal(iso_figure_make(report, &opt, out, &why), ISO_E_RANGE);
+    assert_non_null(strstr(why.text, "\"zz+adapted\", but of a, a+adapted, ")); /* what there is */
+    free(report);
+    free(out);
+}
+
 static void text_is_vector_and_fonts_are_embedded(void **state)
 {
     (void)state;
@@ -238,6 +271,7 @@ int main(void)
         cmocka_unit_test(panels_lie_inside_and_apart_with_enough_pixels),
         cmocka_unit_test(the_scale_bar_has_its_length),
         cmocka_unit_test(maps_hold_the_differences),
+        cmocka_unit_test(the_adapted_tf_can_be_asked_for),
         cmocka_unit_test(text_is_vector_and_fonts_are_embedded),
         cmocka_unit_test(bad_requests_are_refused_and_leave_nothing),
         cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_centre),

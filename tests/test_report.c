@@ -58,6 +58,13 @@ static void add_consistency(iso_report *r)
                 .level = level, .views = 20, .method = methods[m], .ssim_dissimilarity_mean = error, .flip_mean = error / 2,
                 .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error, .gradient_angle_p95_deg = 120 * error, .image = name,
                 .reference_image = "reference-0"}, &err));
+            /* Under the adapted TF: at level 1 adapting is refused. */
+            double part = level == 1 ? 1 : 0.6;
+            assert_ok(iso_report_add_consistency(r, &(iso_report_consistency){
+                .level = level, .views = 20, .method = methods[m], .adapted = true,
+                .original_kept = level == 1 ? "it would be \"no\" nearer" : NULL, .ssim_dissimilarity_mean = part * error,
+                .flip_mean = part * error / 2, .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error,
+                .gradient_angle_p95_deg = 120 * error, .image = name, .reference_image = "reference-0"}, &err));
         }
 }
 
@@ -156,9 +163,9 @@ static void every_file_is_there_and_the_data_is_whole(void **state)
     assert_string_equal(json_string_value(json_object_get(root, "schema")), "isoshade.validate/1");
     assert_string_equal(json_string_value(json_object_get(root, "verdict")), "differ");
     assert_int_equal(json_array_size(json_object_get(root, "agreement")), 9);
-    assert_int_equal(json_array_size(json_object_get(root, "consistency")), 9);
+    assert_int_equal(json_array_size(json_object_get(root, "consistency")), 18);
     const char *const keys[] = {"level", "scene", "a", "b", "rmse", "max_abs", "p99_abs", "error_bar", "verdict", "limits", "why"};
-    const char *const more[] = {"level", "method", "views", "ssim_dissimilarity_mean", "flip_mean",
+    const char *const more[] = {"level", "method", "tf", "original_kept", "views", "ssim_dissimilarity_mean", "flip_mean",
                                 "gradient_angle_mean_deg", "gradient_angle_p95_deg"};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
         assert_non_null(json_object_get(json_array_get(json_object_get(root, "agreement"), 3), keys[i]));
@@ -291,6 +298,11 @@ static void junit_counts_failures_and_escapes(void **state)
     assert_non_null(strstr(xml, "tests=\"9\" failures=\"1\" errors=\"0\" skipped=\"2\""));
     assert_non_null(strstr(xml, "message=\"rmse "));
     assert_non_null(strstr(xml, "smooth &lt;head&gt; &amp; &quot;neck&quot;"));
+    /* Consistency has no limit: figures beside the cases, not cases that cannot fail. */
+    assert_non_null(strstr(xml, "name=\"consistency\""));
+    assert_non_null(strstr(xml, "tests=\"0\" failures=\"0\" errors=\"0\" skipped=\"0\""));
+    assert_non_null(strstr(xml, "<property name=\"level 2: naive average+adapted: ssim_dissimilarity_mean\" value=\"0.0432\"/>"));
+    assert_int_equal(count_of(xml, "original_kept\" value=\"it would be &quot;no&quot; nearer\"/>"), 3);
     free(xml);
     free(path);
     free(dir);
@@ -338,6 +350,34 @@ static void gates_decide_too(void **state)
     free(path);
     free(dir);
     iso_report_destroy(r);
+}
+
+/* A block a method and TF, levels ascending: what the chart draws. */
+static void the_data_of_the_chart_keeps_the_tfs_apart(void **state)
+{
+    (void)state;
+    char *dir = inside("csv"), *path, *csv;
+    iso_report *r = example(dir);
+    assert_ok(iso_report_finish(r, &err));
+    path = iso_path_join(dir, "charts/consistency.csv");
+    read_text(path, &csv);
+    assert_int_equal(count_of(csv, "\n\n\n"), 5); /* between three methods under two TFs */
+    assert_int_equal(count_of(csv, ",original,0\n"), 9);
+    assert_int_equal(count_of(csv, ",adapted,1\n"), 3);
+    assert_int_equal(count_of(csv, ",adapted,0\n"), 6);
+    assert_non_null(strstr(csv, "\nmoments; codes,3,20,0.096,0.048,3.84,11.52,original,0\n\n\n"
+                                "moments; codes,1,20,0.024,0.012,0.96,2.88,adapted,1\n"));
+    free(csv);
+    free(path);
+    path = iso_path_join(dir, "charts/consistency.svg");
+    read_text(path, &csv);
+    assert_non_null(strstr(csv, "adapted TF"));
+    assert_non_null(strstr(csv, "original TF kept"));
+    assert_int_equal(count_of(csv, "stroke-dasharray") > 0, 1);
+    free(csv);
+    free(path);
+    iso_report_destroy(r);
+    free(dir);
 }
 
 static void an_unfinished_report_leaves_nothing(void **state)
@@ -451,6 +491,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_refusal_is_told_as_what_it_is),
         cmocka_unit_test(junit_counts_failures_and_escapes),
         cmocka_unit_test(gates_decide_too),
+        cmocka_unit_test(the_data_of_the_chart_keeps_the_tfs_apart),
         cmocka_unit_test(an_unfinished_report_leaves_nothing),
         cmocka_unit_test(only_a_report_is_replaced),
         cmocka_unit_test(bad_names_are_refused),

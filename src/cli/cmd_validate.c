@@ -70,6 +70,8 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
     if (status == ISO_OK)
         status = run_stage(v, "agreement", iso_validate_agreement, err);
     if (status == ISO_OK)
+        status = run_stage(v, "adaptation", iso_validate_adapt, err);
+    if (status == ISO_OK)
         status = run_stage(v, "methods", iso_validate_methods, err);
     if (status == ISO_OK)
         status = run_stage(v, "consistency", iso_validate_consistency, err);
@@ -134,6 +136,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
         status = finish(a, cli, &v, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
+    iso_validate_forget_tfs(&v);
     iso_view_destroy(&view);
     free(line);
     free(input);
@@ -248,7 +251,8 @@ const iso_command iso_command_validate = {
     .details = "Calibrates each renderer on volumes whose images are known in closed form; compares each, at every level, with the\n"
                "double-precision reference by the same samples, and by the limit of halved steps, which has to lie within its own\n"
                "error bars; repeats that for each way to make directions and for adapted TFs; measures how far each level is from\n"
-               "level 0. --suite does it for scenes that break renderers, at level 0. DIR/index.html shows it, DIR/report.json holds it.\n"
+               "level 0 with each of them, under the original TF and the one adapted to the level. --suite does it for scenes that\n"
+               "break renderers, at level 0. DIR/index.html shows it, DIR/report.json holds it.\n"
                "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"

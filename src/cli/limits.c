@@ -132,6 +132,7 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
 {
     iso_image limits[most_seeds] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;
+    iso_metrics limit = {0};
     iso_status status = mean_pair(images, seeds, &coarse, &out->fine, err);
     if (status == ISO_OK)
         status = iso_richardson(&coarse, &out->fine, 2, ISO_LIMIT_ORDER, &out->image, &e, err);
@@ -141,7 +142,8 @@ static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *
     if (status == ISO_OK)
         status = rmse_of(&out->fine, reference, &out->fine_rmse, err);
     if (status == ISO_OK)
-        status = rmse_of(&out->image, reference, &out->rmse, err);
+        status = iso_metrics_measure(&out->image, reference, &limit, err);
+    out->rmse = limit.rmse, out->ssim_dissimilarity = 1 - limit.ssim, out->flip_mean = limit.flip_mean;
     for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
         status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
     if (status == ISO_OK && seeds > 1)
@@ -241,9 +243,11 @@ iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level
     return status;
 }
 
-static bool is_good(const iso_limit *limit, const iso_limit_options *opt)
+static bool is_good(const iso_limit *l, const iso_limit_options *opt)
 {
-    return limit->bar <= opt->wanted_bar && limit->rmse <= limit->allowed && iso_limit_left(limit) <= opt->wanted_left;
+    return l->bar <= opt->wanted_bar && l->rmse <= l->allowed && iso_limit_left(l) <= opt->wanted_left &&
+           (opt->wanted_ssim_dissimilarity <= 0 || l->ssim_dissimilarity <= opt->wanted_ssim_dissimilarity) &&
+           (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }
 
 /* Halving again makes the bars narrower, and what is left of the error more. */

@@ -4,9 +4,9 @@
  * the finer image. Cycles puts its steps at random phases: it is run with several
  * seeds, each gives a limit of its own, and their mean has a standard error, which
  * the bar includes and by which each pixel is tested (compare/statistics.h). While
- * the bar is wider than wanted, the error does not fall at its order, or the limit
- * is out of its bars, the step is halved: what is right gets there, sooner where
- * many pixels show it, and what is wrong is the farther out. */
+ * the bar is wider than wanted, the error does not fall at its order, the limit
+ * is out of its bars, or a person would see it, the step is halved: what is right
+ * gets there, sooner where many pixels show it, and what is wrong is the farther out. */
 #ifndef ISO_CLI_LIMITS_H
 #define ISO_CLI_LIMITS_H
 
@@ -20,6 +20,7 @@ typedef struct iso_limit_options {
     double factor;        /* of safety: ISO_LIMIT_FACTOR_... */
     double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
     double hopeless;      /* so many bars off, of an error that halving hardly changes, end the halving; INFINITY: never */
+    double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not asked for */
     size_t seeds;         /* of Cycles, at least 2 */
     size_t planes, intervals; /* of POV-Ray at the step; at its double half the intervals; 0 intervals: by the step */
     int first_seed, threads;
@@ -38,7 +39,7 @@ typedef struct iso_limit {
     double step_voxels;            /* the finer of the last two */
     size_t planes, intervals;      /* of POV-Ray there; else 0 */
     double coarse_rmse, fine_rmse; /* against the reference, of the means */
-    double rmse;                   /* of the limit against the reference */
+    double rmse, ssim_dissimilarity, flip_mean; /* of the limit against the reference */
     double order;                  /* log2 (coarse_rmse / fine_rmse) */
     double step_bar, noise_bar;    /* RMSE of `fine` to the limit; standard error of the limit; of RGB and alpha */
     iso_limit_noise coarse_noise, fine_noise; /* of the means at both steps; 0 where nothing is random */

@@ -3,8 +3,9 @@
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)
  *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
  *                  samples and by the limits of halved steps (limits.h), as the scene's tier has it
- *   methods        the same for each way to make directions, and for adapted TFs
- *   consistency    each level and each way to make directions, against level 0
+ *   adaptation     the TF of each level, or why the original is kept
+ *   methods        agreement again, for each way to make directions, and for adapted TFs
+ *   consistency    each level, each way to make directions, and either TF, against level 0
  *
  * All of it goes into one report (compare/report.h). */
 #ifndef ISO_CLI_VALIDATE_H
@@ -13,6 +14,13 @@
 #include "cli/limits.h"
 #include "cli/renderers.h"
 #include "compare/report.h"
+#include "tf/adapt.h"
+
+/* What a level is shown with when the TF is to be adapted to it. Pyramids that differ in their directions alone share it. */
+typedef struct iso_level_tf {
+    iso_tf_table table;            /* of the level; the original where that is kept */
+    iso_adapt_judgement judgement; /* use_original: adapting was refused; so at level 0 */
+} iso_level_tf;
 
 typedef struct iso_validation {
     const iso_pyramid *pyramid;
@@ -32,6 +40,7 @@ typedef struct iso_validation {
     bool wanted[ISO_RENDERER_COUNT];
     char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
     size_t consistency_size, consistency_views;
+    iso_level_tf *level_tfs;  /* one a level; by iso_validate_adapt() */
     int threads;
     iso_renderers renderers;
     iso_report *report;
@@ -64,7 +73,13 @@ extern const size_t iso_method_count;
 /* Level 0's scalar, built again with another direction filter. */
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
 
+/* Makes level_tfs of the view's TF; iso_validate_forget_tfs() releases them, and accepts none. */
+iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
+void iso_validate_forget_tfs(iso_validation *v);
+
+/* Both need level_tfs. */
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
+iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
 /* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
  * does. options: of `isoshade render`, besides v's own. */
@@ -94,7 +109,5 @@ typedef struct iso_suite_options {
     iso_code code;
 } iso_suite_options;
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
-
-iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
 #endif

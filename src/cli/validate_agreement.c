@@ -17,6 +17,9 @@ static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
  * little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
 
+/* Of lit scenes: below what a person sees when the images alternate. */
+static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
+
 /* A table whose neighbouring entries differ by most of an opacity turns the last bits of a sample's value into some 1e-5.
  * POV-Ray writes 16 bits a channel: 7.6e-6. */
 iso_limits iso_validate_lock_step(iso_renderer renderer, bool sharp)
@@ -235,9 +238,9 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l
         add_gate(row, "pixels beyond chance", (double)l->noise.rejected, 0);
         add_gate(row, "bias beyond chance", l->noise.biased, 0);
     }
-    if (asked->tier == ISO_TIER_LIT) { /* below what a person sees when the images alternate */
-        row->limits.flip_mean = 0.01;
-        row->limits.ssim_dissimilarity = 0.001;
+    if (asked->tier == ISO_TIER_LIT) {
+        row->limits.flip_mean = lit_flip;
+        row->limits.ssim_dissimilarity = lit_ssim_dissimilarity;
     }
 }
 
@@ -249,8 +252,10 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, i
     o.wanted_left = asked->sharp ? sharp_left : smooth_left;
     o.factor = asked->sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
     o.wanted_bar = iso_validate_error_bar(asked);
-    if (asked->tier == ISO_TIER_LIT) /* SSIM sees a shell's last bends before RMSE does */
-        o.wanted_bar /= 1.5;
+    if (asked->tier == ISO_TIER_LIT) { /* SSIM sees a shell's last bends before RMSE does */
+        o.wanted_flip = lit_flip;
+        o.wanted_ssim_dissimilarity = lit_ssim_dissimilarity;
+    }
     if (asked->sharp) /* the first pair would seldom do */
         o.step_voxels = 1.0 / 8;
     if (renderer == ISO_WITH_GL) /* costs nothing */

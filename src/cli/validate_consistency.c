@@ -1,5 +1,5 @@
-/* validate_consistency.c - is a coarse level shaded as the finest one is? Each
- * way to make directions, over several views, against level 0. */
+/* validate_consistency.c - is a coarse level shaded as the finest one is? Each way to make directions, under the original
+ * TF and under the one adapted to the level, over several views, against level 0 under the original TF. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,15 +29,19 @@ static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, i
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
-static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source, size_t i,
-                              iso_image *image, iso_error *err)
+/* adapted: under the level's own TF. */
+static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source, bool adapted,
+                              size_t i, iso_image *image, iso_error *err)
 {
-    iso_view view;
+    iso_view view = {0};
     iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
     opt.source = source;
     iso_status status = make_view(v, i, &view, err);
+    iso_view shown = view; /* borrowed */
+    if (adapted)
+        shown.tf = v->level_tfs[level].table;
     if (status == ISO_OK)
-        status = iso_render_with(&v->renderers, p, level, &view, &opt, image, NULL, NULL, err);
+        status = iso_render_with(&v->renderers, p, level, &shown, &opt, image, NULL, NULL, err);
     iso_view_destroy(&view);
     return status;
 }
@@ -104,31 +108,63 @@ static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, 
     return status;
 }
 
+/* The figures of all views, and the picture row->image of the first. */
+static iso_status measure_images(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
+                                 iso_report_consistency *row, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    row->ssim_dissimilarity_mean = row->flip_mean = 0;
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        iso_metrics metrics;
+        status = render_view(v, p, row->level, m->source, row->adapted, i, &image, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&finest[i], &image, &metrics, err);
+        if (status == ISO_OK && i == 0)
+            status = add_picture(v, row->image, &image, row->adapted ? "adapted TF" : m->name, err);
+        if (status == ISO_OK) {
+            row->ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
+            row->flip_mean += metrics.flip_mean / (double)v->consistency_views;
+        }
+        iso_image_destroy(&image);
+    }
+    return status;
+}
+
+/* The row of the level's own TF after that of the original one: directions are the same, and where adapting is refused
+ * the images are as well. */
+static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
+                                  iso_report_consistency row, iso_error *err)
+{
+    const iso_adapt_judgement *judgement = &v->level_tfs[row.level].judgement;
+    char name[64], why[160];
+    iso_status status = ISO_OK;
+    row.adapted = true;
+    if (judgement->use_original) {
+        snprintf(why, sizeof why, "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",
+                 judgement->rms_adapted, judgement->rms_original);
+        row.original_kept = why;
+    } else {
+        snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", m->name, row.level);
+        row.image = name;
+        status = measure_images(v, p, m, finest, &row, err);
+    }
+    return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
+}
+
 static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m, const iso_image *finest,
                                 iso_error *err)
 {
     char name[64];
     iso_report_consistency row = {.level = level, .views = v->consistency_views, .method = m->name, .image = name,
                                   .reference_image = "consistency-level-0"};
-    iso_status status = ISO_OK;
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
-    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
-        iso_image image = {0};
-        iso_metrics metrics;
-        status = render_view(v, p, level, m->source, i, &image, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&finest[i], &image, &metrics, err);
-        if (status == ISO_OK && i == 0)
-            status = add_picture(v, name, &image, m->name, err);
-        if (status == ISO_OK) {
-            row.ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
-            row.flip_mean += metrics.flip_mean / (double)v->consistency_views;
-        }
-        iso_image_destroy(&image);
-    }
+    iso_status status = measure_images(v, p, m, finest, &row, err);
     if (status == ISO_OK)
         status = measure_angles(v, p, level, m->source, &row.gradient_angle_mean_deg, &row.gradient_angle_p95_deg, err);
-    return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
+    if (status == ISO_OK)
+        status = iso_report_add_consistency(v->report, &row, err);
+    return status == ISO_OK ? measure_adapted(v, p, m, finest, row, err) : status;
 }
 
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
@@ -172,7 +208,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     if (v->refused[ISO_WITH_GL][0] || !v->wanted[ISO_WITH_GL])
         return ISO_OK; /* the views are the ray caster's */
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, i, &finest[i], err);
+        status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, false, i, &finest[i], err);
     if (status == ISO_OK)
         status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
     for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)

@@ -6,46 +6,45 @@
  * caster's alone. The quick run keeps to the ray caster. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli/validate.h"
-#include "tf/adapt.h"
 
 enum { most_pixels = 64 }; /* there are many, and what they would show is arithmetic */
 
-/* The view with fewer pixels, sharing nothing with it but the classes' tables; its TF may be replaced. */
-static iso_status small_view(const iso_view *view, iso_view *out, iso_error *err)
+/* The view with fewer pixels; borrowed, so not to be destroyed. */
+static iso_view small_view(const iso_view *view)
 {
     size_t larger = view->width > view->height ? view->width : view->height;
-    *out = *view;
+    iso_view out = *view;
     if (larger > most_pixels) {
-        out->width = (view->width * most_pixels + larger - 1) / larger;
-        out->height = (view->height * most_pixels + larger - 1) / larger;
+        out.width = (view->width * most_pixels + larger - 1) / larger;
+        out.height = (view->height * most_pixels + larger - 1) / larger;
     }
-    out->tf.entries = malloc(4 * view->tf.count * sizeof(float));
-    if (!out->tf.entries)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
-    memcpy(out->tf.entries, view->tf.entries, 4 * view->tf.count * sizeof(float));
-    return ISO_OK;
+    return out;
 }
 
-/* Whether the level has a TF of its own; the view then has it. */
-static iso_status adapt(const iso_validation *v, const iso_pyramid *p, size_t level, iso_view *view, bool *adapted, iso_error *err)
+iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_adapt_judgement judgement = {.use_original = true};
-    iso_tf_table table = {0};
+    iso_status status = ISO_OK;
     opt.threads = v->threads;
     opt.fall_back = true;
-    iso_status status = iso_adapt_level(p, NULL, level, &view->tf, &opt, &table, &judgement, err);
-    *adapted = status == ISO_OK && !judgement.use_original;
-    if (*adapted) {
-        iso_tf_table_destroy(&view->tf);
-        view->tf = table;
-    } else {
-        iso_tf_table_destroy(&table);
+    v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
+    if (!v->level_tfs)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels", v->pyramid->level_count);
+    for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
+        iso_level_tf *own = &v->level_tfs[level];
+        status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgement, err);
     }
     return status;
+}
+
+void iso_validate_forget_tfs(iso_validation *v)
+{
+    for (size_t level = 0; v->level_tfs && level < v->pyramid->level_count; ++level)
+        iso_tf_table_destroy(&v->level_tfs[level].table);
+    free(v->level_tfs);
+    v->level_tfs = NULL;
 }
 
 /* Which transfer function a row is under: its name in the row, in files, and on the command line. */
@@ -104,18 +103,16 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     const made_pyramid *made = user;
     const iso_pyramid *p = made->pyramid;
     const iso_method *m = made->method;
-    iso_view view = {0};
-    bool adapted = false, covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
-    iso_status status = small_view(v->view, &view, err);
-    if (status == ISO_OK && !covered)
+    const bool covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
+    iso_view view = small_view(v->view);
+    iso_status status = ISO_OK;
+    if (!covered)
         status = compare(v, p, m, level, &view, &original_tf, err);
-    if (status == ISO_OK && level > 0)
-        status = adapt(v, p, level, &view, &adapted, err);
-    if (status == ISO_OK && adapted)
+    view.tf = v->level_tfs[level].table;
+    if (status == ISO_OK && !v->level_tfs[level].judgement.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
     for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
         status = compare_table(v, p, m, level, &view, (iso_joint_split)split, err);
-    free(view.tf.entries);
     return status;
 }
 

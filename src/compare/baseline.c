@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compare/report.h"
+
 static const char schema[] = "isoshade.accepted/2";
 
 static const char *string_of(const json_t *object, const char *key)
@@ -85,7 +87,9 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
             status = take_row(rows, row, name, agreement_keys, &figures, err);
     }
     json_array_foreach(json_object_get(report, "consistency"), i, row) {
-        snprintf(name, sizeof name, "consistency/%s/level %lld", string_of(row, "method"),
+        char method[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, method);
+        snprintf(name, sizeof name, "consistency/%s/level %lld", method,
                  (long long)json_integer_value(json_object_get(row, "level")));
         if (status == ISO_OK)
             status = take_row(rows, row, name, consistency_keys, &figures, err);

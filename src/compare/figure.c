@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "compare/figure_draw.h"
 #include "compare/metrics.h"
+#include "compare/report.h"
 
 static const char *const kind_names[ISO_FIGURE_COUNT] = {"levels", "renderers"};
 enum { max_panels = 256 };
@@ -109,26 +110,58 @@ static bool is_in_list(const char *list, const char *word)
     return false;
 }
 
-/* The methods of the report that have pictures, in its order; as keys of an object. */
+static bool is_adapted(const json_t *row)
+{
+    return strcmp(string_of(row, "tf"), "adapted") == 0;
+}
+
+/* The methods of the report that have pictures, each under each TF, in its order: iso_report_consistency_name() as keys
+ * of an object, and whether the TF is adapted. */
 static json_t *pictured_methods(const json_t *rows)
 {
     json_t *methods = json_object(), *row;
     size_t i;
-    json_array_foreach(rows, i, row)
+    json_array_foreach(rows, i, row) {
+        char name[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, name);
         if (string_of(row, "image")[0] && string_of(row, "reference_image")[0])
-            json_object_set_new(methods, string_of(row, "method"), json_true());
+            json_object_set_new(methods, name, json_boolean(is_adapted(row)));
+    }
     return methods;
 }
 
-static iso_status check_methods(const json_t *methods, const char *list, iso_error *err)
+static iso_status check_methods(json_t *methods, const char *list, iso_error *err)
 {
     for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
-        char word[96];
+        char word[ISO_CONSISTENCY_NAME_BYTES], known[400] = "";
+        const char *method;
+        json_t *adapted;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
-        if (!json_object_get(methods, word))
-            return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\"", word);
+        if (json_object_get(methods, word))
+            continue;
+        json_object_foreach(methods, method, adapted)
+            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", known[0] ? ", " : "", method);
+        return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\", but of %s", word, known);
     }
     return ISO_OK;
+}
+
+/* Those of a list; without one the first and the last under the original TF. */
+static json_t *chosen_methods(json_t *methods, const char *list)
+{
+    json_t *chosen = json_object(), *adapted;
+    const char *method, *first = NULL, *last = NULL;
+    json_object_foreach(methods, method, adapted) {
+        if (list && is_in_list(list, method))
+            json_object_set(chosen, method, adapted);
+        if (!json_is_true(adapted))
+            first = first ? first : method, last = method;
+    }
+    if (!list && last) {
+        json_object_set_new(chosen, first, json_false());
+        json_object_set_new(chosen, last, json_false());
+    }
+    return chosen;
 }
 
 static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *err)
@@ -147,46 +180,57 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
              1 - added->metrics.ssim, added->metrics.flip_mean);
-    fprintf(f->caption, " %s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees.", string_of(row, "method"),
-            level, number_of(row, "ssim_dissimilarity_mean"), number_of(row, "flip_mean"),
-            number_of(row, "gradient_angle_mean_deg"));
+    fprintf(f->caption, " %s%s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees", string_of(row, "method"),
+            is_adapted(row) ? " with the adapted transfer function" : "", level, number_of(row, "ssim_dissimilarity_mean"),
+            number_of(row, "flip_mean"), number_of(row, "gradient_angle_mean_deg"));
+    fputs(string_of(row, "original_kept")[0] ? " (adapting refused, the original kept)." : ".", f->caption);
     return ISO_OK;
+}
+
+/* The levels of one method under one TF. */
+static iso_status add_levels(figure *f, const json_t *rows, const char *method, size_t at, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    bool first = true;
+    json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row) {
+        char name[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, name);
+        if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
+            continue;
+        if (first) { /* level 0 stands before each row of pictures */
+            panel p = {.row = 2 * at, .image = string_of(row, "reference_image"), .scale_bar = at == 0};
+            snprintf(p.side, sizeof p.side, "%.60s%s", string_of(row, "method"), is_adapted(row) ? " (adapted TF)" : "");
+            if (at == 0)
+                snprintf(p.title, sizeof p.title, "level 0");
+            status = add_panel(f, p, err);
+        }
+        first = false;
+        if (status == ISO_OK)
+            status = add_level(f, row, at, err);
+    }
+    return status;
 }
 
 static iso_status plan_levels(figure *f, iso_error *err)
 {
     const json_t *rows = json_object_get(f->report, "consistency");
-    json_t *methods = pictured_methods(rows), *value, *row;
-    size_t shown = 0, count = json_object_size(methods), place = 0, i;
+    json_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->opt->methods), *adapted;
     const char *method;
-    iso_status status = check_methods(methods, f->opt->methods, err);
-    if (status == ISO_OK && count == 0)
+    size_t shown = 0;
+    iso_status status = ISO_OK;
+    if (json_object_size(f->opt->methods ? methods : chosen) == 0)
         status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
+    if (status == ISO_OK)
+        status = check_methods(methods, f->opt->methods, err);
     fprintf(f->caption, "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
                         "channels, on a linear scale. Figures below a map are of this view; means over all views:",
             file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
-    json_object_foreach(methods, method, value) {
-        bool wanted = f->opt->methods ? is_in_list(f->opt->methods, method) : place == 0 || place + 1 == count;
-        ++place;
-        if (!wanted || status != ISO_OK)
-            continue;
-        bool first = true;
-        json_array_foreach(rows, i, row) {
-            if (strcmp(string_of(row, "method"), method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
-                continue;
-            if (first) { /* level 0 stands before each row of pictures */
-                panel p = {.row = 2 * shown, .image = string_of(row, "reference_image"), .scale_bar = shown == 0};
-                snprintf(p.side, sizeof p.side, "%s", method);
-                if (shown == 0)
-                    snprintf(p.title, sizeof p.title, "level 0");
-                status = add_panel(f, p, err);
-            }
-            first = false;
-            if (status == ISO_OK)
-                status = add_level(f, row, shown, err);
-        }
-        ++shown;
-    }
+    json_object_foreach(chosen, method, adapted)
+        if (status == ISO_OK)
+            status = add_levels(f, rows, method, shown++, err);
+    json_decref(chosen);
     json_decref(methods);
     return status;
 }

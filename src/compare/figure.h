@@ -6,8 +6,8 @@
  *         figure.gp    how it is drawn, from figure.csv and the panels' pixels;
  *                      style.gp has fonts and colours
  *
- *   levels      columns: levels; for each method the image and, below, its
- *               difference from level 0, on one linear scale
+ *   levels      columns: levels; for each method, under each TF asked for, the
+ *               image and, below, its difference from level 0, on one linear scale
  *   renderers   columns: comparisons at one level; both images and their
  *               difference, on one log scale
  * The scale bar holds in the plane through the centre of the volume's box; it
@@ -25,7 +25,8 @@ iso_status iso_figure_from_name(const char *name, iso_figure_kind *kind, iso_err
 
 typedef struct iso_figure_options {
     iso_figure_kind kind;
-    const char *methods; /* levels: "naive,moments"; NULL: the first and the last of the report */
+    const char *methods; /* levels: "naive,moments,moments+adapted" (iso_report_consistency_name()), in the report's
+                          * order; NULL: the first and the last under the original TF */
     size_t level;        /* renderers */
     double width_mm;     /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
     double height_mm;    /* the same: panels become smaller */

@@ -308,13 +308,20 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
         status = check_image_name(r, row->reference_image, err);
     if (status != ISO_OK)
         return status;
-    json_t *o = json_pack("{s:I, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "method",
-                          text(row->method), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
+    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "method",
+                          text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
+                          text(row->original_kept), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
                           number(row->ssim_dissimilarity_mean), "flip_mean", number(row->flip_mean),
                           "gradient_angle_mean_deg", number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
                           number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
                           text(row->reference_image));
     return json_array_append_new(json_object_get(r->root, "consistency"), o) == 0 ? ISO_OK : no_memory(err);
+}
+
+void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES])
+{
+    const char *method = json_string_value(json_object_get(row, "method")), *tf = json_string_value(json_object_get(row, "tf"));
+    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "", tf && strcmp(tf, "adapted") == 0 ? "+adapted" : "");
 }
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)

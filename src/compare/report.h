@@ -77,14 +77,23 @@ const char *iso_report_verdict(const iso_report_agreement *row);
 /* Keeps the row with its verdict. */
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 
-/* How far a level is from level 0 with one way to shade it. NaN: not measured. */
+/* How far a level is from level 0, which is always under the original TF, with one way to shade it. NaN: not measured.
+ * In report.json: level, views, method, tf ("original" or "adapted"), original_kept, the four figures, image and
+ * reference_image. Rows of older reports have no tf: theirs is the original. */
 typedef struct iso_report_consistency {
     size_t level, views;
     const char *method;
+    bool adapted;              /* the TF to the level */
+    const char *original_kept; /* why adapting was refused, so that the figures are the original's; else NULL */
     double ssim_dissimilarity_mean, flip_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
     const char *image, *reference_image; /* one of the views at this level and at level 0, or NULL */
 } iso_report_consistency;
 iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);
+
+/* How charts, figures, baselines and JUnit's XML call a row of report.json's "consistency": "moments" under the
+ * original TF, "moments+adapted" under the adapted one. */
+enum { ISO_CONSISTENCY_NAME_BYTES = 128 };
+void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES]);
 
 /* A renderer's fitness before it is compared. Passes when |value| <= limit; NaN: nothing could be measured, which fails. */
 typedef struct iso_report_calibration {
@@ -107,7 +116,8 @@ iso_report_summary iso_report_summarise(const iso_report *report);
 iso_status iso_report_finish(iso_report *report, iso_error *err);
 
 /* The rows as JUnit's XML, for continuous integration; before or after finish. Rows that differ and calibrations that
- * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped. */
+ * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped. Consistency is
+ * measured without a limit: its figures are properties of a suite without cases. */
 iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
 
 /* The data model, borrowed. */

@@ -482,24 +482,30 @@ function consistency() {
     if (inlined.charts.consistency) section.append(el('figure', {}, el('img', {src: inlined.charts.consistency, alt: 'error against level 0 for each level and method'}),
         figcaption('Error against level 0 for each level and method. Data and script: charts/consistency.csv, charts/consistency.gp.')));
     const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'], rows = [];
+    const tf = r => r.tf === 'adapted' ? 'adapted' : 'original', adapted = data.consistency.some(r => tf(r) === 'adapted');
     for (const k of levels) {
         const group = data.consistency.filter(r => r.level === k);
         const best = keys.map(key => Math.min(...group.map(r => r[key]).filter(v => v !== null)));
-        for (const r of group) rows.push(el('tr', {}, cell(String(r.level), true), cell(r.method), cell(String(r.views), true),
+        for (const r of group) rows.push(el('tr', {'data-tf': tf(r)}, cell(String(r.level), true), cell(r.method),
+            adapted ? cell([tf(r), r.original_kept ? el('small', {class: 'refused', title: r.original_kept}, ' refused, original kept') : '']) : null, cell(String(r.views), true),
             keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
     }
-    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
+    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ...(adapted ? [['TF']] : []), ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
+    const kept = new Map(data.consistency.filter(r => r.original_kept).map(r => [r.level, r.original_kept]));
+    for (const [k, why] of kept) section.append(el('p', {class: 'kept'}, `Level ${k}: adapting was refused. ${why[0].toUpperCase()}${why.slice(1)}.`));
     const pictured = data.consistency.filter(r => r.image), shown = levels.filter(k => pictured.some(r => r.level === k));
     if (pictured.length === 0) return;
     const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${shown.length + 1}, minmax(0, 190px))`});
     const reference = pictured[0].reference_image;
     let first = true;
-    for (const method of [...new Set(pictured.map(r => r.method))]) {
+    for (const method of [...new Set(pictured.map(r => r.method))]) for (const which of ['original', 'adapted']) {
+        const row = k => pictured.find(r => r.level === k && r.method === method && tf(r) === which);
+        if (shown.every(k => !row(k) || row(k).original_kept)) continue; // nothing to see that was not seen above
         panels.append(first && reference ? still(inlined.images[reference], 'level 0') : el('div', {}));
         first = false;
         for (const k of shown) {
-            const r = pictured.find(row => row.level === k && row.method === method);
-            panels.append(r ? still(inlined.images[r.image], method, `level ${k}, 1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
+            const r = row(k), name = which === 'adapted' ? `${method}, ${r && r.original_kept ? 'original TF kept' : 'adapted TF'}` : method;
+            panels.append(r ? still(inlined.images[r.image], name, `level ${k}, 1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
         }
     }
     section.append(el('figure', {}, panels, figcaption('One view at each level, with each way to shade it; figures are means over all views.')));

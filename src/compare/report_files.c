@@ -11,6 +11,7 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "compare/chart.h"
+#include "compare/report.h"
 
 ISO_EMBED(report_html, "src/compare/report.html");
 ISO_EMBED(report_css, "src/compare/report.css");
@@ -179,27 +180,34 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
     }
 }
 
-/* One block a method, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
+static void put_consistency_line(FILE *f, const json_t *row)
+{
+    const bool adapted = strcmp(string_of(row, "tf"), "adapted") == 0;
+    put_field(f, string_of(row, "method"));
+    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d\n", (long long)json_integer_value(json_object_get(row, "level")),
+            (long long)json_integer_value(json_object_get(row, "views")), number_of(row, "ssim_dissimilarity_mean"),
+            number_of(row, "flip_mean"), number_of(row, "gradient_angle_mean_deg"), number_of(row, "gradient_angle_p95_deg"),
+            adapted ? "adapted" : "original", string_of(row, "original_kept")[0] != 0);
+}
+
+/* One block a method and TF, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
 static void put_consistency_csv(FILE *f, const json_t *rows)
 {
     json_t *seen = json_object(), *row, *other;
     size_t i, j;
-    fputs("method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg\n", f);
+    char name[ISO_CONSISTENCY_NAME_BYTES], other_name[ISO_CONSISTENCY_NAME_BYTES];
+    fputs("method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept\n", f);
     json_array_foreach(rows, i, row) {
-        const char *method = string_of(row, "method");
-        if (json_object_get(seen, method))
+        iso_report_consistency_name(row, name);
+        if (json_object_get(seen, name))
             continue;
         if (json_object_size(seen) > 0)
             fputs("\n\n", f);
-        json_object_set_new(seen, method, json_true());
+        json_object_set_new(seen, name, json_true());
         json_array_foreach(rows, j, other) {
-            if (strcmp(string_of(other, "method"), method) != 0)
-                continue;
-            put_field(f, method);
-            fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g\n", (long long)json_integer_value(json_object_get(other, "level")),
-                    (long long)json_integer_value(json_object_get(other, "views")),
-                    number_of(other, "ssim_dissimilarity_mean"), number_of(other, "flip_mean"),
-                    number_of(other, "gradient_angle_mean_deg"), number_of(other, "gradient_angle_p95_deg"));
+            iso_report_consistency_name(other, other_name);
+            if (strcmp(name, other_name) == 0)
+                put_consistency_line(f, other);
         }
     }
     json_decref(seen);

@@ -131,11 +131,6 @@ static void put_calibration_case(FILE *f, const json_t *row)
     fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
 }
 
-typedef struct suite {
-    const char *name, *rows;
-    void (*put_case)(FILE *f, const json_t *row);
-} suite;
-
 static void put_property(FILE *f, const char *name, const char *value)
 {
     if (!name[0] || !value)
@@ -146,6 +141,25 @@ static void put_property(FILE *f, const char *name, const char *value)
     put_xml(f, value);
     fputs("\"/>\n", f);
 }
+
+/* Nothing is asked of how far a level is from level 0: facts, not cases that cannot fail. */
+static void put_consistency_facts(FILE *f, const json_t *row)
+{
+    static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", "original_kept"};
+    char of[ISO_CONSISTENCY_NAME_BYTES], name[ISO_CONSISTENCY_NAME_BYTES + 64], figure[32];
+    iso_report_consistency_name(row, of);
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        const json_t *value = json_object_get(row, keys[i]);
+        snprintf(name, sizeof name, "level %lld: %s: %s", (long long)json_integer_value(json_object_get(row, "level")), of, keys[i]);
+        snprintf(figure, sizeof figure, "%.6g", json_number_value(value));
+        put_property(f, name, json_is_number(value) ? figure : json_string_value(value));
+    }
+}
+
+typedef struct suite {
+    const char *name, *rows;
+    void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
+} suite;
 
 static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
 {
@@ -167,27 +181,34 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
             string_of(root, "made"));
     put_xml(f, host[0] ? host : "localhost");
     fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
-            json_array_size(rows), failures, errors, skipped, seconds);
+            s->put_case ? json_array_size(rows) : 0, failures, errors, skipped, seconds);
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
     json_object_foreach(json_object_get(root, "versions"), key, version)
         put_property(f, key, json_string_value(version));
+    json_array_foreach(rows, i, row)
+        if (s->put_facts)
+            s->put_facts(f, row);
     fputs("    </properties>\n", f);
     json_array_foreach(rows, i, row)
-        s->put_case(f, row);
+        if (s->put_case)
+            s->put_case(f, row);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
 }
 
 iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_error *err)
 {
-    const suite suites[] = {{"calibration", "calibration", put_calibration_case}, {"agreement", "agreement", put_agreement_case}};
+    const suite suites[] = {{"calibration", "calibration", put_calibration_case, NULL},
+                            {"agreement", "agreement", put_agreement_case, NULL},
+                            {"consistency", "consistency", NULL, put_consistency_facts}};
     char *xml = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&xml, &size);
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", f);
-    for (int i = 0; i < 2; ++i)
-        put_suite(f, r, i, &suites[i]);
+    for (int i = 0; i < 3; ++i)
+        if (suites[i].put_case || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
+            put_suite(f, r, i, &suites[i]);
     fputs("</testsuites>\n", f);
     iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err) : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     free(xml);
