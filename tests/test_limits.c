@@ -319,6 +319,35 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
     close_subject(&s);
 }
 
+/* What a report says of a limit is enough to make it again, whatever steps it was halved from. */
+static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
+{
+    (void)state;
+    static const iso_renderer which[] = {ISO_WITH_GL, ISO_WITH_POVRAY};
+    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    iso_image truth = reference(&s);
+    for (int i = 0; i < 2; ++i) {
+        iso_limit found;
+        iso_image again, other;
+        iso_limit_options opt = iso_limit_defaults();
+        opt.step_voxels = 1, opt.finest_voxels = 0.5, opt.wanted_bar = 0; /* halved once */
+        assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, which[i], &opt, &found, NULL, &err));
+        assert_within(found.step_voxels, 0.5, 0);
+        opt = iso_limit_defaults();
+        opt.step_voxels = found.step_voxels, opt.planes = found.planes, opt.intervals = found.intervals;
+        assert_ok(iso_limit_render(&renderers, &s.pyramid, 0, &s.view, which[i], &opt, &again, NULL, &err));
+        assert_within(largest_difference(&found.image, &again), 0, 0);
+        opt.step_voxels /= 2, opt.intervals = 2 * ((opt.intervals + 2) / 3);
+        assert_ok(iso_limit_render(&renderers, &s.pyramid, 0, &s.view, which[i], &opt, &other, NULL, &err));
+        assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
+        iso_image_destroy(&again);
+        iso_image_destroy(&other);
+        iso_limit_destroy(&found);
+    }
+    iso_image_destroy(&truth);
+    close_subject(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -331,6 +360,7 @@ int main(void)
         cmocka_unit_test(a_sharp_tf_that_is_called_smooth_is_told),
         cmocka_unit_test(wide_bars_are_halved_until_they_are_narrow),
         cmocka_unit_test(halving_goes_on_until_a_person_would_not_see_it),
+        cmocka_unit_test(a_limit_is_made_again_from_what_is_said_of_it),
         cmocka_unit_test(povrays_pair_halves_the_intervals_between_the_same_planes),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);

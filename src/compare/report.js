@@ -25,7 +25,7 @@ function number(x, digits = 3) {
     const magnitude = Math.abs(x);
     if (magnitude >= 0.001 && magnitude < 10000) return String(Number(x.toPrecision(digits)));
     const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
-    return el('span', {}, `${Number(mantissa)}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
+    return el('span', {class: 'power'}, `${Number(mantissa)}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
 }
 // For tables: two digits, so that exponents stand below each other.
 function brief(x) {
@@ -33,7 +33,7 @@ function brief(x) {
     if (x === 0) return '0';
     if (Math.abs(x) >= 0.0995) return String(Number(x.toPrecision(2)));
     const [mantissa, exponent] = x.toExponential(1).split('e');
-    return el('span', {}, `${mantissa}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
+    return el('span', {class: 'power'}, `${mantissa}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
 }
 const plain = x => x === null || x === undefined ? '–' : x === 0 ? '0' : x >= 0.001 && x < 10000 ? String(Number(x.toPrecision(3))) : x.toExponential(1);
 
@@ -192,8 +192,10 @@ function statisticsText(row) {
     if (s.step_voxels) {
         out.push(`Extrapolated from steps of ${step(2 * s.step_voxels)} and ${step(s.step_voxels)} voxel, whose RMSE is `, number(s.rmse_at_twice_the_step, 2), ' and ', number(s.rmse_at_the_step, 2));
         if (s.order !== null) out.push(` (order ${plain(s.order)})`);
-        out.push('. Error bar: ', number(s.step_bar, 2), ' by the step');
-        if (s.seeds > 1) out.push(', ', number(s.noise_bar, 2), ` by the noise of the mean over ${s.seeds} seeds. Bias `, number(s.signed_bias, 2), ' ± ', number(s.standard_error_of_bias, 2), ', mean local error ', number(s.mean_local_error, 2));
+        out.push('. The finer image lies ', number(s.step_bar, 2), ' from the limit');
+        if (s.seeds > 1) out.push(`; the noise of the mean over ${s.seeds} seeds is `, number(s.noise_bar, 2), ', its bias ', number(s.signed_bias, 2), ' ± ', number(s.standard_error_of_bias, 2), ', the mean local error ', number(s.mean_local_error, 2));
+        const factor = row.error_bar / Math.hypot(s.step_bar, s.seeds > 1 ? s.noise_bar : 0);
+        if (factor > 1.01) out.push(`; the error bar has a factor of safety of ${plain(factor)}`);
         out.push('.');
     }
     return [el('p', {}, out), el('details', {}, el('summary', {}, 'all its statistics'), el('dl', {class: 'statistics'}, Object.entries(s).map(([key, value]) =>
@@ -225,7 +227,7 @@ function agreementRow(row, at) {
     return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
         cell(row.verdict, false, row.verdict), limit, cell(String(row.level), true),
         cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, ` ${row.a}`)),
-        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.name === 'error bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
         withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
 function arrange() {
@@ -289,7 +291,7 @@ async function differencePanel(row) {
 function failures() {
     const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
     for (const row of data.agreement.filter(r => r.verdict === 'refused')) reasons.set(row.why, [...reasons.get(row.why) || [], row]);
-    const unfit = data.calibration.filter(r => r.verdict === 'fail');
+    const unfit = data.calibration.filter(r => r.verdict === 'fail' && !(r.value === null && reasons.has(r.detail))); // a missing renderer is told once
     if (bad.length + reasons.size + unfit.length === 0) return;
     $('failed').hidden = false;
     for (const row of bad.slice(0, shown)) {

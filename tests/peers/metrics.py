@@ -7,8 +7,8 @@
 SSIM: scikit-image's structural_similarity as Wang et al. (2004) have it (Gaussian window of sigma 1.5 and 11 x 11, sample
 variances without correction, range 1), on the luma of the sRGB colours, windows inside the image; limit 1e-7, for pictures
 travel as 16 bits, which both read alike, and isoshade's pixels are floats. FLIP: MAP.png is what the program of its authors
-wrote for the pair (colours of matplotlib's magma, 8 bits): each pixel has to be the same step, but for 1 in 2000 at the edge
-between two, and the mean within the 8 bits' own. Debian packages: python3-skimage, python3-matplotlib."""
+wrote for the pair (colours of matplotlib's magma, 8 bits): 99 % of the pixels have to lie within half a step of it, all within
+two thirds of one (single precision), and the means within 1e-4. Debian packages: python3-skimage, python3-matplotlib."""
 import argparse
 import json
 import os
@@ -79,14 +79,14 @@ def check_flip(folder, reference, test, map_path):
     colours = numpy.round(255 * theirs).astype(int).reshape(-1, 3)
     steps = numpy.array([table.get(tuple(c), -1) for c in colours.tolist()])
     if (steps < 0).any():
-        steps = numpy.array([numpy.abs(numpy.array(list(table)) - c).sum(1).argmin() for c in colours])
+        sys.exit(f"{map_path}: has colours that are none of magma's")
     own = os.path.join(folder, "map.exr")
     grey = os.path.join(folder, "authors.ppm")
     mean = compare(reference, test, "--flip-map", own)["flip_mean"]
     write_ppm(grey, numpy.repeat((steps / 255).reshape(*theirs.shape[:2], 1), 3, axis=2))
     apart = compare(own, grey)
-    # Half a step of 8 bits; the 16 bits of the picture on the way; single precision of theirs.
-    same = apart["p99_abs"] <= 0.5 / 255 + 2e-5 and apart["max_abs"] <= 1.01 / 255 and abs(mean - steps.mean() / 255) <= 1e-4
+    # Half a step of 8 bits, and the 16 bits of the picture on the way.
+    same = apart["p99_abs"] <= 0.5 / 255 + 2e-5 and apart["max_abs"] <= 0.67 / 255 and abs(mean - steps.mean() / 255) <= 1e-4
     print(f"flip  mean of the authors' map {steps.mean() / 255:.6f} (8 bits)  isoshade {mean:.6f}; largest difference of a pixel "
           f"{255 * apart['max_abs']:.3f} steps of 8 bits, of 99 % {255 * apart['p99_abs']:.3f}  {'same' if same else 'DIFFERENT'}")
     return same
