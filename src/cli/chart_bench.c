@@ -11,8 +11,8 @@
 #include "tf/adapt.h"
 
 /* A frame is drawn up to MOST_FRAMES times while that takes less than FRAMES_SECONDS. */
-enum { MOST_FRAMES = 7 };
-static const double FRAMES_SECONDS = 0.25;
+enum { MOST_FRAMES = 5 };
+static const double FRAMES_SECONDS = 0.15;
 /* What settings leave for others is kept until it is so large. */
 static const double MOST_KEPT_BYTES = 600e6, MOST_OTHERS_BYTES = 1500e6;
 
@@ -164,7 +164,7 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
     const bool other_program = iso_chart_is_other_program(c->renderer);
     const double needs = foresee_needs(b, c);
     if (!pace->is_known)
-        return needs + (other_program ? 4 : 0);
+        return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
     const double frame = pace->frame_seconds_per_cost * c->relative_cost;
     const double frames = other_program ? frame : fmin(MOST_FRAMES * frame, FRAMES_SECONDS + frame);
     return needs + pace->setup_seconds * (other_program ? 1 : (double)c->voxel_count) + frames;

@@ -251,11 +251,13 @@ static size_t count_departures(const iso_chart_case *c, const usual_choice *usua
     return n;
 }
 
-/* Departures; programs after our own renderers; a pyramid at a time, as two do not fit everywhere; cheap first. */
+/* Departures; the usual pyramid before others, which have to be built; programs after our own renderers; a pyramid at a
+ * time, as not all fit in memory; cheap first. */
 static int by_turn(const void *a, const void *b)
 {
     const iso_chart_case *x = a, *y = b;
     const double keys[][2] = {{(double)x->departures, (double)y->departures},
+                              {x->needs_pyramid, y->needs_pyramid},
                               {iso_chart_is_other_program(x->renderer), iso_chart_is_other_program(y->renderer)},
                               {x->estimator, y->estimator},
                               {x->filter, y->filter},
@@ -364,6 +366,7 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *firs
             c.voxel_count = iso_geometry_voxel_count(&level->geometry);
             c.relative_cost = relative_cost(level, &c);
             c.departures = count_departures(&c, &usual);
+            c.needs_pyramid = c.filter != usual.filter || c.estimator != usual.estimator;
             c.stored_bytes = stored_bytes(level, &c);
             if (pass == 1)
                 (*cases)[*count] = c;

@@ -52,6 +52,7 @@ typedef struct iso_chart_case {
     size_t voxel_count;  /* of the level; a plan's is level 0's */
     double relative_cost; /* samples along all rays, times the fetches of one */
     size_t departures;   /* from the usual choice of each axis but level and step */
+    bool needs_pyramid;  /* by another estimator or filter than the first */
     iso_render_stats took;
     double stored_bytes; /* of the level in a pyramid on disk: scalars as stored, and directions; of a plan's nodes */
     iso_metrics metrics;

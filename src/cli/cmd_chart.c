@@ -234,7 +234,7 @@ const iso_command iso_command_chart = {
                "axis, then in two ...; what does not fit into the budget is named. A setting is on the front when no other is both as\n"
                "fast (or as small) and as exact.\n"
                "\n"
-               "Times are of the frame alone: the fastest of up to 7, after a warm-up; the median and the slowest stand beside it, as\n"
+               "Times are of the frame alone: the fastest of up to 5, after a warm-up; the median and the slowest stand beside it, as\n"
                "does what came before the frame (textures; start, export and reading of Blender and POV-Ray). Device bytes are all\n"
                "textures by their formats (gl), Blender's own account, POV-Ray's DF3 files, the reference's arrays.\n"
                "\n"

@@ -36,17 +36,21 @@ legend_rows = rows_of(count, 4) + 1
 width = 980
 list_top = 26 + row * (list_rows + 1)
 legend_top = list_top + 10 + row * legend_rows
-height = 390 + legend_top
+height = 398 + legend_top
 load 'style.gp'
 if (!exists("pale")) pale = '#c4c4c4'
 if (!exists("mark")) mark = vermillion
 if (!exists("ink")) ink = '#222222'
 if (!exists("small")) small = ',9'
 if (!exists("point_scale")) point_scale = 1.0
+# Numbers stand on the empty side of the front: odd ones left of their point, even ones below, those that are ringed (2) farther left.
+ringed(p) = (int(column("chosen")) & p) > 0
+place(p) = ringed(p) ? 2 : int(column("number")) % 2
+numbered(at, flag, p) = column("number") > 0 && (column(flag) == 1 || ringed(p)) && place(p) == at
 size_of(k) = point_scale * (0.95 * 0.74 ** k)
 unset key
 set logscale xy
-set yrange [10 ** floor(log10(0.95 * best)) : 10 ** ceil(log10(1.05 * worst))]
+set yrange [0.5 * best : 1.4 * worst]
 set format y '10^{%T}'
 do for [i = 1:count] {
     set label 100 + i word(series, i) at screen 0.075 + 0.235 * ((i - 1) % 4), screen (legend_top - row * (0.5 + (i - 1) / 4)) / height left offset 1.3, -0.3 point lt i ps 0.95 * point_scale noenhanced
@@ -61,7 +65,7 @@ do for [n = 1:fronts] {
 set label 301 sprintf('%s, %s, %d x %d pixels; %s', volume, scene, wide, high, machine) at screen 0.065, screen 12.0 / height left noenhanced font small textcolor rgb ink
 if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb mark dt 2 lw 1.2 back
 set label 302 (want > 0 ? sprintf('on the front; ringed: the fastest and the smallest with at most %.3g (dashed)', want) : 'on the front') at screen 0.065, screen (list_top - 0.5 * row) / height left noenhanced font small textcolor rgb (want > 0 ? mark : ink)
-bottom = (legend_top + 56) / height
+bottom = (legend_top + 70) / height
 set multiplot
 do for [p = 1:2] {
     set lmargin at screen (p == 1 ? 0.075 : 0.56)
@@ -86,7 +90,7 @@ do for [p = 1:2] {
          for [i = 1:count] for [k = 0:levels - 1] data using (of(i) && column("level") == k ? column(cost) : NaN):(column("error")) with points lt i ps size_of(k), \
          data using (strcol("quadrature") eq 'preintegrated' ? column(cost) : NaN):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
          data using ((int(column("chosen")) & p) ? column(cost) : NaN):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark, \
-         data using (column(flag) == 1 && column("number") > 0 ? column(cost) : NaN):(column("error")):(sprintf('%d', int(column("number")))) with labels offset -0.9, -0.55 font small textcolor rgb ink
+         for [at = 0:2] data using (numbered(at, flag, p) ? column(cost) : NaN):(column("error")):(sprintf('%d', int(column("number")))) with labels offset at == 2 ? -2.7 : at == 1 ? -1.5 : -0.3, at == 2 ? 0 : at == 1 ? -0.15 : -0.85 font small textcolor rgb ink
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
     do for [n = 1:fronts] { unset label 400 + n }
