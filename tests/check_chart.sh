@@ -101,6 +101,10 @@ check a_plan_for_less_error_has_more_bytes_and_less_error plans_shrink "$dir/c2/
 expect povray_is_a_setting_of_the_chart 0 chart --levels 1 --steps 1 --with povray -o "$dir/c2"
 check povray_has_one_line grep -q '^povray: [a-z]*,povray; level 0; ' "$dir/c2/pareto.csv"
 check its_start_is_told_apart awk -F, 'NR == 2 {exit !($12 > 0 && $16 > $12 && $17 > 20 * 28 * 17 * 5)}' "$dir/c2/pareto.csv"
+expect processor_time_is_taken 0 chart --levels 1 --steps 1 --with gl,povray --processor-time -o "$dir/c2"
+check the_table_says_so test "$(column "$dir/c2/pareto.csv" time_kind | sort -u)" = processor
+check frames_near_the_front_are_timed_again awk -F, 'NR > 1 && $15 > 5 {++n} END {exit !(n > 0)}' "$dir/c2/pareto.csv"
+expect the_processor_time_of_cycles_is_not_known 2 chart --levels 1 --steps 1 --with cycles --processor-time -o "$dir/n"
 expect a_program_that_is_asked_for_has_to_be_there 7 env ISOSHADE_POVRAY=/nowhere "$ISOSHADE" chart "$dir/v.nrrd" --scene $scene --size 8 --with povray -o "$dir/n" -q
 export ISOSHADE_POVRAY=/nowhere ISOSHADE_BLENDER=/nowhere
 expect a_program_of_the_default_may_be_missing 0 all_axes --levels 1 --steps 1 --budget 3 -o "$dir/c2"

@@ -378,25 +378,32 @@ typedef struct run_progress {
     const iso_progress *progress;
     double from, to;
     iso_povray_stats *stats; /* or NULL */
+    bool after_trace;        /* the next line says how long all threads took */
 } run_progress;
 
-/* "Rendered 1234 of 2304 pixels (53%)" and "  Trace Time:       0 hours  0 minutes  1 seconds (1.234 seconds)" */
+/* "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1 seconds (1.234 seconds)" followed by
+ * "              using 2 thread(s) with 2.345 CPU-seconds total" */
 static void take_progress(void *user, const char *line)
 {
-    const run_progress *run = user;
-    size_t done, total;
+    run_progress *run = user;
+    size_t done, total, threads;
     const char *at = strstr(line, "Rendered ");
     if (at && sscanf(at, "Rendered %zu of %zu pixels", &done, &total) == 2 && total > 0)
         iso_progress_report(run->progress, "povray: rendering",
                             run->from + (run->to - run->from) * (double)done / (double)total);
     double seconds;
-    at = run->stats && strstr(line, "Trace Time:") ? strchr(line, '(') : NULL;
+    if (!run->stats)
+        return;
+    if (run->after_trace && sscanf(line, " using %zu thread(s) with %lf CPU-seconds", &threads, &seconds) == 2)
+        run->stats->processor_seconds += seconds;
+    run->after_trace = strstr(line, "Trace Time:") != NULL;
+    at = run->after_trace ? strchr(line, '(') : NULL;
     if (at && sscanf(at, "(%lf seconds)", &seconds) == 1)
         run->stats->trace_seconds += seconds;
 }
 
 static iso_status run_povray(const char *program, const char *dir, const iso_view *view, iso_povray_pass pass,
-                             size_t intervals, const iso_povray_options *opt, const run_progress *run, iso_image *image,
+                             size_t intervals, const iso_povray_options *opt, run_progress *run, iso_image *image,
                              iso_error *err)
 {
     char width[32], height[32], threads[48], declare_pass[48], declare_intervals[48];
@@ -408,7 +415,7 @@ static iso_status run_povray(const char *program, const char *dir, const iso_vie
     const char *argv[] = {program, "Input_File_Name=scene.pov", "Output_File_Name=pass.ppm", "Output_File_Type=P",
                           "Bits_Per_Color=16", "File_Gamma=1.0", "Dither=Off", "Antialias=Off", "Display=Off",
                           "Pause_When_Done=Off", "Verbose=On", width, height, threads, declare_pass, declare_intervals, NULL};
-    const iso_process_options options = {.directory = dir, .line = take_progress, .user = (void *)run};
+    const iso_process_options options = {.directory = dir, .line = take_progress, .user = run};
     iso_status status = iso_process_run(argv, &options, err);
     if (status != ISO_OK)
         return status;
@@ -441,7 +448,7 @@ static iso_status render_once(const char *program, const char *dir, const iso_po
 {
     iso_image transmittance = {0};
     const double split = run->from + 0.3 * (run->to - run->from);
-    const run_progress first = {run->progress, run->from, split, run->stats}, second = {run->progress, split, run->to, run->stats};
+    run_progress first = {run->progress, run->from, split, run->stats, false}, second = {run->progress, split, run->to, run->stats, false};
     iso_status status = run_povray(program, dir, s->view, ISO_POVRAY_TRANSMITTANCE, intervals, s->options, &first,
                                    &transmittance, err);
     if (status == ISO_OK)
@@ -466,7 +473,7 @@ static iso_status render_scene(const char *program, const char *dir, const iso_p
     const size_t n = s->options->intervals;
     const bool extrapolated = s->options->extrapolate && !s->options->isosurface;
     const double split = extrapolated ? 1.0 / 3 : 0;
-    const run_progress coarse_run = {progress, 0, split, s->options->stats}, fine_run = {progress, split, 1, s->options->stats};
+    run_progress coarse_run = {progress, 0, split, s->options->stats, false}, fine_run = {progress, split, 1, s->options->stats, false};
     iso_image coarse = {0};
     iso_status status = ISO_OK;
     iso_progress_report(progress, "povray: rendering", 0);

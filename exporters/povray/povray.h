@@ -39,6 +39,7 @@
 /* What a render took inside POV-Ray, over all its passes. */
 typedef struct iso_povray_stats {
     double trace_seconds; /* without starting, reading DF3 files and parsing */
+    double processor_seconds; /* the same over all threads */
     double df3_bytes;     /* of the DF3 files, which POV-Ray holds as they are */
 } iso_povray_stats;
 

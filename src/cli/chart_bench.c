@@ -162,7 +162,7 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
 {
     const iso_chart_pace *pace = &b->pace[c->renderer];
     const bool other_program = iso_chart_is_other_program(c->renderer);
-    const double needs = foresee_needs(b, c);
+    const double needs = foresee_needs(b, c) + b->metrics_seconds;
     if (!pace->is_known)
         return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
     const double frame = pace->frame_seconds_per_cost * c->relative_cost;
@@ -248,6 +248,7 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     opt.threads = b->threads;
     opt.repeats = MOST_FRAMES;
     opt.repeat_seconds = FRAMES_SECONDS;
+    opt.processor_time = b->processor_time;
     opt.stats = &c->took;
     if (status == ISO_OK)
         status = iso_render_with(&b->renderers, &p, c->level, &view, &opt, image, NULL, NULL, err);
@@ -262,6 +263,8 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
                                     .repeat_seconds = FRAMES_SECONDS, .threads = b->threads};
     iso_cached_report report;
     iso_status status = iso_renderers_need_gl(&b->renderers, err);
+    if (status == ISO_OK && b->processor_time)
+        iso_gl_time_processor(b->renderers.gl, true);
     if (status == ISO_OK)
         status = iso_cached_render_nodes(b->renderers.gl, &b->nodes, &b->plan, &b->view, &opt, image, &report, err);
     if (status != ISO_OK)
@@ -271,9 +274,10 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     return ISO_OK;
 }
 
-iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
+/* What the setting needs, and its image. */
+static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
-    iso_image image = {0};
+    *image = (iso_image){0};
     iso_status status = need_pyramid(b, c, err);
     if (status == ISO_OK)
         status = need_tf(b, c, err);
@@ -283,12 +287,32 @@ iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_er
         status = need_plan(b, c, err);
     const double start = iso_clock_seconds();
     if (status == ISO_OK)
-        status = c->plan_error > 0 ? render_plan(b, c, &image, err) : render_level(b, c, &image, err);
+        status = c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err);
+    if (status == ISO_OK)
+        learn(b, c, iso_clock_seconds() - start);
+    return status;
+}
+
+iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
+{
+    iso_image image;
+    iso_status status = render(b, c, &image, err);
+    const double start = iso_clock_seconds();
     if (status == ISO_OK)
         status = iso_metrics_measure(&b->reference, &image, &c->metrics, err);
+    b->metrics_seconds = iso_clock_seconds() - start;
     iso_image_destroy(&image);
     c->done = status == ISO_OK;
-    if (c->done)
-        learn(b, c, iso_clock_seconds() - start);
+    return status;
+}
+
+iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
+{
+    iso_chart_case again = *c;
+    iso_image image;
+    iso_status status = render(b, &again, &image, err);
+    iso_image_destroy(&image);
+    if (status == ISO_OK)
+        iso_render_stats_add(&c->took, &again.took);
     return status;
 }

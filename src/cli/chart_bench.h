@@ -30,6 +30,7 @@ typedef struct iso_chart_bench {
     const char *path;
     const iso_cli_input *input;
     int threads;
+    bool processor_time;
     iso_progress progress;
     bool is_volume;
     iso_pyramid first;          /* of the first estimator and filter */
@@ -46,7 +47,7 @@ typedef struct iso_chart_bench {
     double kept_bytes;
     iso_renderers renderers;
     iso_image reference;
-    double reference_seconds;
+    double reference_seconds, metrics_seconds; /* of the last comparison */
     iso_chart_pace pace[ISO_RENDERER_COUNT];
 } iso_chart_bench;
 
@@ -65,5 +66,8 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
 
 /* Fills took, stored_bytes of plans, metrics and done. Frames are drawn again while that is short. */
 iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err);
+
+/* Adds frames to those of a setting that is done: spread over the run, what else the machine does meets all alike. */
+iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err);
 
 #endif

@@ -346,8 +346,8 @@ json_t *iso_chart_result_json(const iso_chart_result *r)
     tag_list *untried;
     json_object_set_new(root, "schema", json_string("isoshade.chart/2"));
     json_object_set_new(root, "options",
-                        json_pack("{s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
-                                  iso_chart_metric_name(r->metric), "bytes", r->bytes == ISO_CHART_STORED ? "stored" : "device",
+                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
+                                  iso_chart_metric_name(r->metric), "time", r->bench->processor_time ? "processor" : "clock", "bytes", r->bytes == ISO_CHART_STORED ? "stored" : "device",
                                   "budget_seconds", r->budget_seconds, "image", (json_int_t)r->bench->view.width,
                                   (json_int_t)r->bench->view.height));
     json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
@@ -384,18 +384,18 @@ static void put_field(FILE *f, const char *text)
 /* pareto.gp finds the columns by their names. */
 static char *result_csv(const iso_chart_result *r)
 {
-    char *text = NULL, machine[640];
+    char *text = NULL, machine[320];
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return NULL;
     json_t *about = iso_machine_describe();
-    snprintf(machine, sizeof machine, "%s; %d cores; %s", json_string_value(json_object_get(about, "processor")),
-             (int)json_integer_value(json_object_get(about, "cores")), json_string_value(json_object_get(about, "system")));
+    snprintf(machine, sizeof machine, "%s; %d cores", json_string_value(json_object_get(about, "processor")),
+             (int)json_integer_value(json_object_get(about, "cores")));
     json_decref(about);
     fputs("series,setting,renderer,level,gradients,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
           "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
-          "bytes_front,number,chosen,want,metric,bytes_kind,width,height,volume,scene,versions,machine,command\n", f);
+          "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,command\n", f);
     for (size_t i = 0; i < r->done_count; ++i) {
         const iso_chart_case *c = &r->cases[i];
         char series[160], setting[192], gradients[64], versions[400];
@@ -410,10 +410,10 @@ static char *result_csv(const iso_chart_result *r)
         fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.12g,", 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
                 1e3 * c->took.most_seconds, c->took.count, 1e3 * c->took.setup_seconds, c->took.bytes, c->stored_bytes,
                 bytes_of(c, r->bytes));
-        fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%zu,%zu", iso_chart_error(c, r->metric), c->metrics.rmse,
+        fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric), c->metrics.rmse,
                 c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front, c->on_bytes_front, c->number,
                 (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want, metrics[r->metric].title,
-                r->bytes == ISO_CHART_STORED ? "stored" : "device", r->bench->view.width, r->bench->view.height);
+                r->bench->processor_time ? "processor" : "clock", r->bytes == ISO_CHART_STORED ? "stored" : "device", r->bench->view.width, r->bench->view.height);
         put_field(f, r->bench->path);
         put_field(f, r->scene);
         put_field(f, versions);

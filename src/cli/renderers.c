@@ -77,13 +77,25 @@ static int by_value(const void *a, const void *b)
 }
 
 /* The fastest, the middle and the slowest of at least one frame. */
-static void sum_up(iso_render_stats *stats, double *seconds, size_t count)
+static void sum_up(iso_render_stats *stats, const double *seconds, size_t count)
 {
-    qsort(seconds, count, sizeof *seconds, by_value);
+    memcpy(stats->frame_seconds, seconds, count * sizeof *seconds);
+    qsort(stats->frame_seconds, count, sizeof *seconds, by_value);
     stats->count = count;
-    stats->seconds = seconds[0];
-    stats->median_seconds = 0.5 * (seconds[(count - 1) / 2] + seconds[count / 2]);
-    stats->most_seconds = seconds[count - 1];
+    stats->seconds = stats->frame_seconds[0];
+    stats->median_seconds = 0.5 * (stats->frame_seconds[(count - 1) / 2] + stats->frame_seconds[count / 2]);
+    stats->most_seconds = stats->frame_seconds[count - 1];
+}
+
+void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more)
+{
+    double seconds[2 * ISO_GL_MAX_DRAWS];
+    memcpy(seconds, stats->frame_seconds, stats->count * sizeof *seconds);
+    memcpy(seconds + stats->count, more->frame_seconds, more->count * sizeof *seconds);
+    const size_t count = stats->count + more->count;
+    qsort(seconds, count, sizeof *seconds, by_value);
+    if (count > 0)
+        sum_up(stats, seconds, count < ISO_GL_MAX_DRAWS ? count : ISO_GL_MAX_DRAWS);
 }
 
 static iso_status render_gl(iso_renderers *r, const iso_level *level, iso_code code, const iso_view *view,
@@ -101,6 +113,8 @@ static iso_status render_gl(iso_renderers *r, const iso_level *level, iso_code c
     o.repeat_seconds = opt->repeat_seconds;
     o.stats = &inside;
     iso_status status = iso_renderers_need_gl(r, err);
+    if (status == ISO_OK && opt->processor_time)
+        iso_gl_time_processor(r->gl, true);
     if (status == ISO_OK)
         status = iso_gl_render(r->gl, level, code, view, &o, image, NULL, err);
     if (status == ISO_OK)
@@ -110,8 +124,7 @@ static iso_status render_gl(iso_renderers *r, const iso_level *level, iso_code c
 
 void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats)
 {
-    iso_gl_stats sorted = *inside;
-    sum_up(stats, sorted.draw_seconds, sorted.draw_count);
+    sum_up(stats, inside->draw_seconds, inside->draw_count);
     stats->setup_seconds = inside->upload_seconds;
     stats->bytes = inside->texture_bytes;
 }
@@ -129,7 +142,7 @@ static double reference_bytes(const iso_level *level, iso_direction_source sourc
 static iso_status render_reference(const iso_level *level, iso_code code, const iso_view *view, const iso_render_options *opt,
                                    iso_image *image, iso_render_stats *stats, const iso_progress *progress, iso_error *err)
 {
-    double seconds[ISO_GL_MAX_DRAWS], sum = 0;
+    double seconds[ISO_GL_MAX_DRAWS], sum = 0, (*clock)(void) = opt->processor_time ? iso_cpu_seconds : iso_clock_seconds;
     size_t count = 0;
     iso_reference_options o = iso_reference_defaults();
     o.quadrature = opt->isosurface ? ISO_QUADRATURE_FIRST_HIT : opt->quadrature;
@@ -142,9 +155,9 @@ static iso_status render_reference(const iso_level *level, iso_code code, const 
     iso_status status = ISO_OK;
     do {
         iso_image_destroy(image);
-        double start = iso_clock_seconds();
+        const double start = clock();
         status = iso_reference_render(level, code, view, &o, image, progress, err);
-        sum += seconds[count++] = iso_clock_seconds() - start;
+        sum += seconds[count++] = clock() - start;
     } while (status == ISO_OK && count < opt->repeats && count < ISO_GL_MAX_DRAWS && sum < opt->repeat_seconds);
     sum_up(stats, seconds, count);
     stats->bytes = reference_bytes(level, opt->source);
@@ -205,7 +218,7 @@ static iso_status render_povray(const iso_pyramid *p, size_t level, const iso_vi
     o.iso = opt->iso;
     o.threads = opt->threads;
     iso_status status = iso_povray_render(p, level, view, &o, image, progress, err);
-    sum_up(stats, &inside.trace_seconds, 1);
+    sum_up(stats, opt->processor_time ? &inside.processor_seconds : &inside.trace_seconds, 1);
     stats->bytes = inside.df3_bytes;
     return status;
 }

@@ -41,6 +41,7 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_RENDERER_CO
 typedef struct iso_render_stats {
     double seconds, median_seconds, most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
     size_t count;
+    double frame_seconds[ISO_GL_MAX_DRAWS]; /* rising */
     double setup_seconds; /* before it: textures; or the start, the export and the reading of another program */
     double bytes;         /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
                            * reference's floats and codes */
@@ -59,11 +60,14 @@ typedef struct iso_render_options {
     bool shade_table;              /* GL, palettes */
     size_t repeats;                /* GL and the reference: frames, the last of which is the image ... */
     double repeat_seconds;         /* ... as long as they have taken less than this; above 0 a warm-up goes before them */
+    bool processor_time;           /* stats: the frame's processor time over all cores instead of the clock's; not of Cycles */
     iso_render_stats *stats;       /* filled; or NULL */
     int threads;
 } iso_render_options;
 iso_render_options iso_render_defaults(iso_renderer r);
 
+/* As if the frames of both had been drawn at once; beyond ISO_GL_MAX_DRAWS the slowest are forgotten. */
+void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
 void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats);
 
 typedef struct iso_renderers {

@@ -10,7 +10,7 @@ known(s) = strstrt(series, '"' . s . '"') > 0
 of(i) = strcol("series") eq word(series, i)
 stats data using (known(strcol("series")) ? 0 : (series = series . ' "' . strcol("series") . '"', 0)) nooutput
 stats data using (metric = strcol("metric"), kind = strcol("bytes_kind"), scene = strcol("scene"), wide = column("width"), high = column("height"), 0) nooutput
-stats data using (volume = strcol("volume"), machine = strcol("machine"), want = column("want"), 0) nooutput
+stats data using (volume = strcol("volume"), machine = strcol("machine"), clock = strcol("time_kind"), want = column("want"), 0) nooutput
 stats data using (column("level")) nooutput
 levels = int(STATS_max) + 1
 stats data using (strcol("quadrature") eq 'preintegrated' ? 1 : 0) nooutput
@@ -84,7 +84,7 @@ do for [p = 1:2] {
         do for [d = floor(log10(left_x)) : ceil(log10(right_x))] { do for [m in '1 2 5'] { set xtics add (gprintf(format_x, m * 10.0 ** d) m * 10.0 ** d) } }
     }
     set ylabel (p == 1 ? metric . ' to the converged reference of level 0' : '') offset 1, 0
-    set xlabel (p == 1 ? 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
+    set xlabel (p == 1 ? (clock eq 'processor' ? 'processor ' : '') . 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
     plot data using (column(flag) == 1 ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \
          data using (column(flag) == 1 && p == 1 ? column(cost) : NaN):(column("error")):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
          for [i = 1:count] for [k = 0:levels - 1] data using (of(i) && column("level") == k ? column(cost) : NaN):(column("error")) with points lt i ps size_of(k), \
