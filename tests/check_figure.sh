@@ -34,6 +34,7 @@ report() { # folder, levels, "methods", "renderers"
 report four 4 on-the-fly,naive,eq1,moments gl,povray,cycles
 report long 4 "directions on the fly from the level's own scalar,moments of the gradients with coherence as length" \
     "the ray caster in OpenGL by the same samples,Cycles by the mean over seeds,povray"
+report methods 4 moments "gl,gl; limit,gl; naive; adapted TF,gl; eq1" && sed -i 's/; /, /g' methods/report.json
 report one 1 "" gl
 
 # What a word processor's checks would look at.
@@ -84,9 +85,16 @@ check words_that_meet_are_noticed test -n "$(words_are_apart planted/figure.pdf)
 check the_bar_says_5_mm grep -q '5 mm' four_levels_178/figure.svg
 check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 / 24) ^ 2 < 1e-8)}' four_levels_178/figure.csv
 
-check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles  convergence gl  convergence povray  convergence"
+check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles gl povray"
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
+expect renderers_alone 0 "$ISOSHADE" figure methods --kind renderers -o renderers
+check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
+check a_limit_keeps_its_comma words_are_all_there renderers/figure.pdf "gl gl, limit"
+expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers --variant adapted -o variant
+check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
+check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
+refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
 expect one_level_has_renderers 0 "$ISOSHADE" figure one --kind renderers -o one_renderers
 refuse one_level_has_no_levels 5 'no pictures of levels' "$ISOSHADE" figure one -o f
 sed 's/"consistency"/"other"/' one/report.json >r.json && mkdir bare && mv r.json bare/report.json

@@ -8,13 +8,14 @@
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_figure_options opt = iso_figure_defaults();
-    char *output = NULL, *kind = NULL, *methods = NULL;
+    char *output = NULL, *kind = NULL, *methods = NULL, *variant = NULL;
     int level = 0;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the figure", "DIR"},
         {"kind", 0, POPT_ARG_STRING, &kind, 0, "levels (default) or renderers", "KIND"},
         {"methods", 0, POPT_ARG_STRING, &methods, 0, "levels: of the report, such as naive,moments,moments+adapted; else its first and last", "LIST"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &level, 0, "renderers: the level", "K"},
+        {"variant", 0, POPT_ARG_STRING, &variant, 0, "renderers: comparisons of such a name, such as naive or \"adapted TF\"; else those of the scene as it is", "TEXT"},
         {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.width_mm, 0, "of the figure, at most; 85 is one column of many journals, 178 both", "MM"},
         {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.height_mm, 0, "of the figure, at most", "MM"},
         {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.dpi, 0, "of its pictures, at least", "DPI"},
@@ -31,6 +32,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             status = iso_figure_from_name(kind, &opt.kind, err);
         opt.level = (size_t)level;
         opt.methods = methods;
+        opt.variant = variant;
         if (status == ISO_OK)
             status = iso_figure_make(cli.arguments[0], &opt, output, err);
         if (status == ISO_OK && cli.json) {
@@ -47,6 +49,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     free(output);
     free(kind);
     free(methods);
+    free(variant);
     return status;
 }
 

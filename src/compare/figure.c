@@ -15,7 +15,7 @@
 static const char *const kind_names[ISO_FIGURE_COUNT] = {"levels", "renderers"};
 enum { max_panels = 256 };
 
-typedef iso_figure_panel panel; /* texts are without commas and quotes once they are in the CSV */
+typedef iso_figure_panel panel;
 
 typedef struct figure {
     const iso_figure_options *opt;
@@ -242,8 +242,7 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b");
     panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
     panel middle = {.row = 1, .column = column, .image = b}, bottom = {.row = 2, .column = column, .image = b, .against = a};
-    snprintf(top.title, sizeof top.title, "%s%s%s", string_of(row, "b"), string_of(row, "tier")[0] ? "|" : "",
-             string_of(row, "tier"));
+    snprintf(top.title, sizeof top.title, "%.60s%s", string_of(row, "b"), strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
     if (column == 0) {
         snprintf(top.side, sizeof top.side, "reference");
         snprintf(middle.side, sizeof middle.side, "renderer");
@@ -264,10 +263,15 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     return ISO_OK;
 }
 
-static bool is_pictured(const json_t *row, size_t level)
+/* The renderers themselves, or those whose name says the variant. Names are "gl", "gl, limit", "gl, naive, adapted TF". */
+static bool is_shown(const json_t *row, const iso_figure_options *opt)
 {
-    return (size_t)json_integer_value(json_object_get(row, "level")) == level && string_of(row, "image_a")[0] &&
-           string_of(row, "image_b")[0] && strcmp(string_of(row, "verdict"), "refused") != 0;
+    const char *name = string_of(row, "b"), *rest = strchr(name, ',');
+    if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level || strcmp(string_of(row, "verdict"), "refused") == 0)
+        return false;
+    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0])
+        return false;
+    return opt->variant ? strstr(name, opt->variant) != NULL : !rest || strcmp(rest, ", limit") == 0;
 }
 
 /* Renderers stand together, whatever order the report has. */
@@ -286,14 +290,15 @@ static iso_status plan_renderers(figure *f, iso_error *err)
     if (!shown)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     json_array_foreach(rows, i, row)
-        if (is_pictured(row, f->opt->level))
+        if (is_shown(row, f->opt))
             shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
     fprintf(f->caption, "Renderers at level %zu of %s (%s): the reference, each renderer, and the largest difference over the "
                         "channels on a log scale.",
             f->opt->level, file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
-    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu",
-                                                      f->report_dir, f->opt->level);
+    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu%s%s",
+                                                      f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
+                                                      f->opt->variant ? f->opt->variant : "");
     for (i = 0; i < count && status == ISO_OK; ++i)
         status = add_comparison(f, shown[i], i, err);
     free(shown);

@@ -27,7 +27,8 @@ line(points) = 1.25 * points / 0.75 # from line to line, in the pixels of width 
 if (in_logs) set cbtics 2 format '10^{%g}' nomirror scale 0.3 offset -0.8, 0 font tick_font
 half = 0.5 * (up - low)
 if (!in_logs) set cbtics low, half, up nomirror scale 0.3 offset -0.8, 0 font tick_font format '%.2g'
-# A '|' in a text begins a new line.
+# A '|' in a text begins a new line, and a ';' is a comma, which would end a cell of figure.csv.
+comma(s) = strstrt(s, ';') ? s[1:strstrt(s, ';') - 1] . ',' . comma(s[strstrt(s, ';') + 1:*]) : s
 parts(s) = strstrt(s, '|') ? 1 + parts(s[strstrt(s, '|') + 1:*]) : 1
 part(s, k) = k > 1 ? part(s[strstrt(s, '|') + 1:*], k - 1) : strstrt(s, '|') ? s[1:strstrt(s, '|') - 1] : s
 lines(s) = s eq '-' ? 0 : parts(s)
@@ -43,13 +44,13 @@ do for [i = 1:count] {
     unset label
     unset arrow
     do for [k = 1:lines(title[i])] {
-        set label part(title[i], k) at screen 0.5 * (left[i] + right[i]), top[i] + (0.62 + lines(title[i]) - k) * line(title_pt) / height center noenhanced font title_font
+        set label comma(part(title[i], k)) at screen 0.5 * (left[i] + right[i]), top[i] + (0.62 + lines(title[i]) - k) * line(title_pt) / height center noenhanced font title_font
     }
     do for [k = 1:lines(note[i])] {
         set label part(note[i], k) at screen 0.5 * (left[i] + right[i]), bottom[i] - (k - 0.3) * line(note_pt) / height center noenhanced font note_font
     }
     do for [k = 1:lines(side[i])] {
-        set label part(side[i], k) at screen left[i] - (0.6 + lines(side[i]) - k) * line(title_pt) / width, middle[i] center rotate by 90 noenhanced font title_font
+        set label comma(part(side[i], k)) at screen left[i] - (0.6 + lines(side[i]) - k) * line(title_pt) / width, middle[i] center rotate by 90 noenhanced font title_font
     }
     if (bar[i] > 0) {
         set arrow from graph 0.05, graph 0.05 to graph 0.05 + bar[i], graph 0.05 nohead lc rgb bar_colour[i] lw 2 front

@@ -86,6 +86,7 @@ static size_t break_lines(const char *text, double room_mm, double pt, char out[
     return count;
 }
 
+/* A cell of the CSV; "-" for none. gnuplot knows no commas within cells: they stand as ';', and figure.gp turns them back. */
 static void put_text(FILE *csv, const char *s)
 {
     if (!*s)
