@@ -121,6 +121,21 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
     iso_power_close(&c);
 }
 
+/* A NaN is a row that differs, by every renderer, not the end of the validation. */
+static void a_pixel_that_is_no_number_is_rejected(void **state)
+{
+    (void)state;
+    const iso_planted nan_pixel = {.deviation = ISO_DEVIATION_PIXEL, .amount = NAN};
+    const iso_renderer renderer[] = {ISO_WITH_GL, ISO_WITH_CYCLES};
+    iso_power_case c = open_case(500);
+    for (int i = 0; i < 2; ++i) {
+        bool rejected;
+        assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LIMIT, renderer[i], &nan_pixel, &rejected, &err));
+        assert_true(rejected);
+    }
+    iso_power_close(&c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -130,6 +145,7 @@ int main(void)
         cmocka_unit_test(every_fault_changes_some_scene),
         cmocka_unit_test(clean_scenes_pass_and_spoilt_ones_do_not),
         cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
+        cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }

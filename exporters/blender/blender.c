@@ -211,8 +211,9 @@ static json_t *describe_focus(const iso_focus *f, const iso_geometry *around, bo
 /* vdb is the path that Blender sees: absolute, or relative to the .blend by a leading "//"; step in millimetres. */
 static json_t *describe_level(const iso_geometry *in_units_g, size_t k, size_t table, const char *vdb, double step)
 {
+    const double x = iso_vdb_reverses_x(in_units_g) ? -1 : 1; /* along the axes of the file's grids */
     return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step", step,
-                     "voxel_diagonal", vec_json(iso_mul(in_units_g->index_to_world, iso_v3(1, 1, 1))));
+                     "voxel_diagonal", vec_json(iso_mul(in_units_g->index_to_world, iso_v3(x, 1, 1))));
 }
 
 static iso_geometry scaled_geometry(const iso_geometry *from, double units)

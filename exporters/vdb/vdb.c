@@ -61,6 +61,8 @@ static void centre_transform(const iso_geometry *g, double m[3][4])
     }
 }
 
+bool iso_vdb_reverses_x(const iso_geometry *g) { return iso_mat3_det(g->index_to_world) < 0; }
+
 static iso_status fail_by_door(int code, const char *path, const iso_vdb_message *message, iso_error *err)
 {
     static const iso_status statuses[] = {[ISO_VDB_DOOR_OK] = ISO_OK,
@@ -83,14 +85,56 @@ static iso_vdb_source describe(const iso_geometry *g, const char *made_from, con
     return source;
 }
 
-typedef void read_row(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+/* Index x becomes size - 1 - x, for a transform from the first voxel's centre. */
+static void reverse_x(iso_vdb_source *s)
+{
+    for (int r = 0; r < 3; ++r) {
+        s->index_to_world[r][3] += s->index_to_world[r][0] * (double)(s->size[0] - 1);
+        s->index_to_world[r][0] = -s->index_to_world[r][0];
+    }
+}
 
-/* A level's grids: those that can be read. `common` is complete but for what tells them apart. */
+typedef void read_row(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+typedef void read_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
+
+/* Readers of rows that run the other way. */
+typedef struct reversed_rows {
+    read_row *read;
+    read_activity *read_active;
+    const void *user;
+    size_t width, channels;
+} reversed_rows;
+
+static void read_reversed(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const reversed_rows *r = user;
+    r->read(r->user, r->width - x - count, y, z, count, out);
+    for (size_t i = 0, j = count - 1; i < j; ++i, --j)
+        for (size_t c = 0; c < r->channels; ++c) {
+            float t = out[r->channels * i + c];
+            out[r->channels * i + c] = out[r->channels * j + c];
+            out[r->channels * j + c] = t;
+        }
+}
+
+static void read_reversed_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const reversed_rows *r = user;
+    r->read_active(r->user, r->width - x - count, y, z, count, out);
+    for (size_t i = 0, j = count - 1; i < j; ++i, --j) {
+        unsigned char t = out[i];
+        out[i] = out[j];
+        out[j] = t;
+    }
+}
+
+/* A level's grids: those that can be read. `common` is complete but for what tells them apart; its transform is
+ * reversed where rows are to be. */
 typedef struct level_readers {
     read_row *scalar, *directions, *classes;
 } level_readers;
 
-static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers,
+static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers, bool reversed,
                             bool plain_names, const char *path, iso_error *err)
 {
     const struct {
@@ -112,6 +156,12 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         source.meaning = grids[i].meaning;
         if (i > 0)
             source.value_min = 0, source.value_max = 1, source.background = 0;
+        const reversed_rows rows = {source.read, source.read_active, source.user, source.size[0], (size_t)source.channels};
+        if (reversed) {
+            source.user = &rows;
+            source.read = read_reversed;
+            source.read_active = rows.read_active ? read_reversed_activity : NULL;
+        }
         iso_vdb_message message = {""};
         int code = iso_vdb_file_add(file, &source, &message);
         if (code != ISO_VDB_DOOR_OK)
@@ -132,7 +182,10 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
     source.value_min = level->min;
     source.value_max = level->max;
     const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->classes ? read_classes : NULL};
-    return add_grids(file, &source, &readers, plain_names, path, err);
+    const bool reversed = iso_vdb_reverses_x(&level->geometry);
+    if (reversed)
+        reverse_x(&source);
+    return add_grids(file, &source, &readers, reversed, plain_names, path, err);
 }
 
 /* ---- lattices ------------------------------------------------------------------ */
@@ -172,14 +225,18 @@ static iso_status add_lattice(iso_vdb_file *file, const iso_lattice *l, const ch
     source.value_max = l->max;
     source.background = (float)l->background;
     source.read_active = read_node_activity;
-    /* Index 0 is the volume's first node, wherever the lattice begins. */
+    const bool reversed = iso_vdb_reverses_x(&l->geometry);
+    if (reversed)
+        reverse_x(&source);
+    /* Index 0 is the volume's first node, wherever the lattice begins; reversed, it is -1, and bricks still begin where
+     * leaves do. */
     for (int a = 0; a < 3; ++a) {
-        source.first[a] = l->first[a];
+        source.first[a] = reversed && a == 0 ? -l->first[a] - (long)l->size[a] : l->first[a];
         for (int r = 0; r < 3; ++r)
-            source.index_to_world[r][3] -= source.index_to_world[r][a] * (double)l->first[a];
+            source.index_to_world[r][3] -= source.index_to_world[r][a] * (double)source.first[a];
     }
     const level_readers readers = {read_node_scalars, opt->gradient ? read_node_directions : NULL, NULL};
-    return add_grids(file, &source, &readers, plain_names, path, err);
+    return add_grids(file, &source, &readers, reversed, plain_names, path, err);
 }
 
 static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count, const char *path,

@@ -4,13 +4,17 @@
  * (decoded shading directions, world axes) of one level, and where asked for a
  * float grid "class" (tf/class_tables.h). The transform puts the
  * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
- * = origin + index_to_world (ijk + 1/2). All voxels are active and there are no
+ * = origin + index_to_world (ijk + 1/2). Where index_to_world is left-handed, as in
+ * many scans, x is stored from its other end and the transform turned with it: the
+ * same place in the world, which Blender draws; it draws left-handed grids wrong.
+ * All voxels are active and there are no
  * active tiles (Cycles misreads them). Metadata: name, level, value range,
  * directions' meaning, what made it. Several levels in one file are named
  * density_level_N, gradient_level_N, as OpenVDB's vdb_lod does. */
 #ifndef ISO_EXPORT_VDB_H
 #define ISO_EXPORT_VDB_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/progress.h"
@@ -29,6 +33,9 @@ typedef struct iso_vdb_options {
     const char *creator;  /* metadata */
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
+
+/* Whether the files have x from its other end. */
+bool iso_vdb_reverses_x(const iso_geometry *g);
 
 /* Levels [first, first + count) of p into one file; one level: plain names. */
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,

@@ -250,9 +250,11 @@ static bool is_good(const iso_limit *l, const iso_limit_options *opt)
            (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }
 
-/* Halving again makes the bars narrower, and what is left of the error more. */
+/* Halving again makes the bars narrower, and what is left of the error more; what is no number stays none. */
 static bool is_hopeless(const iso_limit *limit, const iso_limit_options *opt)
 {
+    if (!isfinite(limit->step_bar))
+        return true;
     return limit->rmse > opt->hopeless * limit->allowed && iso_limit_left(limit) > 0.9;
 }
 

@@ -64,7 +64,8 @@ typedef struct iso_limit {
 /* Of all pixels and channels of an image together, and of its bias. */
 #define ISO_LIMIT_SIGNIFICANCE 1e-3
 
-/* Release with iso_limit_destroy(), which accepts a zeroed one. */
+/* Pixels that are not finite make the bar infinite, and all pixels of Cycles beyond chance: a limit that fails its gates.
+ * Release with iso_limit_destroy(), which accepts a zeroed one. */
 iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                           const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err);

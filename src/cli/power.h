@@ -6,7 +6,7 @@
  *   lock-step   the same samples as the reference: the ray caster's, and POV-Ray's
  *   limit       of halved steps: the ray caster, POV-Ray and Cycles
  *
- * Random scenes are a rotated, anisotropic noise seen from anywhere, orthographic or in perspective, with one to three
+ * Random scenes are a rotated, anisotropic noise, right- or left-handed, seen from anywhere, orthographic or in perspective, with one to three
  * lights, of four kinds in turn: smooth transfer functions; bright ones, dense and with highlights above 1; sharp ones
  * with a step of opacity; and lit ones, of the tier that is judged by FLIP and SSIM as well. */
 #ifndef ISO_CLI_POWER_H

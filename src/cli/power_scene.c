@@ -48,6 +48,7 @@ static iso_geometry random_grid(iso_random *r)
     }
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     iso_vec3 x = direction(r), z = iso_normalize(iso_cross(x, direction(r))), y = iso_cross(z, x);
+    x = iso_scale(x, iso_random_below(r, 2) ? 1 : -1); /* left-handed, as many scans are */
     const iso_mat3 turn = {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)

@@ -16,7 +16,7 @@ width = 860
 height = 110 + 44 * count
 load 'style.gp'
 set lmargin 0.8 * longest
-set tmargin 4.4
+set tmargin 3.8
 place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
 offset(k) = 0.68 * ((k - 0.5) / series - 0.5)
 set logscale x
