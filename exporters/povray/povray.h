@@ -61,6 +61,10 @@ iso_povray_options iso_povray_defaults(void);
 /* "3.7.0.10". ISO_E_MISSING, ISO_E_PROGRAM. */
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
 
+/* How bright a picture of the view can be. POV-Ray writes 16 bits a channel of that: pictures are rounded by up to half of
+ * peak / 65535. */
+double iso_povray_peak(const iso_view *view);
+
 /* The folder; complete or absent. An older export of the same name is replaced.
  * ISO_E_RANGE: options outside their limits, a level that is not there. */
 iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,

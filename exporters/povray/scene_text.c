@@ -19,20 +19,29 @@ static double specular_sum(const iso_view *view)
     return sum;
 }
 
+static double peak_color(const iso_tf_table *tf)
+{
+    double color = 1;
+    for (size_t i = 0; i < tf->count; ++i) {
+        const float *e = tf->entries + 4 * i;
+        color = fmax(color, fmax((double)e[0], fmax((double)e[1], (double)e[2])));
+    }
+    return color;
+}
+
+/* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
+double iso_povray_peak(const iso_view *view) { return peak_color(&view->tf) * (1 + specular_sum(view)); }
+
 /* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
-    double extinction = 0, color = 1;
-    for (size_t i = 0; i < tf->count; ++i) {
-        const float *e = tf->entries + 4 * i;
-        extinction = fmax(extinction, (double)e[3]);
-        color = fmax(color, fmax((double)e[0], fmax((double)e[1], (double)e[2])));
-    }
+    double extinction = 0;
+    for (size_t i = 0; i < tf->count; ++i)
+        extinction = fmax(extinction, (double)tf->entries[4 * i + 3]);
     s->peak_extinction = extinction > 0 ? extinction : 1;
-    s->peak_color = color;
-    /* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
-    s->peak = color * (1 + specular_sum(s->view));
+    s->peak_color = peak_color(tf);
+    s->peak = s->peak_color * (1 + specular_sum(s->view));
 }
 
 /* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. */

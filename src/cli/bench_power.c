@@ -113,7 +113,8 @@ static iso_status test_noise(iso_renderers *r, const power_options *o, const iso
     iso_status status = iso_power_test_noise(r, c, o->quick ? 8 : 16, &n, err);
     sum->tests += n.tests;
     sum->below += n.below;
-    sum->rare += n.rare;
+    sum->groups += n.groups;
+    sum->flagged += n.flagged;
     return status;
 }
 
@@ -184,9 +185,10 @@ static json_t *noise_to_json(const power_result *r)
     json_t *list = json_array();
     for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k)
         if (r->noise[k].tests)
-            json_array_append_new(list, json_pack("{s:s, s:I, s:I, s:I}", "kind", iso_power_kind_name((iso_power_kind)k), "tests",
-                                                  (json_int_t)r->noise[k].tests, "below_1e-3", (json_int_t)r->noise[k].below,
-                                                  "below_1e-4", (json_int_t)r->noise[k].rare));
+            json_array_append_new(list, json_pack("{s:s, s:I, s:I, s:I, s:I}", "kind", iso_power_kind_name((iso_power_kind)k),
+                                                  "groups", (json_int_t)r->noise[k].groups, "flagged",
+                                                  (json_int_t)r->noise[k].flagged, "tests", (json_int_t)r->noise[k].tests,
+                                                  "below_1e-3", (json_int_t)r->noise[k].below));
     return list;
 }
 
@@ -246,9 +248,9 @@ static void print_noise(const power_result *r)
     for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
         const iso_power_noise *n = &r->noise[k];
         if (n->tests)
-            printf("noise of Cycles, %s scenes: of %zu pixels and channels %.2g are below a chance of 1e-3, %.2g below 1e-4\n",
-                   iso_power_kind_name((iso_power_kind)k), n->tests, (double)n->below / (double)n->tests,
-                   (double)n->rare / (double)n->tests);
+            printf("Cycles, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
+                   "    pixels would be below a chance of 1e-3\n",
+                   iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups, (double)n->below / (double)n->tests);
     }
 }
 

@@ -126,9 +126,8 @@ static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, 
     return status;
 }
 
-/* images: `seeds` of the double step, then `seeds` of the step. */
-static iso_status extrapolate(iso_image *images, size_t seeds, const iso_image *reference, double factor, iso_limit *out,
-                              iso_error *err)
+iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
+                                 iso_limit *out, iso_error *err)
 {
     iso_image limits[most_seeds] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;
@@ -276,7 +275,7 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
         status = iso_render_several(r, p, level, view, pair.frames + first, 2 * pair.seeds - first, pair.images + first,
                                     progress, err);
         if (status == ISO_OK)
-            status = extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
+            status = iso_limit_extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
         step /= 2;
         if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= opt->finest_voxels))
             break;

@@ -71,6 +71,11 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
                           const iso_progress *progress, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
 
+/* The limit of images that are there: `seeds` of the double step, then `seeds` of the step, at most 32. Fills *out but for
+ * its step and seeds, which the caller has set. */
+iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
+                                 iso_limit *out, iso_error *err);
+
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals of
  * a limit that was found, it is that limit's image. */
 iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, iso_renderer which,

@@ -30,6 +30,7 @@ typedef struct iso_power_case {
     int first_seed;     /* of Cycles */
     int threads;
     iso_scene_agreement asked;
+    iso_limits lock_step[2]; /* the ray caster's, POV-Ray's */
     iso_image converged, midpoint, povray; /* the reference's of the clean scene: limits, lock-steps */
     double brightest;   /* value of a pixel of `converged` */
 } iso_power_case;
@@ -46,14 +47,14 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
 iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
                          const iso_planted *planted, bool *rejected, iso_error *err);
 
-/* Is the noise of Cycles what the test of its pixels takes it to be? `groups` groups of cycles_seeds images each, every
- * group tested against the mean of all others: how many of the pixels that have noise are below a chance of ISO_POWER_..._P
- * each. The mean of the others is as uncertain as it is, which adds up to a tenth to the rates. */
-#define ISO_POWER_NOISE_P 1e-3
-#define ISO_POWER_RARE_P 1e-4
+/* Is the noise of Cycles what the test of its pixels takes it to be? `groups` groups of cycles_seeds seeds each, at the
+ * first pair of steps: how many of them the gates of chance flag, and how far from normal the noise is by itself, each
+ * group's limits tested against the mean of all others' without any tolerance. */
 typedef struct iso_power_noise {
-    size_t tests, below, rare; /* pixels and channels with noise, of all groups; below the first chance, and the second */
+    size_t groups, flagged;
+    size_t tests, below; /* pixels and channels with noise, of all groups; those below a chance of ISO_POWER_NOISE_P */
 } iso_power_noise;
+#define ISO_POWER_NOISE_P 1e-3
 iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, size_t groups, iso_power_noise *out, iso_error *err);
 
 /* The smallest amount of each deviation that is rejected, by each gate. */

@@ -163,6 +163,8 @@ iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err)
         const iso_render_options opt = reference_options(c, quadratures[i]);
         status = iso_render_with(r, &s.pyramid, 0, &s.view, &opt, images[i], NULL, NULL, err);
     }
+    c->lock_step[0] = iso_validate_lock_step(ISO_WITH_GL, &s.view, c->asked.sharp);
+    c->lock_step[1] = iso_validate_lock_step(ISO_WITH_POVRAY, &s.view, c->asked.sharp);
     c->brightest = status == ISO_OK ? largest(&c->converged) : NAN;
     clear_scene(&s);
     return status;
@@ -221,7 +223,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, iso_r
     const bool povray = renderer == ISO_WITH_POVRAY;
     iso_image image;
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.error_bar = NAN, .limits = iso_validate_lock_step(renderer, c->asked.sharp)};
+    iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[povray]};
     opt.intervals = povray ? ISO_VALIDATE_POVRAY_INTERVALS : 0;
     opt.threads = c->threads;
     iso_status status = render_spoilt(r, c, planted, &opt, &image, err);
@@ -277,58 +279,82 @@ static void mean_of_others(const iso_image *images, size_t all, size_t skip, siz
     }
 }
 
-static iso_status test_group(const iso_image *images, size_t count, const iso_image *reference, iso_power_noise *out,
-                             iso_error *err)
+/* Without any tolerance, at the significance of all tests that leaves a single one the chance that is asked. */
+static iso_status test_group(const iso_image *limits, size_t count, const iso_image *others, iso_power_noise *out, iso_error *err)
 {
+    const double least_deviation = 1e-6; /* floats round by 6e-8 */
     iso_samples s;
-    iso_noise_test often, seldom;
-    iso_status status = iso_samples_create(&s, reference, err);
-    const double tests = 4 * (double)(reference->width * reference->height);
+    iso_noise_test test;
+    iso_status status = iso_samples_create(&s, others, err);
     for (size_t k = 0; k < count && status == ISO_OK; ++k)
-        status = iso_samples_add(&s, &images[k], err);
-    /* The significance of all tests that leaves a single one the chance that is asked. */
-    if (status == ISO_OK)
-        status = iso_samples_test(&s, -expm1(tests * log1p(-ISO_POWER_NOISE_P)), 0, 0, &often, err);
-    if (status == ISO_OK)
-        status = iso_samples_test(&s, -expm1(tests * log1p(-ISO_POWER_RARE_P)), 0, 0, &seldom, err);
-    if (status == ISO_OK) {
-        for (size_t i = 0; i < often.tests; ++i)
-            out->tests += s.squares[i] > 0;
-        out->below += often.rejected;
-        out->rare += seldom.rejected;
+        status = iso_samples_add(&s, &limits[k], err);
+    for (size_t i = 0; i < 4 * others->width * others->height && status == ISO_OK; ++i) {
+        const bool noisy = s.squares[i] > least_deviation * least_deviation * (double)(count - 1);
+        out->tests += noisy;
+        s.mean[i] = noisy ? s.mean[i] : (double)others->rgba[i];
     }
+    if (status == ISO_OK)
+        status = iso_samples_test(&s, -expm1(4 * (double)(others->width * others->height) * log1p(-ISO_POWER_NOISE_P)), 0, 0,
+                                  &test, err);
+    if (status == ISO_OK)
+        out->below += test.rejected;
     iso_samples_destroy(&s);
+    return status;
+}
+
+/* images: of each group the seeds' at the double step, then at the step; limits: a seed each. */
+static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images, iso_image *limits,
+                              iso_power_noise *out, iso_error *err)
+{
+    const size_t n = c->cycles_seeds;
+    iso_extrapolation unused;
+    iso_image others = {0};
+    iso_status status = iso_image_create(&others, c->pixels, c->pixels, err);
+    for (size_t i = 0; i < groups * n && status == ISO_OK; ++i) {
+        const iso_image *coarse = images + 2 * n * (i / n) + i % n;
+        status = iso_richardson(coarse, coarse + n, 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
+    }
+    for (size_t g = 0; g < groups && status == ISO_OK; ++g) {
+        iso_limit limit = {.seeds = n};
+        status = iso_limit_extrapolate(images + 2 * n * g, n, &c->converged, factor, &limit, err);
+        out->groups += 1;
+        out->flagged += limit.noise.rejected > 0 || limit.noise.biased;
+        iso_limit_destroy(&limit);
+        mean_of_others(limits, groups * n, g * n, n, &others);
+        if (status == ISO_OK)
+            status = test_group(limits + g * n, n, &others, out, err);
+    }
+    iso_image_destroy(&others);
     return status;
 }
 
 iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, size_t groups, iso_power_noise *out, iso_error *err)
 {
-    const size_t count = groups * c->cycles_seeds;
+    const size_t n = c->cycles_seeds, count = 2 * n * groups;
+    const iso_limit_options opt = iso_validate_limit_options(&c->asked, ISO_WITH_CYCLES, n, c->threads);
     power_scene s;
-    iso_image reference = {0}, *images = calloc(count, sizeof *images);
+    iso_image *images = calloc(count, sizeof *images), *limits = calloc(n * groups, sizeof *limits);
     iso_render_options *frames = calloc(count, sizeof *frames);
     *out = (iso_power_noise){0};
     iso_status status = make_scene(c, &s, err);
-    if (status == ISO_OK && !(images && frames))
+    if (status == ISO_OK && !(images && limits && frames))
         status = iso_fail(err, ISO_E_MEMORY, "bench power: no memory for %zu images", count);
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         frames[i] = iso_render_defaults(ISO_WITH_CYCLES);
-        frames[i].step_voxels = 0.25;
-        frames[i].seed = c->first_seed + (int)i;
+        frames[i].step_voxels = i % (2 * n) < n ? 2 * opt.step_voxels : opt.step_voxels;
+        frames[i].seed = c->first_seed + (int)(i / (2 * n) * n + i % n);
         frames[i].threads = c->threads;
     }
     if (status == ISO_OK)
         status = iso_render_several(r, &s.pyramid, 0, &s.view, frames, count, images, NULL, err);
     if (status == ISO_OK)
-        status = iso_image_create(&reference, c->pixels, c->pixels, err);
-    for (size_t g = 0; g < groups && status == ISO_OK; ++g) {
-        mean_of_others(images, count, g * c->cycles_seeds, c->cycles_seeds, &reference);
-        status = test_group(images + g * c->cycles_seeds, c->cycles_seeds, &reference, out, err);
-    }
-    for (size_t i = 0; images && i < count; ++i)
+        status = test_groups(c, groups, opt.factor, images, limits, out, err);
+    for (size_t i = 0; images && limits && i < count; ++i) {
         iso_image_destroy(&images[i]);
-    iso_image_destroy(&reference);
+        iso_image_destroy(&limits[i / 2]);
+    }
     free(images);
+    free(limits);
     free(frames);
     clear_scene(&s);
     return status;

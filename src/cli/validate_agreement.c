@@ -9,6 +9,7 @@
 #include "cli/closed_form.h"
 #include "cli/limits.h"
 #include "cli/validate.h"
+#include "povray/povray.h"
 
 /* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
 static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
@@ -21,11 +22,11 @@ static const double smooth_left = 0.354, sharp_left = 0.6;
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 
 /* A table whose neighbouring entries differ by most of an opacity turns the last bits of a sample's value into some 1e-5.
- * POV-Ray writes 16 bits a channel: 7.6e-6. */
-iso_limits iso_validate_lock_step(iso_renderer renderer, bool sharp)
+ * POV-Ray writes 16 bits a channel, which round by 7.6e-6 of the brightest that there can be. */
+iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp)
 {
     if (renderer == ISO_WITH_POVRAY)
-        return (iso_limits){.max_abs = sharp ? 2e-4 : 2e-5};
+        return (iso_limits){.max_abs = sharp ? 2e-4 : fmax(2e-5, 1e-5 * iso_povray_peak(view))};
     return sharp ? (iso_limits){.rmse = 5e-6, .max_abs = 2e-4} : (iso_limits){.rmse = 1e-6, .max_abs = 2e-5};
 }
 
@@ -179,9 +180,9 @@ static iso_status lock_step(iso_validation *v, size_t level, iso_renderer render
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.b = iso_renderer_name(renderer), .tier = "lock-step", .error_bar = NAN,
-                                .limits = iso_validate_lock_step(renderer, v->scene->agreement.sharp),
+                                .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp),
                                 .why = gl ? "the same samples in float instead of double"
-                                          : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6)"};
+                                          : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)"};
     if (v->refused[renderer][0])
         return add_refusal(v, level, same.name, renderer, row.tier, err);
     begin_row(v, level, what);
