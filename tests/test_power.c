@@ -93,6 +93,21 @@ static void every_fault_changes_some_scene(void **state)
             fail_msg("%s: changes neither scene", iso_fault_name((iso_fault)f));
 }
 
+/* 16 bits a channel are coarser where the highlights' peak is high. */
+static void a_bright_scene_of_povray_passes(void **state)
+{
+    (void)state;
+    bool rejected;
+    iso_power_case c = open_case(505);
+    assert_more_than(c.lock_step[1].max_abs, 2.5e-5);
+    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, ISO_WITH_POVRAY, NULL, &rejected, &err));
+    assert_false(rejected);
+    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, ISO_WITH_POVRAY, &(iso_planted){.fault = ISO_FAULT_CLIPPED},
+                            &rejected, &err));
+    assert_true(rejected);
+    iso_power_close(&c);
+}
+
 /* What the ray caster is asked. The faults of the picture have to reach the limit's frames, too. */
 static void clean_scenes_pass_and_spoilt_ones_do_not(void **state)
 {
@@ -143,6 +158,7 @@ int main(void)
         cmocka_unit_test(nothing_changes_nothing),
         cmocka_unit_test(deviations_change_a_picture_in_proportion),
         cmocka_unit_test(every_fault_changes_some_scene),
+        cmocka_unit_test(a_bright_scene_of_povray_passes),
         cmocka_unit_test(clean_scenes_pass_and_spoilt_ones_do_not),
         cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
