@@ -497,20 +497,21 @@ function consistency() {
     for (const [k, why] of kept) section.append(el('p', {class: 'kept'}, `Level ${k}: adapting was refused. ${why[0].toUpperCase()}${why.slice(1)}.`));
     const pictured = data.consistency.filter(r => r.image), shown = levels.filter(k => pictured.some(r => r.level === k));
     if (pictured.length === 0) return;
-    const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${shown.length + 1}, minmax(0, 190px))`});
-    const reference = pictured[0].reference_image;
+    // One row a level and TF, one column a method: what is to be compared stands side by side.
+    const methods = [...new Set(pictured.map(r => r.method))], reference = pictured[0].reference_image;
+    const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${methods.length + 1}, minmax(0, 190px))`});
     let first = true;
-    for (const method of [...new Set(pictured.map(r => r.method))]) for (const which of ['original', 'adapted']) {
-        const row = k => pictured.find(r => r.level === k && r.method === method && tf(r) === which);
-        if (shown.every(k => !row(k) || row(k).original_kept)) continue; // nothing to see that was not seen above
+    for (const k of shown) for (const which of ['original', 'adapted']) {
+        const of = method => pictured.find(r => r.level === k && r.method === method && tf(r) === which);
+        if (methods.every(m => !of(m) || of(m).original_kept)) continue; // nothing to see that was not seen above
         panels.append(first && reference ? still(inlined.images[reference], 'level 0') : el('div', {}));
         first = false;
-        for (const k of shown) {
-            const r = row(k), name = which === 'adapted' ? `${method}, ${r && r.original_kept ? 'original TF kept' : 'adapted TF'}` : method;
-            panels.append(r ? still(inlined.images[r.image], name, `level ${k}, 1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
+        for (const method of methods) {
+            const r = of(method);
+            panels.append(r ? still(inlined.images[r.image], `level ${k}, ${method}`, `${which === 'adapted' ? (r.original_kept ? 'original TF kept, ' : 'adapted TF, ') : ''}1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
         }
     }
-    section.append(el('figure', {}, panels, figcaption('One view at each level, with each way to shade it; figures are means over all views.')));
+    section.append(el('figure', {}, panels, figcaption('One view at each level (rows), with each way to shade it (columns); figures are means over all views.')));
 }
 function calibration() {
     if (data.calibration.length === 0) return;
@@ -521,11 +522,11 @@ function calibration() {
 }
 function colophon() {
     const facts = el('div', {class: 'facts'});
-    const show = value => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)))) : typeof value === 'string' ? value : JSON.stringify(value);
+    const show = value => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)))) : typeof value === 'string' ? value : Array.isArray(value) ? value.join(' × ') : typeof value === 'boolean' ? (value ? 'yes' : 'no') : JSON.stringify(value);
     for (const [key, name] of [['versions', 'Versions'], ['machine', 'Machine'], ['options', 'Options'], ['seconds', 'Seconds']]) {
         const entries = Object.entries(data[key] || {});
         if (entries.length === 0) continue;
-        facts.append(el('div', {}, el('h3', {}, name), el('table', {}, el('tbody', {}, entries.map(([k, v]) => el('tr', {}, cell(k.replaceAll('_', ' ')), cell(show(v))))))));
+        facts.append(el('div', {}, el('h3', {}, name), el('table', {}, el('tbody', {}, entries.map(([k, v]) => el('tr', {}, k === 'memory_bytes' ? [cell('memory'), cell(`${(v / 2 ** 30).toFixed(1)} GiB`)] : [cell(k.replaceAll('_', ' ')), cell(show(v))]))))));
     }
     $('colophon').append(facts);
 }
