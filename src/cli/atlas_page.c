@@ -58,7 +58,7 @@ static void find_zoom(drawing *d)
     double best = -INFINITY;
     for (size_t y = 0; y + ISO_ATLAS_ZOOM <= right->height; y += 4)
         for (size_t x = 0; x + ISO_ATLAS_ZOOM <= right->width; x += 4) {
-            double sum = structure(right, x, y);
+            double sum = 0.02 * structure(right, x, y);
             for (size_t i = 0; i < ISO_ATLAS_ZOOM * ISO_ATLAS_ZOOM; ++i) {
                 size_t pixel = (y + i / ISO_ATLAS_ZOOM) * right->width + x + i % ISO_ATLAS_ZOOM;
                 sum += difference_at(right, &d->r->images[ISO_ATLAS_FAILURE], pixel) -
