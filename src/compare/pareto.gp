@@ -25,8 +25,10 @@ stats data using (column("bytes")) nooutput
 low[2] = STATS_min; up[2] = STATS_max
 stats data using (column("number")) nooutput
 fronts = STATS_max > 0 ? int(STATS_max) : 0
-array setting[fronts + 1]
-stats data using (setting[column("number") > 0 ? int(column("number")) : fronts + 1] = strcol("setting"), 0) nooutput
+array setting[fronts + 1]; array error[fronts + 1]; array x1[fronts + 1]; array x2[fronts + 1]; array flags[fronts + 1]; array rings[fronts + 1]
+at(n) = n > 0 ? int(n) : fronts + 1
+stats data using (n = at(column("number")), setting[n] = strcol("setting"), error[n] = column("error"), x1[n] = column("milliseconds"), x2[n] = column("bytes"), 0) nooutput
+stats data using (n = at(column("number")), rings[n] = int(column("chosen")), flags[n] = int(column("time_front")) + 2 * int(column("bytes_front")), 0) nooutput
 # Pixels: the list, the legend, the panels.
 count = words(series)
 rows_of(n, columns) = (n + columns - 1) / columns
@@ -43,14 +45,14 @@ if (!exists("mark")) mark = vermillion
 if (!exists("ink")) ink = '#222222'
 if (!exists("small")) small = ',9'
 if (!exists("point_scale")) point_scale = 1.0
-# Numbers stand on the empty side of the front: odd ones left of their point, even ones below, those that are ringed (2) farther left.
 ringed(p) = (int(column("chosen")) & p) > 0
-place(p) = ringed(p) ? 2 : int(column("number")) % 2
-numbered(at, flag, p) = column("number") > 0 && (column(flag) == 1 || ringed(p)) && place(p) == at
+# What a plot leaves out: gnuplot complains of plots without a point, but not of points outside.
+outside = 1e30
 size_of(k) = point_scale * (0.95 * 0.74 ** k)
 unset key
 set logscale xy
-set yrange [0.5 * best : 1.4 * worst]
+bottom_error = 0.5 * best; top_error = 1.4 * worst
+set yrange [bottom_error : top_error]
 set format y '10^{%T}'
 do for [i = 1:count] {
     set label 100 + i word(series, i) at screen 0.075 + 0.235 * ((i - 1) % 4), screen (legend_top - row * (0.5 + (i - 1) / 4)) / height left offset 1.3, -0.3 point lt i ps 0.95 * point_scale noenhanced
@@ -66,6 +68,7 @@ set label 301 sprintf('%s, %s, %d x %d pixels; %s', volume, scene, wide, high, m
 if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb mark dt 2 lw 1.2 back
 set label 302 (want > 0 ? sprintf('on the front; ringed: the fastest and the smallest with at most %.3g (dashed)', want) : 'on the front') at screen 0.065, screen (list_top - 0.5 * row) / height left noenhanced font small textcolor rgb (want > 0 ? mark : ink)
 bottom = (legend_top + 70) / height
+panel_height = height - 14.0 - (legend_top + 70)
 set multiplot
 do for [p = 1:2] {
     set lmargin at screen (p == 1 ? 0.075 : 0.56)
@@ -85,12 +88,21 @@ do for [p = 1:2] {
     }
     set ylabel (p == 1 ? metric . ' to the converged reference of level 0' : '') offset 1, 0
     set xlabel (p == 1 ? (clock eq 'processor' ? 'processor ' : '') . 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
+    # Numbers stand left of their points, on the empty side of the front, each below the one before.
+    last = top_error
+    do for [n = 1:fronts] {
+        unset label 500 + n
+        if ((flags[n] | rings[n]) & p) {
+            below = last * (bottom_error / top_error) ** (13.0 / panel_height)
+            last = error[n] < below ? error[n] : below
+            set label 500 + n sprintf('%d', n) at first (p == 1 ? x1[n] : x2[n]), first last right offset (rings[n] & p ? -1.6 : -1.0), 0 font small textcolor rgb ink front
+        }
+    }
     plot data using (column(flag) == 1 ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \
-         data using (column(flag) == 1 && p == 1 ? column(cost) : NaN):(column("error")):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
-         for [i = 1:count] for [k = 0:levels - 1] data using (of(i) && column("level") == k ? column(cost) : NaN):(column("error")) with points lt i ps size_of(k), \
-         data using (strcol("quadrature") eq 'preintegrated' ? column(cost) : NaN):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
-         data using ((int(column("chosen")) & p) ? column(cost) : NaN):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark, \
-         for [at = 0:2] data using (numbered(at, flag, p) ? column(cost) : NaN):(column("error")):(sprintf('%d', int(column("number")))) with labels offset at == 2 ? -2.7 : at == 1 ? -1.5 : -0.3, at == 2 ? 0 : at == 1 ? -0.15 : -0.85 font small textcolor rgb ink
+         data using (column(cost)):(column(flag) == 1 && p == 1 ? column("error") : outside):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
+         for [i = 1:count] data using (of(i) ? column(cost) : outside):(column("error")):(size_of(column("level"))) with points lt i ps variable, \
+         data using (strcol("quadrature") eq 'preintegrated' ? column(cost) : outside):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
+         data using (ringed(p) ? column(cost) : outside):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
     do for [n = 1:fronts] { unset label 400 + n }
