@@ -26,8 +26,16 @@ check json_names_the_schema grep -q '"isoshade.compare/1"' "$dir/out"
 expect the_difference_is_drawn 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --difference "$dir/d.png"
 check the_picture_is_a_png grep -q PNG "$dir/d.png"
 expect hdr_flip_is_measured_on_request 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --hdr --json --flip-map "$dir/f.png"
+check its_exposures_are_told grep -q '"hdr_flip_exposures": {' "$dir/out"
 check its_value_is_printed grep -q '"hdr_flip_mean": 0.0' "$dir/out"
 check the_map_is_a_png grep -q PNG "$dir/f.png"
+expect a_map_keeps_its_values_as_exr 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --flip-map "$dir/f.exr" --json
+mean=$(sed -n 's/.*"flip_mean": \([0-9.e-]*\).*/\1/p' "$dir/out")
+# Uniform images: the map is its mean everywhere, and so is its difference to black.
+picture "$dir/black.ppm" 12 11 00
+expect the_map_can_be_compared 0 "$ISOSHADE" compare "$dir/f.exr" "$dir/black.ppm" --max-abs 1 --json
+check its_values_are_the_metric_s test "$(sed -n 's/.*"max_abs": \([0-9.]\{6\}\).*/\1/p' "$dir/out")" = "${mean:0:6}"
+expect a_png_is_read 0 "$ISOSHADE" compare "$dir/d.png" "$dir/d.png"
 expect different_sizes_are_refused 5 "$ISOSHADE" compare "$dir/a.ppm" "$dir/small.ppm" --difference "$dir/no.png"
 check both_sizes_are_named grep -q '12x11.*11x12' "$dir/err"
 check nothing_is_left test ! -e "$dir/no.png"

@@ -103,9 +103,9 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
 {
     iso_report_summary summary = iso_report_summarise(v->report);
     iso_progress_report(v->progress, "report", 0);
-    iso_status status = a->junit ? iso_report_write_junit(v->report, a->junit, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = iso_report_finish(v->report, err);
+    iso_status status = iso_report_finish(v->report, err);
+    if (status == ISO_OK && a->junit)
+        status = iso_report_write_junit(v->report, a->junit, err);
     if (status != ISO_OK)
         return status;
     print_result(a, cli, v, &summary);
@@ -198,6 +198,17 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     return status;
 }
 
+/* Before the work, not after it. */
+static iso_status check_junit(const char *path, iso_error *err)
+{
+    char *dir = iso_path_dir(path);
+    iso_status status = ISO_OK;
+    if (!dir || !iso_path_is_dir(dir))
+        status = iso_fail(err, ISO_E_IO, "--junit %s: there is no folder %s", path, dir ? dir : "");
+    free(dir);
+    return status;
+}
+
 static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -212,6 +223,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
         status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build.code, err);
+    if (status == ISO_OK && a->junit)
+        status = check_junit(a->junit, err);
     build.threads = cli->threads;
     if (status != ISO_OK)
         return status;
