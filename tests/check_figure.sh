@@ -64,7 +64,9 @@ for width in 85 178; do
     for kind in levels renderers; do
         for from in four long; do
             name=${from}_${kind}_$width
-            expect "$name" 0 "$ISOSHADE" figure $from --kind $kind --width $width --methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)" -o $name
+            methods=()
+            [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
+            expect "$name" 0 "$ISOSHADE" figure $from --kind $kind --width $width "${methods[@]}" -o $name
             read -r wide high <<<"$(millimetres $name/figure.pdf)"
             check ${name}_fits test "$wide" -le $width -a "$high" -le 230
             check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
@@ -95,6 +97,14 @@ expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers 
 check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
 check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
 refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
+sed '0,/"scene": "s", "level"/s//"scene": "other", "level"/' four/report.json >r.json && cp -r four suite && mv r.json suite/report.json
+refuse a_suite_has_many_scenes 5 'has 2 scenes, --scene chooses one: ' "$ISOSHADE" figure suite --kind renderers -o f
+expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --kind renderers --scene s -o of_suite
+check it_has_the_others_only test "$(cut -d, -f9 of_suite/figure.csv | grep -cE 'gl|povray|cycles')" = 2
+refuse no_scene_of_that_name 5 'no pictures of comparisons' "$ISOSHADE" figure suite --kind renderers --scene t -o f
+refuse methods_are_for_levels 2 'for --kind levels' "$ISOSHADE" figure four --kind renderers --methods naive -o f
+refuse variants_are_for_renderers 2 'for --kind renderers' "$ISOSHADE" figure four --variant naive -o f
+check the_caption_names_the_scene grep -q 'level 0 of v.nrrd (s)' of_suite/caption.txt
 expect one_level_has_renderers 0 "$ISOSHADE" figure one --kind renderers -o one_renderers
 refuse one_level_has_no_levels 5 'no pictures of levels' "$ISOSHADE" figure one -o f
 sed 's/"consistency"/"other"/' one/report.json >r.json && mkdir bare && mv r.json bare/report.json

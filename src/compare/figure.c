@@ -269,7 +269,7 @@ static bool is_shown(const json_t *row, const iso_figure_options *opt)
     const char *name = string_of(row, "b"), *rest = strchr(name, ',');
     if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level || strcmp(string_of(row, "verdict"), "refused") == 0)
         return false;
-    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0])
+    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] || (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
         return false;
     return opt->variant ? strstr(name, opt->variant) != NULL : !rest || strcmp(rest, ", limit") == 0;
 }
@@ -280,6 +280,22 @@ static int by_renderer(const void *a, const void *b)
     const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
     int order = strcmp(string_of(x, "b"), string_of(y, "b"));
     return order ? order : strcmp(string_of(x, "tier"), string_of(y, "tier"));
+}
+
+/* A figure is of one scene; a suite has many. */
+static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error *err)
+{
+    json_t *scenes = json_object();
+    const char *name;
+    json_t *value;
+    char names[400] = "";
+    for (size_t i = 0; i < count; ++i)
+        json_object_set_new(scenes, string_of(shown[i], "scene"), json_true());
+    json_object_foreach(scenes, name, value)
+        snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", names[0] ? ", " : "", name);
+    size_t scene_count = json_object_size(scenes);
+    json_decref(scenes);
+    return scene_count <= 1 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "the report has %zu scenes, --scene chooses one: %s", scene_count, names);
 }
 
 static iso_status plan_renderers(figure *f, iso_error *err)
@@ -293,12 +309,15 @@ static iso_status plan_renderers(figure *f, iso_error *err)
         if (is_shown(row, f->opt))
             shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
-    fprintf(f->caption, "Renderers at level %zu of %s (%s): the reference, each renderer, and the largest difference over the "
-                        "channels on a log scale.",
-            f->opt->level, file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
+    const char *volume = file_name_of(f->report, "volume"); /* a suite has one a scene */
+    fprintf(f->caption, "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
+                        "channels on a log scale.", f->opt->level, volume, *volume ? " (" : "the scene ",
+            f->opt->scene ? f->opt->scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
     iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu%s%s",
                                                       f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
                                                       f->opt->variant ? f->opt->variant : "");
+    if (status == ISO_OK)
+        status = check_one_scene(shown, count, err);
     for (i = 0; i < count && status == ISO_OK; ++i)
         status = add_comparison(f, shown[i], i, err);
     free(shown);
