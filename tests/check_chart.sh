@@ -142,6 +142,14 @@ done
 for bad in 0 2 1/0 x 1/255, none,1/255; do
     expect "plans_$bad"_is_refused 2 chart --plans="$bad" -o "$dir/n"
 done
+# What the commands lean on, refused where it would be passed over.
+render() { "$ISOSHADE" render "$@" --scene $scene --size 8 -o "$dir/r.exr" -q; }
+"$ISOSHADE" build "$dir/v.nrrd" --levels 1 -o "$dir/v.iso" -q >/dev/null
+expect another_code_needs_floats 2 render "$dir/v.iso" --code snorm
+expect the_code_of_the_build_needs_none 0 render "$dir/v.iso" --code fit
+expect a_pyramid_keeps_its_gradients 2 render "$dir/v.iso" --gradient sobel
+expect a_plan_has_levels_of_its_own 2 render "$dir/v.nrrd" --plan-error 1/255 --level 1
+expect a_plan_or_a_cache 2 render "$dir/v.nrrd" --plan-error 1/255 --cache-bytes 1e6
 expect an_output_is_needed 2 chart
 check no_folder_is_left test -z "$(find "$dir" -maxdepth 1 -name '.*-*')"
 exit $failed

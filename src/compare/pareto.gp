@@ -88,14 +88,17 @@ do for [p = 1:2] {
     }
     set ylabel (p == 1 ? metric . ' to the converged reference of level 0' : '') offset 1, 0
     set xlabel (p == 1 ? (clock eq 'processor' ? 'processor ' : '') . 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
-    # Numbers stand left of their points, on the empty side of the front, each below the one before.
-    last = top_error
+    # Numbers stand left of their points, on the empty side of the front, and below the one before where that is near.
+    last = top_error; last_x = left_x
     do for [n = 1:fronts] {
         unset label 500 + n
         if ((flags[n] | rings[n]) & p) {
+            x = p == 1 ? x1[n] : x2[n]
             below = last * (bottom_error / top_error) ** (13.0 / panel_height)
-            last = error[n] < below ? error[n] : below
-            set label 500 + n sprintf('%d', n) at first (p == 1 ? x1[n] : x2[n]), first last right offset (rings[n] & p ? -1.6 : -1.0), 0 font small textcolor rgb ink front
+            near = abs(log(x / last_x) / log(right_x / left_x)) < 0.08
+            last = near && error[n] > below ? below : error[n]
+            last_x = x
+            set label 500 + n sprintf('%d', n) at first x, first last right offset (rings[n] & p ? -1.6 : -1.0), 0 font small textcolor rgb ink front
         }
     }
     plot data using (column(flag) == 1 ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \

@@ -1,0 +1,122 @@
+/* The grid of a chart: what it holds, what it leaves out, and in which order a budget meets it. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/chart_grid.h"
+#include "tests/pyramids.h"
+
+typedef struct grid {
+    iso_chart_grid axes;
+    iso_pyramid pyramid;
+    iso_chart_case *cases;
+    size_t count;
+} grid;
+
+static grid make(const iso_chart_words *words, bool is_volume)
+{
+    grid g = {.count = 0};
+    iso_volume v = noise(12, 10, 9);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    opt.keep_float = is_volume;
+    assert_ok(iso_chart_grid_parse(words, &g.axes, &err));
+    assert_ok(iso_pyramid_build(&v, "grid", &opt, &g.pyramid, NULL, &err));
+    assert_ok(iso_chart_grid_cases(&g.axes, &g.pyramid, is_volume, &g.cases, &g.count, &err));
+    iso_volume_destroy(&v);
+    return g;
+}
+
+static void release(grid *g)
+{
+    free(g->cases);
+    iso_pyramid_destroy(&g->pyramid);
+}
+
+/* Does the order hold what the header promises? 0: yes. */
+static size_t count_out_of_order(const iso_chart_case *cases, size_t count)
+{
+    size_t wrong = 0;
+    for (size_t i = 1; i < count; ++i) {
+        const iso_chart_case *a = &cases[i - 1], *b = &cases[i];
+        wrong += a->departures > b->departures;
+        wrong += a->departures == b->departures && a->needs_pyramid == b->needs_pyramid && a->estimator == b->estimator &&
+                 a->filter == b->filter && iso_chart_is_other_program(a->renderer) == iso_chart_is_other_program(b->renderer) &&
+                 a->relative_cost > b->relative_cost;
+    }
+    return wrong;
+}
+
+static void usual_settings_come_first_and_cheap_ones_before_others(void **state)
+{
+    (void)state;
+    grid g = make(&(iso_chart_words){.with = NULL}, true);
+    const size_t usual = g.pyramid.level_count * g.axes.step_count;
+    for (size_t i = 0; i < g.count; ++i)
+        assert_int_equal(g.cases[i].departures == 0, i < usual);
+    assert_int_equal(count_out_of_order(g.cases, g.count), 0);
+    /* planted fault: two settings of different costs exchanged */
+    iso_chart_case first = g.cases[0];
+    g.cases[0] = g.cases[usual - 1];
+    g.cases[usual - 1] = first;
+    assert_true(count_out_of_order(g.cases, g.count) > 0);
+    release(&g);
+}
+
+static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **state)
+{
+    (void)state;
+    grid g = make(&(iso_chart_words){.with = "gl,reference,povray,cycles"}, true);
+    size_t renderers = 0, sources = 0, splits = 0, filters = 0, estimators = 0, codes = 0, plans = 0, preintegrated = 0;
+    for (size_t i = 0; i < g.count; ++i) {
+        const iso_chart_case *c = &g.cases[i];
+        renderers |= 1u << c->renderer;
+        sources |= 1u << c->source;
+        splits |= 1u << (c->table + (c->adapted ? 0 : 8));
+        filters |= 1u << c->filter;
+        estimators |= 1u << c->estimator;
+        codes |= c->source == ISO_FROM_CODES ? 1u << c->code : 0;
+        plans += c->plan_error > 0;
+        preintegrated += c->preintegrated;
+        char name[192], other[192];
+        iso_chart_describe(c, name, sizeof name);
+        for (size_t j = 0; j < i; ++j) {
+            iso_chart_describe(&g.cases[j], other, sizeof other);
+            assert_string_not_equal(name, other);
+        }
+    }
+    assert_int_equal(renderers, 15);
+    assert_int_equal(sources, 1u << ISO_FROM_CODES | 1u << ISO_FROM_FLOAT | 1u << ISO_FROM_FLIPPED | 1u << ISO_FROM_ON_THE_FLY | 1u << ISO_FROM_PALETTE);
+    assert_int_equal(splits, 1u << (ISO_SPLIT_NONE + 8) | 1u << ISO_SPLIT_NONE | 1u << ISO_SPLIT_DEVIATION | 1u << ISO_SPLIT_GRADIENT);
+    assert_int_equal(__builtin_popcountl(filters), 3);
+    assert_int_equal(__builtin_popcountl(estimators), 2);
+    for (int c = 0; c < ISO_CODE_COUNT; ++c) /* all that a texture filters are in the default */
+        assert_int_equal((codes >> c) & 1u, iso_code_describe((iso_code)c)->is_textured);
+    assert_int_equal(plans, g.axes.plan_count * g.axes.step_count);
+    assert_true(preintegrated > 0);
+    release(&g);
+}
+
+static void a_pyramid_on_disk_is_what_it_is(void **state)
+{
+    (void)state;
+    grid g = make(&(iso_chart_words){.with = "gl"}, false);
+    for (size_t i = 0; i < g.count; ++i) {
+        const iso_chart_case *c = &g.cases[i];
+        assert_int_equal(c->filter, g.pyramid.options.direction_filter);
+        assert_int_equal(c->estimator, g.pyramid.options.gradient.method);
+        assert_true(c->plan_error > 0 || c->source != ISO_FROM_FLOAT);
+        assert_int_equal(c->code, g.pyramid.options.code);
+    }
+    assert_true(g.count > 0);
+    release(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(usual_settings_come_first_and_cheap_ones_before_others),
+        cmocka_unit_test(every_axis_has_each_of_its_values_and_no_setting_comes_twice),
+        cmocka_unit_test(a_pyramid_on_disk_is_what_it_is),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
