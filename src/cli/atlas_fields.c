@@ -26,14 +26,14 @@ double iso_atlas_plate(iso_vec3 p, iso_vec3 *n)
     return gauss(iso_dot(p, *n) / 0.04);
 }
 
-/* A thin shell of about two fine voxels. */
+/* A shell about 0.1 mm thick. */
 double iso_atlas_shell(iso_vec3 p, iso_vec3 *n)
 {
     *n = iso_normalize(p);
     return gauss((iso_norm(p) - 0.7) / 0.04);
 }
 
-/* A helix of a vessel, two fine voxels across. The nearest turn is sought at the point's own azimuth. */
+/* A helix of a vessel, about 0.1 mm across. The nearest turn is sought at the point's own azimuth. */
 double iso_atlas_vessel(iso_vec3 p, iso_vec3 *n)
 {
     const double turns = 7, tau = 6.283185307179586, radius = 0.5, horizontal = turns * radius / hypot(turns * radius, 1);
