@@ -262,7 +262,7 @@ function agreementFilters() {
 function agreementTable() {
     if (data.agreement.length === 0) return [el('p', {}, 'Nothing was compared.')];
     agreement = {rows: data.agreement.map(agreementRow), body: el('tbody', {}), count: el('output', {class: 'count'})};
-    agreement.heads = columns.map(([name, , numeric], i) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, el('button', {type: 'button', class: 'sort', onclick: () => {
+    agreement.heads = columns.map(([name, , numeric], i) => el('th', {class: numeric ? 'n' : null, scope: 'col', 'data-name': name}, el('button', {type: 'button', class: 'sort', onclick: () => {
         order.down = order.column === i ? !order.down : Boolean(numeric) || name === 'verdict';
         order.column = i;
         arrange();
