@@ -136,6 +136,37 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
     iso_power_close(&c);
 }
 
+/* The renderer's scene deviates from the reference's, or the reference's the other way from the renderer's: it is the same
+ * question, and the second needs the renderer's images once. */
+static void a_deviation_may_be_planted_on_the_other_side(void **state)
+{
+    (void)state;
+    const iso_deviation asked[] = {ISO_DEVIATION_SHIFT, ISO_DEVIATION_UNIT, ISO_DEVIATION_PIXEL, ISO_DEVIATION_LIGHT};
+    iso_power_case c = open_case(504);
+    iso_frame_cache cache = {0};
+    size_t answers[2] = {0};
+    for (size_t d = 0; d < sizeof asked / sizeof *asked; ++d)
+        for (double part = 1e-7; part < 1; part *= 30) {
+            const iso_planted planted = {.deviation = asked[d], .amount = part * iso_deviation_most(asked[d])};
+            const iso_planted twice = iso_planted_inverse(&(iso_planted){.deviation = asked[d],
+                                                                        .amount = iso_planted_inverse(&planted).amount});
+            assert_within(twice.amount / planted.amount, 1, 1e-6); /* 1 + a few 1e-8 and back */
+            for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g) {
+                bool there;
+                const bool here = is_rejected(&c, (iso_power_gate)g, &planted);
+                renderers.cache = &cache;
+                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, ISO_WITH_GL, asked[d], planted.amount, &there, &err));
+                renderers.cache = NULL;
+                assert_int_equal(here, there);
+                answers[here] += 1;
+            }
+        }
+    assert_true(answers[0] >= 8 && answers[1] >= 8);
+    assert_in_range(cache.count, 2, 5); /* a lock-step's image, and those of a few steps */
+    iso_frame_cache_clear(&cache);
+    iso_power_close(&c);
+}
+
 /* A NaN is a row that differs, by every renderer, not the end of the validation. */
 static void a_pixel_that_is_no_number_is_rejected(void **state)
 {
@@ -161,6 +192,7 @@ int main(void)
         cmocka_unit_test(a_bright_scene_of_povray_passes),
         cmocka_unit_test(clean_scenes_pass_and_spoilt_ones_do_not),
         cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
+        cmocka_unit_test(a_deviation_may_be_planted_on_the_other_side),
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);

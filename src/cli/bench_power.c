@@ -306,7 +306,7 @@ static iso_status check(power_options *o, iso_error *err)
     /* -1: not said */
     o->repetitions = o->repetitions >= 0 ? o->repetitions : o->sensitivity ? 3 : o->quick ? 4 : 20;
     o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
-    o->size = o->size >= 0 ? o->size : o->quick || o->sensitivity ? 16 : 32; /* an RMSE does not depend on it */
+    o->size = o->size >= 0 ? o->size : o->quick ? 12 : 16; /* an RMSE hardly depends on it */
     iso_status status = iso_cli_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--planted", o->planted, 0, 1000, err);
@@ -350,7 +350,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
         {"planted", 0, POPT_ARG_INT, &o.planted, 0, "in how many of them faults are planted for the limits of POV-Ray and Cycles (4; 1)", "N"},
         {"with", 0, POPT_ARG_STRING, &o.with, 0, "renderers besides the reference (gl,cycles,povray)", "LIST"},
-        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (32; 16 with --quick and --sensitivity)", "N"},
+        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)", "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
         {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds of Cycles; the same gates", NULL},
         {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0, "instead: the smallest amount of each deviation that each gate rejects", NULL},

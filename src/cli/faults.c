@@ -1,6 +1,7 @@
 #include "cli/faults.h"
 
 #include <math.h>
+#include <string.h>
 
 static const struct {
     const char *name, *check;
@@ -188,6 +189,15 @@ static void deviate(iso_deviation deviation, double amount, iso_level *level, is
     case ISO_DEVIATION_EXPONENT: view->shading.power *= percent; break;
     default: break;
     }
+}
+
+/* Percentages are factors. */
+iso_planted iso_planted_inverse(const iso_planted *planted)
+{
+    iso_planted inverse = *planted;
+    const char *unit = iso_deviation_unit(planted->deviation);
+    inverse.amount = unit && strcmp(unit, "percent") == 0 ? 100 * (1 / (1 + planted->amount / 100) - 1) : -planted->amount;
+    return inverse;
 }
 
 /* ---- what is planted -------------------------------------------------------------- */

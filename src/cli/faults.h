@@ -69,6 +69,10 @@ typedef struct iso_planted {
     double amount;
 } iso_planted;
 
+/* The deviation that undoes one: if the renderer's scene is the reference's with `planted`, the reference's is the
+ * renderer's with this. Exact but for the codes of directions. */
+iso_planted iso_planted_inverse(const iso_planted *planted);
+
 /* Spoils what a renderer is given: level `level` of p, and the view. planted NULL: nothing. */
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
 /* The level that is rendered instead of `level`. */

@@ -47,6 +47,11 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
 iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
                          const iso_planted *planted, bool *rejected, iso_error *err);
 
+/* The same for a deviation, whose renderer has the clean scene while the reference's deviates the other way: with a cache
+ * in r the images of the renderer are made once for all amounts. */
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+                                   iso_deviation deviation, double amount, bool *rejected, iso_error *err);
+
 /* Is the noise of Cycles what the test of its pixels takes it to be? `groups` groups of cycles_seeds seeds each, at the
  * first pair of steps: how many of them the gates of chance flag, and how far from normal the noise is by itself, each
  * group's limits tested against the mean of all others' without any tolerance. */

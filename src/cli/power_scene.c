@@ -221,12 +221,18 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, iso_r
                                 bool *rejected, iso_error *err)
 {
     const bool povray = renderer == ISO_WITH_POVRAY;
-    iso_image image;
+    iso_image image = {0};
+    power_scene s;
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[povray]};
     opt.intervals = povray ? ISO_VALIDATE_POVRAY_INTERVALS : 0;
     opt.threads = c->threads;
-    iso_status status = render_spoilt(r, c, planted, &opt, &image, err);
+    iso_status status = make_spoilt(c, planted, &s, err);
+    r->planted = planted;
+    if (status == ISO_OK)
+        status = iso_render_several(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, 1, &image, NULL, err);
+    r->planted = NULL;
+    clear_scene(&s);
     if (status == ISO_OK)
         status = iso_metrics_measure(povray ? &c->povray : &c->midpoint, &image, &row.metrics, err);
     *rejected = status == ISO_OK && is_rejected(&row);
@@ -264,6 +270,23 @@ iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_ga
 {
     return gate == ISO_POWER_LOCK_STEP ? ask_lock_step(r, c, renderer, planted, rejected, err)
                                        : ask_limit(r, c, renderer, planted, rejected, err);
+}
+
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+                                   iso_deviation deviation, double amount, bool *rejected, iso_error *err)
+{
+    const iso_planted inverse = iso_planted_inverse(&(iso_planted){.deviation = deviation, .amount = amount});
+    const iso_render_options opt = reference_options(c, gate == ISO_POWER_LIMIT         ? ISO_QUADRATURE_CONVERGED
+                                                        : renderer == ISO_WITH_POVRAY ? ISO_QUADRATURE_POVRAY
+                                                                                      : ISO_QUADRATURE_MIDPOINT);
+    iso_image truth;
+    iso_power_case other = *c; /* borrows what it does not replace */
+    iso_status status = render_spoilt(r, c, &inverse, &opt, &truth, err);
+    other.converged = other.midpoint = other.povray = truth;
+    if (status == ISO_OK)
+        status = iso_power_ask(r, &other, gate, renderer, NULL, rejected, err);
+    iso_image_destroy(&truth);
+    return status;
 }
 
 /* ---- the noise of Cycles ---------------------------------------------------------------- */

@@ -269,9 +269,9 @@ static iso_status render_cycles_frames(const iso_pyramid *p, size_t level, const
     return status;
 }
 
-iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                              const iso_render_options *frames, size_t count, iso_image *images,
-                              const iso_progress *progress, iso_error *err)
+static iso_status render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                                 const iso_render_options *frames, size_t count, iso_image *images,
+                                 const iso_progress *progress, iso_error *err)
 {
     iso_status status = ISO_OK;
     memset(images, 0, count * sizeof *images);
@@ -286,6 +286,77 @@ iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t lev
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     return status;
+}
+
+/* ---- images that are there ---- */
+
+void iso_frame_cache_clear(iso_frame_cache *cache)
+{
+    for (size_t i = 0; i < cache->count; ++i)
+        iso_image_destroy(&cache->images[i]);
+    free(cache->frames);
+    free(cache->images);
+    *cache = (iso_frame_cache){0};
+}
+
+static bool is_same_frame(const iso_render_options *a, const iso_render_options *b)
+{
+    return a->renderer == b->renderer && a->source == b->source && a->quadrature == b->quadrature &&
+           !(a->step_voxels < b->step_voxels || a->step_voxels > b->step_voxels) && a->intervals == b->intervals &&
+           a->planes == b->planes && a->extrapolate == b->extrapolate && a->samples == b->samples && a->seed == b->seed &&
+           a->isosurface == b->isosurface && !(a->iso < b->iso || a->iso > b->iso) && a->shade_table == b->shade_table;
+}
+
+static const iso_image *find_frame(const iso_frame_cache *cache, const iso_render_options *frame)
+{
+    for (size_t i = 0; i < cache->count; ++i)
+        if (is_same_frame(&cache->frames[i], frame))
+            return &cache->images[i];
+    return NULL;
+}
+
+/* Room for so many more. */
+static iso_status grow_cache(iso_frame_cache *cache, size_t more, iso_error *err)
+{
+    iso_render_options *frames = realloc(cache->frames, (cache->count + more) * sizeof *frames);
+    cache->frames = frames ? frames : cache->frames;
+    iso_image *images = realloc(cache->images, (cache->count + more) * sizeof *images);
+    cache->images = images ? images : cache->images;
+    return frames && images ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", more);
+}
+
+/* Renders what the cache lacks, and copies all. */
+static iso_status render_cached(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                                const iso_render_options *frames, size_t count, iso_image *images,
+                                const iso_progress *progress, iso_error *err)
+{
+    iso_frame_cache *cache = r->cache;
+    size_t lacking = 0;
+    iso_status status = grow_cache(cache, count, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        if (!find_frame(cache, &frames[i]))
+            cache->frames[cache->count + lacking++] = frames[i];
+    if (status == ISO_OK && lacking > 0)
+        status = render_several(r, p, level, view, cache->frames + cache->count, lacking, cache->images + cache->count, progress, err);
+    cache->count += status == ISO_OK ? lacking : 0;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        const iso_image *there = find_frame(cache, &frames[i]);
+        status = iso_image_create(&images[i], there->width, there->height, err);
+        if (status == ISO_OK)
+            memcpy(images[i].rgba, there->rgba, 4 * there->width * there->height * sizeof(float));
+    }
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
+    return status;
+}
+
+iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
+                              const iso_render_options *frames, size_t count, iso_image *images,
+                              const iso_progress *progress, iso_error *err)
+{
+    memset(images, 0, count * sizeof *images);
+    return r->cache ? render_cached(r, p, level, view, frames, count, images, progress, err)
+                    : render_several(r, p, level, view, frames, count, images, progress, err);
 }
 
 iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text, size_t size, iso_error *err)

@@ -70,10 +70,19 @@ iso_render_options iso_render_defaults(iso_renderer r);
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
 void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats);
 
+/* Images of one scene by their options, for work that asks for the same ones again. Zeroed: empty. */
+typedef struct iso_frame_cache {
+    size_t count;
+    iso_render_options *frames;
+    iso_image *images;
+} iso_frame_cache;
+void iso_frame_cache_clear(iso_frame_cache *cache);
+
 typedef struct iso_renderers {
     iso_gl *gl;
     const char *shader_dir; /* NULL: the embedded shaders */
     const iso_planted *planted; /* what spoils each image that is rendered; NULL but where faults are studied */
+    iso_frame_cache *cache;     /* of iso_render_several(), while pyramid, level, view and planted stay; borrowed, or NULL */
 } iso_renderers;
 void iso_renderers_end(iso_renderers *r);
 /* Makes r->gl if it is not there. */
