@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "cli/cached.h"
 #include "cli/palette_level.h"
+#include "cli/planner.h"
 #include "cli/subject.h"
 #include "tf/adapt.h"
 
@@ -270,7 +271,7 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     if (status != ISO_OK)
         return status;
     iso_render_stats_of_gl(&report.gl, &c->took);
-    c->stored_bytes = 10 * (double)report.node_count; /* 16 bits of the scalar, and of a direction in four channels */
+    c->stored_bytes = ISO_BYTES_A_NODE * (double)report.node_count;
     return ISO_OK;
 }
 

@@ -39,6 +39,9 @@ double iso_chart_error(const iso_chart_case *c, iso_chart_metric m)
 
 static double bytes_of(const iso_chart_case *c, iso_chart_bytes b) { return b == ISO_CHART_STORED ? c->stored_bytes : c->took.bytes; }
 
+static const char *bytes_kind(const iso_chart_result *r) { return r->bytes == ISO_CHART_STORED ? "stored" : "device"; }
+static const char *time_kind(const iso_chart_result *r) { return r->bench->processor_time ? "processor" : "clock"; }
+
 static int by_falling_error(const void *a, const void *b)
 {
     const double *x = a, *y = b; /* error, index */
@@ -347,7 +350,7 @@ json_t *iso_chart_result_json(const iso_chart_result *r)
     json_object_set_new(root, "schema", json_string("isoshade.chart/2"));
     json_object_set_new(root, "options",
                         json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
-                                  iso_chart_metric_name(r->metric), "time", r->bench->processor_time ? "processor" : "clock", "bytes", r->bytes == ISO_CHART_STORED ? "stored" : "device",
+                                  iso_chart_metric_name(r->metric), "time", time_kind(r), "bytes", bytes_kind(r),
                                   "budget_seconds", r->budget_seconds, "image", (json_int_t)r->bench->view.width,
                                   (json_int_t)r->bench->view.height));
     json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
@@ -413,7 +416,7 @@ static char *result_csv(const iso_chart_result *r)
         fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric), c->metrics.rmse,
                 c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front, c->on_bytes_front, c->number,
                 (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want, metrics[r->metric].title,
-                r->bench->processor_time ? "processor" : "clock", r->bytes == ISO_CHART_STORED ? "stored" : "device", r->bench->view.width, r->bench->view.height);
+                time_kind(r), bytes_kind(r), r->bench->view.width, r->bench->view.height);
         put_field(f, r->bench->path);
         put_field(f, r->scene);
         put_field(f, versions);
@@ -557,7 +560,8 @@ void iso_chart_result_print(const iso_chart_result *r)
                    1e3 * c->took.seconds, 1e3 * c->took.median_seconds, bytes_of(c, r->bytes), c->metrics.rmse, c->metrics.flip_mean);
         }
     if (unnamed > 0)
-        printf("and %zu that lower the error by less than %.0f %%: on_time_front and on_bytes_front in chart.json\n", unnamed, 100 * (1 - NAMED_PART));
+        printf("and %zu that lower the error by less than %.0f %%: on_time_front and on_bytes_front in chart.json\n", unnamed,
+               100 * (1 - NAMED_PART));
     print_skipped(r);
     if (r->want > 0)
         print_want(r);
