@@ -192,14 +192,11 @@ static char *commands_of(const drawing *d, iso_atlas_which which)
         put_file(f, d, ".nrrd");
     fputs(" --scene ", f);
     put_file(f, d, ".scene.json");
-    const bool has_rule = way->render && strstr(way->render, "--quadrature");
-    fprintf(f, " --with reference %s%s%s -o %s-%s.exr\n", has_rule ? "" : "--quadrature midpoint", way->render && !has_rule ? " " : "",
-            way->render ? way->render : "", id, name);
-    if (which != ISO_ATLAS_RIGHT) {
-        fputs("isoshade compare ", f);
-        put_file(f, d, "-right.exr");
-        fprintf(f, " %s-%s.exr --max-rmse %g\n", id, name, d->c->fallback_at_most);
-    }
+    fprintf(f, " --with reference --quadrature midpoint%s%s -o %s-%s.exr\n", way->render ? " " : "", way->render ? way->render : "", id,
+            name);
+    fputs("isoshade compare ", f);
+    put_file(f, d, "-right.exr");
+    fprintf(f, " %s-%s.exr --max-rmse %g\n", id, name, d->c->fallback_at_most);
     fclose(f);
     return text;
 }

@@ -103,7 +103,7 @@ typedef struct taken_options {
 } taken_options;
 
 typedef struct option_words {
-    char *gradient, *direction_filter, *quadrature, *gradients;
+    char *gradient, *direction_filter, *gradients;
     int level, radius, exponent;
     double sigma, step;
 } option_words;
@@ -140,8 +140,7 @@ static iso_status take_words(const option_words *w, taken_options *o, iso_error 
     o->build.gauss_sigma_voxels = w->sigma;
     o->build.eq1_exponent = (size_t)w->exponent;
     o->render.step_voxels = w->step;
-    const bool preintegrated = w->quadrature && strcmp(w->quadrature, "preintegrated") == 0;
-    o->render.quadrature = preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
+    o->render.quadrature = ISO_QUADRATURE_MIDPOINT;
     return status;
 }
 
@@ -159,7 +158,6 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
                                        POPT_TABLEEND};
     const struct poptOption render[] = {{"level", 0, POPT_ARG_INT, &w.level, 0, NULL, NULL},
                                         {"gradients", 0, POPT_ARG_STRING, &w.gradients, 0, NULL, NULL},
-                                        {"quadrature", 0, POPT_ARG_STRING, &w.quadrature, 0, NULL, NULL},
                                         {"step", 0, POPT_ARG_DOUBLE, &w.step, 0, NULL, NULL},
                                         {"adapt", 0, POPT_ARG_NONE, &o->adapted.wanted, 0, NULL, NULL},
                                         {"table", 0, POPT_ARG_STRING, &o->adapted.table, 0, NULL, NULL},
@@ -172,7 +170,6 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
         status = take_words(&w, o, err);
     free(w.gradient);
     free(w.direction_filter);
-    free(w.quadrature);
     free(w.gradients);
     return status;
 }
