@@ -111,12 +111,22 @@ static void a_pyramid_on_disk_is_what_it_is(void **state)
     release(&g);
 }
 
+static void other_programs_alone_are_equals(void **state)
+{
+    (void)state;
+    grid g = make(&(iso_chart_words){.with = "povray,cycles"}, true);
+    for (size_t i = 0; i < g.count; ++i)
+        assert_int_equal(g.cases[i].departures == 0, i < 2 * g.pyramid.level_count * g.axes.step_count);
+    release(&g);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(usual_settings_come_first_and_cheap_ones_before_others),
         cmocka_unit_test(every_axis_has_each_of_its_values_and_no_setting_comes_twice),
         cmocka_unit_test(a_pyramid_on_disk_is_what_it_is),
+        cmocka_unit_test(other_programs_alone_are_equals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

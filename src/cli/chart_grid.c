@@ -240,7 +240,9 @@ static size_t count_departures(const iso_chart_case *c, const usual_choice *usua
 {
     size_t n = (size_t)c->adapted + (c->table != ISO_SPLIT_NONE) + c->preintegrated + (c->filter != usual->filter) +
                (c->estimator != usual->estimator) + (c->plan_error > 0);
-    if (iso_chart_is_other_program(c->renderer) && c->renderer != usual->renderer)
+    if (iso_chart_is_other_program(usual->renderer)) /* nothing else was asked for: they are equals */
+        n += !iso_chart_is_other_program(c->renderer);
+    else if (iso_chart_is_other_program(c->renderer))
         n += c->level == 0 && c->step_voxels == usual->step_voxels ? 1 : 2;
     else
         n += c->renderer != usual->renderer;

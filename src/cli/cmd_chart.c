@@ -190,8 +190,9 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
         status = iso_chart_bench_reference(&run->bench, err);
     const double end_seconds = run->start_seconds + a->budget_seconds - seconds_for_drawing(a->budget_seconds);
     const double left_seconds = fmax(end_seconds - iso_clock_seconds(), 0);
+    const bool some_again = run->grid.with[ISO_WITH_GL] || run->grid.with[ISO_WITH_REFERENCE];
     if (status == ISO_OK)
-        status = measure_all(run, end_seconds - AGAIN_PART * left_seconds, err);
+        status = measure_all(run, end_seconds - (some_again ? AGAIN_PART * left_seconds : 0), err);
     if (status == ISO_OK)
         status = time_again(run, end_seconds, err);
     if (status == ISO_OK)
