@@ -88,6 +88,19 @@ expect a_row_outside_its_limits_is_exit_1 1 "$ISOSHADE" validate --with gl --qui
 check the_failure_has_the_common_form python3 junit.py wide.xml
 check and_a_failure_with_its_command grep -q 'failure type="differ".*isoshade make noise .*sharp.nrrd' wide.xml
 
+# Said to be sharp, it is also looked up exactly, within limits that the texture unit does not meet.
+mkdir steep
+sed 's/"opacity": 0.7/"opacity": 0.9999/' "$suite/step.scene.json" >steep/steep.scene.json
+check a_steep_table_agrees "$ISOSHADE" validate --with gl --quick -q --suite steep --size 24 -o steeply
+check and_within_narrower_limits_when_it_is_looked_up_exactly python3 - <<'END'
+import json
+rows = {r["b"]: r for r in json.load(open("steeply/report.json"))["agreement"] if r["tier"] == "lock-step"}
+exact, filtered = rows["gl, exact lookups"], rows["gl"]
+assert exact["verdict"] == "agree", exact
+assert filtered["max_abs"] > exact["limits"]["max_abs"] >= 2 * exact["max_abs"], (filtered["max_abs"], exact["max_abs"])
+END
+check reproduce_commands_know_exact_lookups run_commands < <(commands steeply 'gl, exact lookups')
+
 "$ISOSHADE" make marschner-lobb --size 20x17x23 -o v.nrrd -q
 check every_method_agrees_at_every_level validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 3 -o methods
 for row in 'on-the-fly' naive eq1 'moments, adapted TF' 'naive, adapted TF'; do check "there_are_rows_of_$row" grep -q "\"b\": \"gl, $row\"" methods/report.json; done

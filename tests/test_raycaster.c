@@ -201,6 +201,54 @@ static void every_source_and_code_agrees_with_the_reference_at_every_level(void 
     }
 }
 
+static iso_image render_exactly(const iso_level *level, const iso_view *view, iso_direction_source source)
+{
+    iso_image image;
+    iso_gl_options opt = iso_gl_defaults();
+    opt.source = source;
+    opt.exact_lookups = true;
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, view, &opt, &image, NULL, &err));
+    return image;
+}
+
+/* A table whose entries jump between nothing and opaque multiplies what a texture coordinate rounds. Looked up exactly, the
+ * same samples meet half the limits of smooth tables, so that what the filter's image is off (the planted fault) is the
+ * coordinates' alone. */
+static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
+{
+    (void)state;
+    static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_ON_THE_FLY};
+    iso_pyramid p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
+    for (size_t k = 0; k < p.level_count; ++k)
+        for (size_t i = 0; i < 2; ++i) {
+            iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+            for (size_t e = 0; e < view.tf.count; ++e)
+                view.tf.entries[4 * e + 3] = e % 8 < 4 ? 0.0f : 6.0f;
+            iso_image wanted = render_reference(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
+            iso_image exact = render_exactly(&p.levels[k], &view, sources[i]);
+            iso_image filtered = render_gl(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
+            difference of_exact = compare(&exact, &wanted), of_filtered = compare(&filtered, &wanted);
+            if (getenv("ISOSHADE_TEST_VERBOSE"))
+                printf("level %zu, %s: exact %.2e %.2e, filtered %.2e %.2e\n", k, iso_direction_source_name(sources[i]),
+                       of_exact.max_abs, of_exact.rmse, of_filtered.max_abs, of_filtered.rmse);
+            assert_at_most(of_exact.max_abs, MAX_ABS / 2); /* 4.2e-6 and 1e-7 are seen: floats of sums and colours */
+            assert_at_most(of_exact.rmse, RMSE / 2);
+            if (k == 0) /* the most voxels, of which a coordinate rounds the same part */
+                assert_more_than(of_filtered.rmse, 2 * of_exact.rmse);
+            iso_image_destroy(&wanted);
+            iso_image_destroy(&exact);
+            iso_image_destroy(&filtered);
+            iso_view_destroy(&view);
+        }
+    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+    iso_gl_options opt = iso_gl_defaults();
+    iso_image none;
+    opt.exact_lookups = opt.preintegrated = true;
+    assert_status(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &none, NULL, &err), ISO_E_USAGE);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
 /* Between the faces of a plate nearly every point turns some of its eight directions. */
 static void the_flipped_fetch_of_a_plate_agrees_with_the_reference(void **state)
 {
@@ -492,6 +540,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_of_floats_is_probed_finer_than_8_bits_in_software),
         cmocka_unit_test(every_source_and_code_agrees_with_the_reference_at_every_level),
+        cmocka_unit_test(exact_lookups_leave_out_what_texture_coordinates_round),
         cmocka_unit_test(the_flipped_fetch_of_a_plate_agrees_with_the_reference),
         cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
         cmocka_unit_test(every_reference_scene_agrees_at_every_level),

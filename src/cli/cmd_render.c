@@ -18,7 +18,7 @@ typedef struct render_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, seeds, limit, shade_table, brick, brick_levels, page_side;
+    int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels, page_side;
     double step, cache_bytes;
     char *plan_error_text, *code, *direction_filter, *gradient;
     double plan_error; /* 0: none */
@@ -43,6 +43,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         {"--seed", "cycles", a->seed != 0, cycles},
         {"--shader-dir", "gl", a->shader_dir != NULL, gl},
         {"--shade-table", "gl", a->shade_table != 0, gl},
+        {"--exact-lookups", "gl", a->exact_lookups != 0, gl},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         if (rules[i].given && !(rules[i].renderers & 1u << renderer))
@@ -79,10 +80,10 @@ static iso_status check_cache(const render_arguments *a, iso_renderer renderer, 
         return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
     if (a->cache_bytes != 0 && a->plan_error > 0)
         return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
-    if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->isosurface || a->quadrature ||
-        a->adapted.wanted || a->roi.box)
+    if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->exact_lookups ||
+        a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
         return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --gradients, --palette, --shade-table, "
-                                          "--isosurface, --quadrature, --adapt and --roi");
+                                          "--exact-lookups, --isosurface, --quadrature, --adapt and --roi");
     iso_status status = a->plan_error > 0 ? ISO_OK : iso_cli_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
         status = iso_cli_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
@@ -125,9 +126,10 @@ static iso_status check_limit(const render_arguments *a, iso_renderer renderer, 
 {
     if (!a->limit)
         return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
-    if (renderer == ISO_WITH_REFERENCE || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table || is_in_bricks(a))
+    if (renderer == ISO_WITH_REFERENCE || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table ||
+        a->exact_lookups || is_in_bricks(a))
         return iso_fail(err, ISO_E_USAGE, "--limit is for --with gl, cycles and povray, without --quadrature, --gradients, "
-                                          "--isosurface, --samples, --shade-table, --cache-bytes and --plan-error");
+                                          "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error");
     if (a->intervals % 2)
         return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
     if (a->seeds && renderer != ISO_WITH_CYCLES)
@@ -177,6 +179,7 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     opt->seed = a->seed;
     opt->threads = cli->threads;
     opt->shade_table = a->shade_table;
+    opt->exact_lookups = a->exact_lookups;
     return status;
 }
 
@@ -354,6 +357,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
         {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
+        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, "gl: filter textures at positions in double precision; slow, for certifying", NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},

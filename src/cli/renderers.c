@@ -107,6 +107,7 @@ static iso_status render_gl(iso_renderers *r, const iso_level *level, iso_code c
     o.source = opt->source;
     o.step_voxels = opt->step_voxels;
     o.shade_table = opt->shade_table;
+    o.exact_lookups = opt->exact_lookups;
     o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
     o.surface = opt->isosurface ? &surface : NULL;
     o.repeats = opt->repeats;

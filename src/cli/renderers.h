@@ -58,6 +58,7 @@ typedef struct iso_render_options {
     bool isosurface;               /* first hit of the value iso; not Cycles */
     double iso;
     bool shade_table;              /* GL, palettes */
+    bool exact_lookups;            /* GL: render/raycaster.h */
     size_t repeats;                /* GL and the reference: frames, the last of which is the image ... */
     double repeat_seconds;         /* ... as long as they have taken less than this; above 0 a warm-up goes before them */
     bool processor_time;           /* stats: the frame's processor time over all cores instead of the clock's; not of Cycles */

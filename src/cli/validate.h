@@ -90,6 +90,8 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer
  * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in
  * 16 bits a channel of how bright the view can be; a TF that is steep (sharp) multiplies the difference. */
 iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp);
+/* The same of the ray caster with exact lookups (render/raycaster.h), of any TF. */
+iso_limits iso_validate_exact_lock_step(void);
 /* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
 enum { ISO_VALIDATE_POVRAY_INTERVALS = 128 };
 /* How the limit of a renderer is sought: first step, what ends the halving. */

@@ -61,9 +61,10 @@ void iso_gl_set_coordinates(GLuint program, iso_vec3 scale, iso_vec3 offset)
 
 void iso_gl_set_tf(GLuint program, const iso_tf_table *tf, double zero, double per_texel)
 {
-    double entries = (double)(tf->count - 1) / (tf->hi - tf->lo);
-    iso_gl_set_float(program, "tf_scale", per_texel * entries);
-    iso_gl_set_float(program, "tf_offset", (zero - tf->lo) * entries);
+    const double entries = (double)(tf->count - 1) / (tf->hi - tf->lo), scale = per_texel * entries, offset = (zero - tf->lo) * entries;
+    iso_gl_set_float(program, "tf_scale", scale);
+    iso_gl_set_float(program, "tf_offset", offset);
+    glUniform2d(glGetUniformLocation(program, "tf_exact"), scale, offset);
     iso_gl_set_int(program, "tf_count", (int)tf->count);
 }
 

@@ -369,14 +369,15 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     static const int shader_sources[ISO_SOURCE_COUNT] = {
         [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
         [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4, [ISO_FROM_FLIPPED] = 5};
-    char defines[400];
+    char defines[420];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
-             "#define PREINTEGRATED %d\n#define FIRST_HIT %d\n#define FOCUS %d\n",
+             "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define FOCUS %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
              view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated,
+             opt->exact_lookups,
              opt->surface ? (int)opt->surface->output + 1 : 0, view->focus != NULL);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
@@ -392,6 +393,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no deviation classes");
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
+    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->focus))
+        return iso_fail(err, ISO_E_USAGE, "gl: exact lookups are for the integral by midpoints, without a region of interest");
     if (view->classes && opt->preintegrated)
         return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
     if (view->focus && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))

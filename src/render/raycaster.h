@@ -64,6 +64,9 @@ typedef struct iso_gl_options {
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
     bool preintegrated;          /* not with classes */
+    bool exact_lookups;          /* textures are filtered in the shader, at positions in double precision, instead of by the
+                                  * texture unit, whose coordinates are floats, and so is the table's entry found: slow,
+                                  * for certifying; not with a surface, pre-integration or a region of interest */
     const iso_surface *surface;  /* its first hit instead of the integral, or NULL; exact in each cell: no step */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);

@@ -9,7 +9,7 @@
 // voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
 // SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
-// integral; else first_hit.glsl instead), FOCUS (0, absent or 1: focus.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
+// integral; else first_hit.glsl instead), EXACT (0, absent or 1: textures are filtered here and values classified, in double), FOCUS (0, absent or 1: focus.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
 // them), POINTS (absent, or points.glsl instead).
 
 uniform dvec2 image_size;
@@ -77,6 +77,15 @@ uniform vec4 shading;             // ambient, diffuse, specular, power
 uniform vec3 background;
 out vec4 color;
 
+#ifndef EXACT
+#define EXACT 0
+#endif
+#if EXACT
+dvec3 exact_start, exact_stride; // of the ray
+dvec3 exact_p;                   // of the segment at hand
+vec3 rounded_p;                  // what stands for it everywhere else
+#endif
+
 struct Ray {
     vec3 start, stride; // p in the first segment's middle; a segment further
     vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
@@ -115,6 +124,10 @@ Ray pixel_ray()
     ray.stride = vec3(stride);
     ray.start_rest = vec3(start - dvec3(ray.start));
     ray.stride_rest = vec3(stride - dvec3(ray.stride));
+#if EXACT
+    exact_start = start;
+    exact_stride = stride;
+#endif
     ray.first_cut = float(t0 / step_mm - first);
     ray.length = t1 > t0 ? float(t1 / step_mm - first) : 0.0;
     ray.world = vec3(world);
@@ -141,6 +154,10 @@ Segment segment(Ray ray, float k)
     Segment s;
     s.p = point_of(ray, k + 0.5 * (front - back));
     s.part = 1.0 - front - back;
+#if EXACT
+    exact_p = exact_start + (double(k) + 0.5lf * (double(front) - double(back))) * exact_stride;
+    rounded_p = s.p;
+#endif
 #if PREINTEGRATED
     s.front = point_of(ray, k - 0.5 + front);
     s.back = point_of(ray, k + 0.5 - back);
@@ -197,7 +214,23 @@ vec4 address(vec3 p)
 #endif
 }
 
-#ifndef TRANSITION
+#if EXACT
+// The filter's eight texels, weighted for the position that is meant. A texture coordinate is a float, which is up to 3e-8
+// of the whole volume off: where a steep TF meets a steep value, that shows in the fifth digit of the image.
+dvec4 fetch_exactly(sampler3D texels, vec3 p)
+{
+    ivec3 last = textureSize(texels, 0) - 1;
+    dvec3 q = clamp((exact_p + dvec3(p - rounded_p)) * dvec3(last + 1) - 0.5lf, dvec3(0.0lf), dvec3(last)), lo = floor(q);
+    dvec4 sum = dvec4(0.0lf);
+    for (int c = 0; c < 8; ++c) {
+        ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
+        dvec3 w = mix(1.0lf - (q - lo), q - lo, dvec3(corner));
+        sum += w.x * w.y * w.z * dvec4(texelFetch(texels, min(ivec3(lo) + corner, last), 0));
+    }
+    return sum;
+}
+vec4 fetch(sampler3D texels, vec3 p) { return vec4(fetch_exactly(texels, p)); }
+#elif !defined TRANSITION
 vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
 #endif
 
@@ -222,12 +255,22 @@ vec4 fetch_direction(vec3 p) { return fetch(directions, p); }
 float scalar_at(vec3 p) { return fetch_scalar(p).r; }
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
+#if EXACT
+uniform dvec2 tf_exact; // tf_scale and tf_offset
+vec4 tf_row(double s, int row)
+{
+    double x = clamp(s * tf_exact.x + tf_exact.y, 0.0lf, double(tf_count - 1));
+    int i = min(int(x), tf_count - 2);
+    return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), float(x - double(i)));
+}
+#else
 vec4 tf_row(float s, int row)
 {
     float x = clamp(s * tf_scale + tf_offset, 0.0, float(tf_count - 1));
     int i = min(int(x), tf_count - 2);
     return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), x - float(i));
 }
+#endif
 
 #if PREINTEGRATED
 // Sigma c and sigma of entry x in cell [i, i + 1]; cells -1 and tf_count - 1 hold what lies beyond the table.
@@ -265,9 +308,13 @@ vec4 mean_between(float s0, float s1)
 
 vec4 classify_at(vec3 p)
 {
+#if EXACT
+    double s = fetch_exactly(scalar, p).r;
+#else
     float s = scalar_at(p);
+#endif
 #if CLASSES
-    float c = textureLod(class_part, p, 0.0).r * float(CLASSES - 1);
+    float c = fetch(class_part, p).r * float(CLASSES - 1);
     int i = min(int(c), CLASSES - 2);
     return mix(tf_row(s, i), tf_row(s, i + 1), c - float(i));
 #else
