@@ -60,6 +60,21 @@ words_are_all_there() { # pdf, words: each of them is in it
     found=$(pdftotext -bbox "$1" - | sed -n 's/.*<word.*>\(.*\)<.word>.*/\1/p' | sed "s/&apos;/'/")
     for word in $2; do grep -qxF -- "$word" <<<"$found" || { echo "no $word"; return 1; }; done
 }
+# The bar's white pixels beside the panel's, at 1200 dpi: the part of the panel that figure.csv says, within a pixel at each end.
+bar_is_right() { # the figure's folder
+    pdftoppm -r 1200 -gray -f 1 -l 1 "$1/figure.pdf" print
+    awk -F, 'NR == 2 {print $5, $6, $7, $8, $12}' "$1/figure.csv" >place
+    python3 - print*.pgm <<'END'
+import re, sys
+left, right, bottom, top, bar = map(float, open('place').read().split())
+magic, size, depth, pixels = open(sys.argv[1], 'rb').read().split(b'\n', 3)
+wide, high = map(int, size.split())
+row = int((1 - bottom - 0.05 * (top - bottom)) * high - 0.9 / 96 * 1200)
+line = pixels[row * wide + int(left * wide):row * wide + int(right * wide)]
+longest = max(map(len, re.findall(b'\xff+', line)))
+if abs(longest - bar * (right - left) * wide) > 2: print(longest, 'pixels, wanted', bar * (right - left) * wide); sys.exit(1)
+END
+}
 for width in 85 178; do
     for kind in levels renderers; do
         for from in four long; do
@@ -85,6 +100,9 @@ check words_that_meet_are_noticed test -n "$(words_are_apart planted/figure.pdf)
 
 # The bar: its line in the SVG beside the panel that it stands in, 48 pixels of 0.5 mm.
 check the_bar_says_5_mm grep -q '5 mm' four_levels_178/figure.svg
+check the_bar_has_its_length_in_print bar_is_right four_levels_178
+sed -i 's|graph 0.05 + bar.i.,|graph 0.056 + bar[i],|' planted/figure.gp && (cd planted && gnuplot -e "format='pdf'" figure.gp)
+check a_longer_bar_is_noticed test -n "$(bar_is_right planted)"
 check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 / 24) ^ 2 < 1e-8)}' four_levels_178/figure.csv
 
 check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles gl povray"

@@ -346,8 +346,9 @@ static void describe_drawing(const figure *f)
         if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
             fprintf(f->caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
                     iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
-    fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity.\n",
-            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high);
+    fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.\n",
+            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
+            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
 }
 
 static iso_status make(figure *f, const char *dir, iso_error *err)

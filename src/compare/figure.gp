@@ -42,7 +42,7 @@ do for [i = 1:count] {
     set xrange [0:wide[i]]
     set yrange [0:high[i]]
     unset label
-    unset arrow
+    unset object
     do for [k = 1:lines(title[i])] {
         set label comma(part(title[i], k)) at screen 0.5 * (left[i] + right[i]), top[i] + (0.62 + lines(title[i]) - k) * line(title_pt) / height center noenhanced font title_font
     }
@@ -53,7 +53,8 @@ do for [i = 1:count] {
         set label comma(part(side[i], k)) at screen left[i] - (0.6 + lines(side[i]) - k) * line(title_pt) / width, middle[i] center rotate by 90 noenhanced font title_font
     }
     if (bar[i] > 0) {
-        set arrow from graph 0.05, graph 0.05 to graph 0.05 + bar[i], graph 0.05 nohead lc rgb bar_colour[i] lw 2 front
+        # A rectangle: the ends of a line would add to its length.
+        set object 1 rectangle from graph 0.05, graph 0.05 to graph 0.05 + bar[i], screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 1.8 / height front fillcolor rgb bar_colour[i] fillstyle solid noborder
         set label bar_text[i] at graph 0.05, screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 0.75 * line(note_pt) / height left front noenhanced font note_font textcolor rgb bar_colour[i]
     }
     unset colorbox
