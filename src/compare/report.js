@@ -489,7 +489,7 @@ function consistency() {
         const group = data.consistency.filter(r => r.level === k);
         const best = keys.map(key => Math.min(...group.map(r => r[key]).filter(v => v !== null)));
         for (const r of group) rows.push(el('tr', {'data-tf': tf(r)}, cell(String(r.level), true), cell(r.method),
-            adapted ? cell([tf(r), r.original_kept ? el('small', {class: 'refused', title: r.original_kept}, ' refused, original kept') : '']) : null, cell(String(r.views), true),
+            adapted ? cell([tf(r), r.original_kept ? el('small', {class: 'reported', title: r.original_kept}, ' refused, original kept') : '']) : null, cell(String(r.views), true),
             keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
     }
     section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ...(adapted ? [['TF']] : []), ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
