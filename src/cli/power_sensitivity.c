@@ -29,8 +29,8 @@ typedef struct probe {
     double cost;
 } probe;
 
-/* The limits of the calibrations are 15 times and more what any renderer errs there by itself (test_calibrate), so that the amounts
- * are nearly the same for all: the reference is asked. */
+/* The limits of the calibrations are 15 times and more what any renderer errs there by itself (test_calibrate), so that the
+ * amounts are nearly the same for all: the reference is asked. */
 static const probe probes[] = {
     {"calibration", ISO_WITH_REFERENCE, true, 0, 1},
     {"gl lock-step", ISO_WITH_GL, false, ISO_POWER_LOCK_STEP, 4},
