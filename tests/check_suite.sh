@@ -80,6 +80,7 @@ render() { "$ISOSHADE" render few/no.nrrd --scene "$suite/step.scene.json" -q -o
 refuse seeds_are_of_limits 2 "--seeds needs --limit" render --with cycles --seeds 3
 refuse the_reference_has_no_limit 2 "--limit is for --with gl, cycles and povray" render --with reference --limit
 refuse a_limit_halves_intervals 2 "must be even" render --with povray --limit --intervals 7
+refuse one_seed_has_no_scatter 2 "--seeds" validate --suite few --seeds 1 -o no
 refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scene x.scene.json -o no
 # A step of opacity 0.9999 that is said to be smooth: a float sample falls on its other side, which is not forgiven then.
 mkdir sharp

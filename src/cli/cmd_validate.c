@@ -13,7 +13,7 @@
 typedef struct validate_arguments {
     iso_cli_input input;
     char *scene, *output, *size, *with, *code, *junit, *suite;
-    int level_count, quick;
+    int level_count, seeds, quick;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -25,11 +25,16 @@ static char *scene_name_of(const char *path)
     return name;
 }
 
+/* More seeds make the tests by pixel and of the bias sharper, and the run longer. */
+static size_t seeds_of(const validate_arguments *a)
+{
+    return a->seeds ? (size_t)a->seeds : a->quick ? 3 : 4;
+}
+
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const char *size)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
-    v->seeds = v->quick ? 3 : 4;
     v->consistency_size = v->quick ? 96 : 160;
     v->consistency_views = v->quick ? 3 : 6;
     if (v->quick && !size) {
@@ -118,8 +123,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_cli_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
-                        .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick, .threads = cli->threads,
-                        .progress = &progress};
+                        .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick,
+                        .seeds = seeds_of(a), .threads = cli->threads, .progress = &progress};
     const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
                                     .volume = cli->arguments[0], .scene = a->scene};
     scale_down(&v, scene, a->size);
@@ -171,7 +176,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     enum { quick_pixels = 48 };
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
-    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = a->quick ? 3 : 4, .progress = &progress};
+    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .progress = &progress};
     iso_suite_options suite = {.folder = a->suite, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
                                .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
@@ -213,6 +218,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_status status = iso_cli_check_range("--levels", a->level_count, 0, 16, err);
+    if (status == ISO_OK && a->seeds)
+        status = iso_cli_check_range("--seeds", a->seeds, 2, 32, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
@@ -243,6 +250,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, "renderers to compare with the reference (gl,cycles,povray)", "LIST"},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, "renders of Cycles at each step, whose mean and scatter are tested (4; 3 with --quick)", "N"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
