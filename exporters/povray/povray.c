@@ -265,7 +265,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
     s.scalar = scalar_coding(level, opt->df3_bits);
     s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
     s.center_mm = iso_geometry_box_center_mm(g);
-    s.units_per_mm = 50 / iso_geometry_box_radius_mm(g);
+    s.units_per_mm = 0.5 * ISO_POVRAY_UNITS_ACROSS / iso_geometry_box_radius_mm(g);
     iso_povray_measure_peaks(&s);
     /* 1 %: the solver divides by it, and rounds. A constant field has no slope at all. */
     if (opt->isosurface)

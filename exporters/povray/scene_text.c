@@ -73,8 +73,8 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "//     object { %s transform { Iso_To_World } }\n"
             "//\n"
             "// %s stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
-            "// Iso_To_World turns and stretches it as the data say, and makes it about 100 units across. Scale it as you\n"
-            "// like, but not far below that: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
+            "// Iso_To_World turns and stretches it as the data say, and makes it about %g units across. Scale it as you\n"
+            "// like, but not far below 100: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
             "//\n"
             "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
             "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
@@ -88,7 +88,7 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
             "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
             s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
-            object_name(s), s->options->intervals);
+            object_name(s), ISO_POVRAY_UNITS_ACROSS, s->options->intervals);
 }
 
 static void write_placement(FILE *f, const iso_povray_scene *s)

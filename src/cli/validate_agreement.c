@@ -17,6 +17,8 @@ static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
  * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
  * little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
+/* Of all pixels and channels: none of fewer than 70 x 70 pixels, 5 values of 160 x 160. */
+static const double grazing_part = 5e-5;
 
 /* Of lit scenes: below what a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
@@ -263,7 +265,9 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l
     add_gate(row, "error bar", l->bar, iso_validate_error_bar(asked));
     add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {
-        add_gate(row, "pixels beyond chance", (double)l->noise.rejected, 0);
+        /* A ray along an edge of an opaque box changes its pixel by 3.6e-4 when it is put 1e-5 mm aside, which is one bit of
+         * single precision at the eye's distance: few values may. The RMSE is held to its bar all the same. */
+        add_gate(row, "pixels beyond chance", (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
         add_gate(row, "bias beyond chance", l->noise.biased, 0);
     }
     if (asked->tier == ISO_TIER_LIT) {
