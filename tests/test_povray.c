@@ -373,6 +373,64 @@ static void halving_the_intervals_quarters_the_error_and_the_limit_lies_within_i
     end_comparison(&c);
 }
 
+/* Where a ray along `forward` enters and leaves the box, in mm behind the plane through the box's centre; false: it misses. */
+static bool through_box(const iso_geometry *g, iso_vec3 aside, iso_vec3 forward, double *enters, double *leaves)
+{
+    const iso_vec3 start = iso_add(iso_geometry_box_center_mm(g), aside), from = iso_geometry_to_index(g, start);
+    const iso_vec3 step = iso_sub(iso_geometry_to_index(g, iso_add(start, forward)), from);
+    const double o[3] = {from.x, from.y, from.z}, d[3] = {step.x, step.y, step.z};
+    *enters = -INFINITY, *leaves = INFINITY;
+    for (int a = 0; a < 3; ++a) {
+        const double t0 = -o[a] / d[a], t1 = (g->box_index[a] - o[a]) / d[a];
+        *enters = fmax(*enters, fmin(t0, t1));
+        *leaves = fmin(*leaves, fmax(t0, t1));
+    }
+    return *enters < *leaves;
+}
+
+/* Along camera->right from the centre, the ray that enters at the depth of the centre: how far aside, and what of it is in
+ * the box; 0 where none does. */
+static double entry_beside_the_centre(const iso_geometry *g, const iso_camera *camera, double *aside)
+{
+    double low = 0, high = iso_geometry_box_radius_mm(g), enters, leaves, chord = 0;
+    for (int i = 0; i < 100; ++i) {
+        *aside = 0.5 * (low + high);
+        bool hits = through_box(g, iso_scale(camera->right, *aside), camera->forward, &enters, &leaves);
+        *(hits && enters <= 0 ? &low : &high) = *aside;
+    }
+    if (through_box(g, iso_scale(camera->right, low), camera->forward, &enters, &leaves) && fabs(enters) < 1e-9)
+        chord = leaves - enters;
+    return chord;
+}
+
+/* POV-Ray takes surfaces within 0.001 units for one: a box of 100 units loses the rest of rays that enter so near to a
+ * cutting plane. */
+static void a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away(void **state)
+{
+    (void)state;
+    comparison c = converged(0);
+    const iso_geometry *g = &c.pyramid.levels[0].geometry;
+    iso_view turned = oblique_view(g, true, 256);
+    iso_camera camera = turned.camera, best = camera;
+    double longest = 0, aside = 0, at;
+    free(turned.tf.entries);
+    for (double angle = 0; angle < 6.28; angle += 0.05) {
+        camera.right = iso_add(iso_scale(turned.camera.right, cos(angle)), iso_scale(turned.camera.up, sin(angle)));
+        camera.up = iso_cross(camera.right, camera.forward);
+        const double chord = entry_beside_the_centre(g, &camera, &at);
+        if (chord > longest)
+            longest = chord, aside = at, best = camera;
+    }
+    assert_more_than(longest, 0.1 * iso_geometry_box_radius_mm(g));
+    c.view.camera = best;
+    c.view.camera.position = iso_madd(best.position, best.right, aside);
+    c.view.camera.half_height = 8e-7 * iso_geometry_box_radius_mm(g);
+    c.view.width = 41, c.view.height = 1;
+    double rmse;
+    assert_at_most(compare(&c, &rmse), 1e-3); /* ten times what is left of the steps */
+    end_comparison(&c);
+}
+
 static void an_isosurface_is_the_first_hit_of_the_reference(void **state)
 {
     (void)state;
@@ -585,6 +643,7 @@ int main(void)
         cmocka_unit_test(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults),
         cmocka_unit_test(converged_agrees_and_rejects_planted_faults),
         cmocka_unit_test(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars),
+        cmocka_unit_test(a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away),
         cmocka_unit_test(an_isosurface_is_the_first_hit_of_the_reference),
         cmocka_unit_test(an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing),
         cmocka_unit_test(df3_files_are_big_endian_with_a_rim_of_edge_values),
