@@ -488,7 +488,7 @@ static iso_status render_scene(const char *program, const char *dir, const iso_p
     return status;
 }
 
-static double df3_bytes(const char *folder)
+double iso_povray_df3_bytes(const char *folder)
 {
     double sum = 0;
     DIR *dir = opendir(folder);
@@ -520,7 +520,7 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
     if (status == ISO_OK)
         status = write_all(p, &s.scene, dir, progress, err);
     if (status == ISO_OK && opt->stats)
-        *opt->stats = (iso_povray_stats){.df3_bytes = df3_bytes(dir)};
+        *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(dir)};
     if (status == ISO_OK)
         status = render_scene(program, dir, &s.scene, progress, image, err);
     if (dir)

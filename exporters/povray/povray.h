@@ -58,6 +58,9 @@ typedef struct iso_povray_options {
 /* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */
 iso_povray_options iso_povray_defaults(void);
 
+/* Bytes of the DF3 files in a folder, such as an export. */
+double iso_povray_df3_bytes(const char *folder);
+
 /* "3.7.0.10". ISO_E_MISSING, ISO_E_PROGRAM. */
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
 

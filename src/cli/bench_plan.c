@@ -1,9 +1,7 @@
 /* bench_plan.c - what a plan saves in every program: bytes, memory, load times, and the difference that it makes. */
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -66,22 +64,6 @@ static iso_status measure_vdbs(bench_state *s, iso_error *err)
     return status;
 }
 
-static double df3_bytes(const char *folder)
-{
-    double sum = 0;
-    DIR *dir = opendir(folder);
-    for (struct dirent *e = dir ? readdir(dir) : NULL; e; e = readdir(dir)) {
-        char *path = iso_path_join(folder, e->d_name);
-        struct stat about;
-        if (iso_path_ends_with(path, ".df3") && stat(path, &about) == 0)
-            sum += (double)about.st_size;
-        free(path);
-    }
-    if (dir)
-        closedir(dir);
-    return sum;
-}
-
 static iso_status measure_df3s(bench_state *s, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
@@ -96,8 +78,8 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     o.box = (const double(*)[3])crop.box;
     if (status == ISO_OK)
         status = iso_povray_export(&cropped, 0, s->views, planned, &o, NULL, err);
-    s->entries[FULL].df3_bytes = df3_bytes(full);
-    s->entries[MERGED].df3_bytes = df3_bytes(planned);
+    s->entries[FULL].df3_bytes = iso_povray_df3_bytes(full);
+    s->entries[MERGED].df3_bytes = iso_povray_df3_bytes(planned);
     iso_planned_crop_destroy(&crop);
     free(planned);
     free(full);

@@ -164,15 +164,9 @@ static void put_number(FILE *f, const char *option, double value)
 
 static void put_input(FILE *f, const iso_cli_input *in)
 {
-    put_option(f, "raw-size", in->raw_size);
-    put_option(f, "raw-type", in->raw_type);
-    put_option(f, "raw-spacing", in->raw_spacing);
-    if (in->raw_big_endian)
-        fputs(" --raw-big-endian", f);
-    if (in->raw_skip_bytes)
-        fprintf(f, " --raw-skip %ld", in->raw_skip_bytes);
-    if (in->physical)
-        fputs(" --physical", f);
+    char *line = iso_cli_input_line(in);
+    fputs(line ? line : "", f);
+    free(line);
 }
 
 /* What differs from what `render` does by itself. */

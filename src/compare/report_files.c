@@ -143,14 +143,13 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     return status;
 }
 
-static const char *string_of(const json_t *row, const char *key)
+const char *iso_row_text(const json_t *row, const char *key)
 {
     const char *s = json_string_value(json_object_get(row, key));
     return s ? s : "";
 }
 
-/* NaN where the value is null: gnuplot leaves it out. */
-static double number_of(const json_t *row, const char *key)
+double iso_row_number(const json_t *row, const char *key)
 {
     const json_t *value = json_object_get(row, key);
     return json_is_number(value) ? json_number_value(value) : NAN;
@@ -171,23 +170,23 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
     json_array_foreach(rows, i, row) {
         const json_t *limits = json_object_get(row, "limits");
         char label[256];
-        snprintf(label, sizeof label, "%s, level %lld: %s – %s", string_of(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), string_of(row, "b"));
+        snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"),
+                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"), iso_row_text(row, "b"));
         put_field(f, label);
-        fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", number_of(row, "rmse"), number_of(limits, "rmse"),
-                number_of(row, "max_abs"), number_of(limits, "max_abs"), number_of(row, "error_bar"),
-                string_of(row, "verdict"));
+        fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", iso_row_number(row, "rmse"), iso_row_number(limits, "rmse"),
+                iso_row_number(row, "max_abs"), iso_row_number(limits, "max_abs"), iso_row_number(row, "error_bar"),
+                iso_row_text(row, "verdict"));
     }
 }
 
 static void put_consistency_line(FILE *f, const json_t *row)
 {
-    const bool adapted = strcmp(string_of(row, "tf"), "adapted") == 0;
-    put_field(f, string_of(row, "method"));
+    const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
+    put_field(f, iso_row_text(row, "method"));
     fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d\n", (long long)json_integer_value(json_object_get(row, "level")),
-            (long long)json_integer_value(json_object_get(row, "views")), number_of(row, "ssim_dissimilarity_mean"),
-            number_of(row, "flip_mean"), number_of(row, "gradient_angle_mean_deg"), number_of(row, "gradient_angle_p95_deg"),
-            adapted ? "adapted" : "original", string_of(row, "original_kept")[0] != 0);
+            (long long)json_integer_value(json_object_get(row, "views")), iso_row_number(row, "ssim_dissimilarity_mean"),
+            iso_row_number(row, "flip_mean"), iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
+            adapted ? "adapted" : "original", iso_row_text(row, "original_kept")[0] != 0);
 }
 
 /* One block a method and TF, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
@@ -298,9 +297,9 @@ static void put_page(FILE *f, const json_t *root, const json_t *inlined)
         else if (strncmp(mark, "@INLINED@", length) == 0)
             put_json(f, inlined);
         else if (strncmp(mark, "@SENTENCE@", length) == 0)
-            put_html(f, string_of(root, "sentence"));
+            put_html(f, iso_row_text(root, "sentence"));
         else if (strncmp(mark, "@TITLE@", length) == 0)
-            put_html(f, string_of(root, "title"));
+            put_html(f, iso_row_text(root, "title"));
         else
             fputc('@', f), at = mark + 1; /* no mark of ours */
     }

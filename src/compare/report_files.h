@@ -1,9 +1,13 @@
-/* report_files.h - the files of a report: pictures, charts, the page. Private to report.c. */
+/* report_files.h - the files of a report: pictures, charts, the page. Private to the report. */
 #ifndef ISO_REPORT_FILES_H
 #define ISO_REPORT_FILES_H
 
 #include "base/json.h"
 #include "image/image.h"
+
+/* Of a row: "" and NaN where there is none; gnuplot leaves NaN out. */
+const char *iso_row_text(const json_t *row, const char *key);
+double iso_row_number(const json_t *row, const char *key);
 
 /* images/ and charts/. */
 iso_status iso_report_files_begin(const char *dir, iso_error *err);

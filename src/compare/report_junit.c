@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "compare/report.h"
+#include "compare/report_files.h"
 
 static void put_xml(FILE *f, const char *s)
 {
@@ -26,28 +27,15 @@ static void put_xml(FILE *f, const char *s)
     }
 }
 
-static const char *string_of(const json_t *row, const char *key)
-{
-    const char *s = json_string_value(json_object_get(row, key));
-    return s ? s : "";
-}
-
-/* NaN where the value is null. */
-static double number_of(const json_t *row, const char *key)
-{
-    const json_t *value = json_object_get(row, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
 static bool has_verdict(const json_t *row, const char *verdict)
 {
-    return strcmp(string_of(row, "verdict"), verdict) == 0;
+    return strcmp(iso_row_text(row, "verdict"), verdict) == 0;
 }
 
 /* name="..." and time="..."; the element is left open. */
 static void put_case(FILE *f, const char *class, const char *of, const json_t *row)
 {
-    double seconds = number_of(row, "seconds");
+    double seconds = iso_row_number(row, "seconds");
     fprintf(f, "    <testcase classname=\"%s.", class);
     put_xml(f, of);
     fprintf(f, "\" time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
@@ -75,25 +63,25 @@ static void put_why_it_differs(FILE *f, const json_t *row)
         fprintf(f, "%lld pixels are not finite; ", (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
     json_object_foreach((json_t *)limits, key, limit) {
         const bool ssim = strcmp(key, "ssim_dissimilarity") == 0;
-        put_unheld(f, key, ssim ? 1 - number_of(row, "ssim") : number_of(row, key), json_number_value(limit));
+        put_unheld(f, key, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, key), json_number_value(limit));
     }
     json_array_foreach(gates, i, gate)
-        put_unheld(f, string_of(gate, "name"), number_of(gate, "value"), number_of(gate, "limit"));
+        put_unheld(f, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     if (json_object_size(limits) == 0 && json_array_size(gates) == 0)
-        fprintf(f, "max_abs %.4g, without limits only equal images agree; ", number_of(row, "max_abs"));
-    put_xml(f, string_of(row, "why"));
+        fprintf(f, "max_abs %.4g, without limits only equal images agree; ", iso_row_number(row, "max_abs"));
+    put_xml(f, iso_row_text(row, "why"));
 }
 
 static void put_agreement_case(FILE *f, const json_t *row)
 {
-    put_case(f, "agreement", string_of(row, "scene"), row);
+    put_case(f, "agreement", iso_row_text(row, "scene"), row);
     fprintf(f, "level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
-    put_xml(f, string_of(row, "a"));
+    put_xml(f, iso_row_text(row, "a"));
     fputs(" against ", f);
-    put_xml(f, string_of(row, "b"));
-    if (string_of(row, "tier")[0]) {
+    put_xml(f, iso_row_text(row, "b"));
+    if (iso_row_text(row, "tier")[0]) {
         fputs(", ", f);
-        put_xml(f, string_of(row, "tier"));
+        put_xml(f, iso_row_text(row, "tier"));
     }
     if (has_verdict(row, "agree")) {
         fputs("\"/>\n", f);
@@ -103,12 +91,12 @@ static void put_agreement_case(FILE *f, const json_t *row)
         fputs("\">\n      <failure type=\"differ\" message=\"", f);
         put_why_it_differs(f, row);
         fputs("\">", f);
-        put_xml(f, string_of(row, "command"));
+        put_xml(f, iso_row_text(row, "command"));
         fputs("</failure>\n    </testcase>\n", f);
         return;
     }
-    fprintf(f, "\">\n      <skipped message=\"%s: ", string_of(row, "verdict"));
-    put_xml(f, string_of(row, "why"));
+    fprintf(f, "\">\n      <skipped message=\"%s: ", iso_row_text(row, "verdict"));
+    put_xml(f, iso_row_text(row, "why"));
     fputs("\"/>\n    </testcase>\n", f);
 }
 
@@ -116,18 +104,18 @@ static void put_agreement_case(FILE *f, const json_t *row)
 static void put_calibration_case(FILE *f, const json_t *row)
 {
     const bool measured = json_is_number(json_object_get(row, "value"));
-    put_case(f, "calibration", string_of(row, "renderer"), row);
-    put_xml(f, string_of(row, "check"));
+    put_case(f, "calibration", iso_row_text(row, "renderer"), row);
+    put_xml(f, iso_row_text(row, "check"));
     if (has_verdict(row, "pass")) {
         fputs("\"/>\n", f);
         return;
     }
     if (measured)
-        fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">", number_of(row, "value"),
-                string_of(row, "unit"), number_of(row, "limit"));
+        fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">", iso_row_number(row, "value"),
+                iso_row_text(row, "unit"), iso_row_number(row, "limit"));
     else
         fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
-    put_xml(f, string_of(row, "detail"));
+    put_xml(f, iso_row_text(row, "detail"));
     fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
 }
 
@@ -174,11 +162,11 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
         failures += failed && !nothing;
         errors += failed && nothing;
         skipped += has_verdict(row, "refused") || has_verdict(row, "reported");
-        seconds += fmax(number_of(row, "seconds"), 0); /* fmax() passes NaN by */
+        seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
     }
     gethostname(host, sizeof host - 1);
     fprintf(f, "  <testsuite id=\"%d\" package=\"isoshade\" name=\"%s\" timestamp=\"%.19s\" hostname=\"", id, s->name,
-            string_of(root, "made"));
+            iso_row_text(root, "made"));
     put_xml(f, host[0] ? host : "localhost");
     fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
             s->put_case ? json_array_size(rows) : 0, failures, errors, skipped, seconds);
