@@ -26,7 +26,7 @@ CXXFLAGS = -std=c++17 -Wall -Wextra $(flags) -isystem /usr/include/Imath
 LDLIBS = $(shell pkg-config --libs $(pkgs)) -lOpenEXRCore-3_1 -lteem -lniftiio -lznz -lopenvdb -ltbb -lImath-3_1 -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
-lib_c := $(filter-out src/cli/main.c,$(wildcard src/*/*.c exporters/*/*.c))
+lib_c := $(filter-out src/cli/main.c src/base/mpi/%,$(wildcard src/*/*.c src/*/*/*.c exporters/*/*.c))
 lib_cc := $(wildcard exporters/*/*.cc)
 lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
 lib := $(build)/libisoshade.a
@@ -35,7 +35,8 @@ program := $(build)/isoshade
 mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := $(wildcard src/brick/warp_map.h src/encode/code_decode.h src/render/shaders/*.glsl src/cli/*.html src/compare/*.html src/compare/*.js src/compare/*.css src/compare/*.gp exporters/*/*.py exporters/*/*.inc)
+embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/*.glsl \
+	$(foreach suffix,html js css gp,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all

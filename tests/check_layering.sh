@@ -1,51 +1,92 @@
 #!/usr/bin/env bash
-# Data flows one way: a folder includes only itself and those before it; exporters and render do not meet; compare
-# knows only images and results; only src/cli sequences stages.
+# Data flows one way: the files of a room (a folder of src or exporters, with the folders in it) include only files of the
+# rooms that its row names, and of their own. No exemptions; a row names none that stands below it.
 set -u
 cd "$(dirname "$0")/.."
-bad=0
-allowed() { # folder
-    case $1 in
-        base) echo base ;;
-        image) echo base image ;;
-        volume) echo base volume ;;
-        gradient) echo base volume gradient ;;
-        encode) echo base volume gradient encode ;;
-        pyramid) echo base volume gradient encode pyramid ;;
-        tf) echo base volume gradient encode pyramid tf ;;
-        brick) echo base volume gradient encode pyramid tf brick ;;
-        render) echo base image volume gradient encode pyramid tf brick render ;;
-        compare) echo base image compare ;;
-        # Exporters see what is rendered - scene.h: cameras, lights; focus.h: a region of interest - but no renderer.
-        # Blender reads the volume through the VDB door.
-        vdb | povray) echo base image volume gradient encode pyramid tf brick "$1" ;;
-        blender) echo base image volume gradient encode pyramid tf brick vdb blender ;;
-        cli) echo base image volume gradient encode pyramid tf brick render compare cli vdb blender povray ;;
-        *) return 1 ;;
-    esac
-}
-check() { # file, folder
-    local list include folder
-    list=$(allowed "$2") || { echo "not ok layering: $1 lies in $2, which has no place in the order"; bad=1; return; }
-    for include in $(sed -n 's/^#include "\([a-z_]*\/[^"]*\)".*/\1/p' "$1"); do
-        folder=${include%%/*}
-        case $include in render/scene.h | render/focus.h) [ "$2" != compare ] && continue ;; esac
-        case " $list " in
-            *" $folder "*) ;;
-            *) echo "not ok layering: $1 includes $include"; bad=1 ;;
+
+# What renderers and exporters share, in the order in which data flows through it.
+shared="base image volume gradient encode palette pyramid tf brick scene"
+table="
+base:
+image:      base
+volume:     base
+gradient:   base volume
+encode:     base volume gradient
+palette:    base image volume gradient
+pyramid:    base volume gradient encode palette
+tf:         base volume gradient encode palette pyramid
+brick:      base volume gradient encode palette pyramid tf
+scene:      base image volume gradient encode palette pyramid tf brick
+render:     $shared
+vdb:        $shared
+povray:     $shared
+blender:    $shared vdb
+renderers:  $shared render vdb povray blender
+compare:    base image
+plan:       $shared render compare
+report:     base image compare
+validate:   $shared render povray renderers compare report
+chart:      $shared render renderers compare plan report
+options:    $shared
+atlas:      $shared render compare report options
+bench:      $shared render vdb povray blender renderers compare plan report validate options
+cli:        $shared render vdb povray blender renderers compare plan report validate chart options atlas bench
+"
+allowed() { sed -n "s/^$1: *//p" <<<"$table"; } # room: what it may include
+rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
+
+check() { # file, room: a line for each include that the room's row does not name
+    local include
+    for include in $(sed -n 's/^#include "\([a-z_]*\)\/[^"]*".*/\1/p' "$1"); do
+        case " $(allowed "$2") $2 " in
+            *" $include "*) ;;
+            *) echo "not ok layering: $1 includes a file of $include" ;;
         esac
     done
 }
+
+bad=0
+fail() { echo "not ok layering: $*"; bad=1; }
+
 count=0
-for file in src/*/*.[ch] exporters/*/*.[ch] exporters/*/*.cc; do
-    folder=${file%/*}
-    check "$file" "${folder##*/}"
+for file in $(find src exporters -name '*.[ch]' -o -name '*.cc'); do
+    room=${file#*/}
+    case $room in */*) room=${room%%/*} ;; *) continue ;; esac # src/isoshade.h stands above all rooms
+    grep -qx "$room" <<<"$rooms" || fail "$file lies in $room, which has no row"
+    found=$(check "$file" "$room")
+    [ -z "$found" ] || { echo "$found"; bad=1; }
     count=$((count + 1))
 done
-# The check can fail: a planted include must be found.
-planted=$(mktemp -d)
-echo '#include "cli/cli.h"' >"$planted/x.c"
-(check "$planted/x.c" base) | grep -q 'not ok' || { echo "not ok layering: a planted fault was not found"; bad=1; }
-rm -r "$planted"
-[ $bad = 0 ] && echo "ok layering of $count files"
+
+# Rows name only what stands above them: no two rooms include each other, directly or by a third.
+above=" "
+for room in $rooms; do
+    for other in $(allowed "$room"); do
+        case $above in *" $other "*) ;; *) fail "$room may include $other, which does not stand above it" ;; esac
+    done
+    above="$above$room "
+done
+
+# The check can fail: in each room an include of each room that its row does not name is found, and none that it names.
+planted=$(mktemp)
+trap 'rm -f "$planted"' EXIT
+for room in $rooms; do
+    for other in $rooms; do
+        [ "$room" = "$other" ] && continue
+        echo "#include \"$other/x.h\"" >"$planted"
+        case " $(allowed "$room") " in
+            *" $other "*) [ -z "$(check "$planted" "$room")" ] || fail "an include of $other in $room was refused" ;;
+            *) [ -n "$(check "$planted" "$room")" ] || fail "an include of $other planted in $room was not found" ;;
+        esac
+    done
+done
+
+# No room holds more than a sixth of the code.
+lines() { find "$@" -name '*.[ch]' -o -name '*.cc' -o -name '*.glsl' -o -name '*.js' -o -name '*.py' | xargs cat | wc -l; }
+total=$(lines src exporters)
+for room in src/*/ exporters/*/; do
+    part=$(lines "$room")
+    [ $((part * 6)) -le "$total" ] || fail "${room%/} holds $part of $total lines, more than a sixth"
+done
+[ $bad = 0 ] && echo "ok layering of $count files in $(wc -w <<<"$rooms") rooms"
 exit $bad

@@ -2,7 +2,7 @@
 #ifndef ISO_TEST_GL_H
 #define ISO_TEST_GL_H
 
-#include "render/raycaster.h"
+#include "render/gl/raycaster.h"
 
 static iso_gl *gl;
 

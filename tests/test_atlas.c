@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "cli/atlas.h"
+#include "atlas/atlas.h"
 #include "tests/folder.h"
 #include "tests/test.h"
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/baseline.h"
+#include "report/baseline.h"
 #include "tests/test.h"
 
 static json_t *report(double rmse, double flip, const char *extra_scene)

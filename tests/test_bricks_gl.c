@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "brick/pack.h"
-#include "render/bricks_gl.h"
+#include "render/gl/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

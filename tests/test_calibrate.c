@@ -1,7 +1,7 @@
 /* test_calibrate.c - each renderer passes its calibration, and each planted fault fails it. */
 #include <string.h>
 
-#include "cli/calibrate.h"
+#include "validate/calibrate.h"
 #include "test.h"
 
 static iso_renderers renderers;

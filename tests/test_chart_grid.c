@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/chart_grid.h"
+#include "chart/grid.h"
 #include "tests/pyramids.h"
 
 typedef struct grid {

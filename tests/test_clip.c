@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "render/bricks_gl.h"
+#include "render/gl/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

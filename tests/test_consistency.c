@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/validate.h"
-#include "cli/views.h"
+#include "validate/validate.h"
+#include "scene/views.h"
 #include "tests/folder.h"
 #include "tests/test.h"
 #include "volume/synthetic.h"

@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "compare/figure.h"
-#include "compare/report.h"
-#include "render/scene.h"
+#include "report/figure.h"
+#include "report/report.h"
+#include "scene/scene.h"
 #include "tests/folder.h"
 #include "tests/test.h"
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/bricks_gl.h"
+#include "render/gl/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "blender/blender.h"
-#include "cli/bench_roi.h"
-#include "cli/renderers.h"
+#include "bench/roi.h"
+#include "renderers/renderers.h"
 #include "compare/metrics.h"
-#include "render/focus.h"
-#include "render/scene.h"
+#include "scene/roi.h"
+#include "scene/scene.h"
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 

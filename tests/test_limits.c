@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/closed_form.h"
-#include "cli/faults.h"
-#include "cli/validate.h"
+#include "validate/closed_form.h"
+#include "renderers/faults.h"
+#include "validate/validate.h"
 #include "test.h"
 #include "volume/synthetic.h"
 

@@ -1,6 +1,6 @@
 /* Palettes: fixed tables against closed forms, fits against brute force, degenerate input, the annealed mesh. */
 #define _GNU_SOURCE
-#include "encode/palette.h"
+#include "palette/palette.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 
 #include "base/file.h"
 #include "base/random.h"
-#include "encode/palette_mesh.h"
-#include "encode/palette_regular.h"
+#include "palette/palette_mesh.h"
+#include "palette/palette_regular.h"
 #include "test.h"
 #include "volume/synthetic.h"
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/palette_level.h"
-#include "render/raycaster.h"
+#include "pyramid/palette_level.h"
+#include "render/gl/raycaster.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

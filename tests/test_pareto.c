@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "base/random.h"
-#include "compare/pareto.h"
+#include "chart/pareto.h"
 #include "tests/test.h"
 
 static void the_front_holds_what_nothing_beats(void **state)

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "brick/pack.h"
-#include "render/plan.h"
+#include "plan/plan.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cli/power.h"
+#include "bench/power.h"
 #include "test.h"
 
 static iso_renderers renderers;

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "render/raycaster.h"
+#include "render/gl/raycaster.h"
 #include "render/reference.h"
 #include "test.h"
 #include "tf/integral.h"

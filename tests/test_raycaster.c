@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "render/raycaster.h"
+#include "render/gl/raycaster.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "compare/report.h"
+#include "report/report.h"
 #include "tests/folder.h"
 #include "tests/test.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/shading.h"
+#include "bench/shading_error.h"
 
 static iso_gl *gl;
 

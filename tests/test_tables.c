@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/renderers.h"
+#include "renderers/renderers.h"
 #include "compare/metrics.h"
-#include "render/scene.h"
+#include "scene/scene.h"
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 

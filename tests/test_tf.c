@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "render/scene.h"
+#include "scene/scene.h"
 #include "folder.h"
 #include "test.h"
 

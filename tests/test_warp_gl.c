@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "render/reference.h"
-#include "render/warp_gl.h"
+#include "render/gl/warp_gl.h"
 #include "volume/synthetic.h"
 
 #define BRICK 8

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "encode/decode_double.h"
-#include "render/focus.h"
+#include "scene/roi.h"
 #include "vdb/vdb.h"
 
 ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");

@@ -7,7 +7,7 @@
  * Cycles renders the same scene.
  *
  * A region of interest is a second volume object, "NAME focus", with a VDB of its own:
- * the two overlap, and the material weighs each by its part (render/focus.h). Where a
+ * the two overlap, and the material weighs each by its part (scene/roi.h). Where a
  * ray enters or leaves the second one Cycles starts a new phase of its steps, which
  * leaves an error of the first order in the step; it is random, and seeds average it.
  *
@@ -21,7 +21,7 @@
 #include "brick/lattice.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
-#include "render/scene.h"
+#include "scene/scene.h"
 
 /* What a render took inside Blender. */
 typedef struct iso_cycles_stats {

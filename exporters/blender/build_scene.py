@@ -2,7 +2,7 @@
 
 Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json
 blender.c writes the description, plain numbers in Blender units; nothing is decided here but how Blender is told. The picture
-is that of render/scene.h:
+is that of scene/scene.h:
 
     emission = sigma(s) shade(d) c(s),  absorption = sigma(s),  shade = ka + sum of I (kd |n.l| + ks |n.h|^p)
 
@@ -197,7 +197,7 @@ def box_group(to_box, clip_planes):
 
 
 def focus_group(to_box):
-    """The weight of the finer level of a region of interest (render/focus.h): 1 in its box, over a band around it to 0
+    """The weight of the finer level of a region of interest (scene/roi.h): 1 in its box, over a band around it to 0
     with a continuous slope. Box and band are fractions of the volume's box."""
     group = Group("isoshade focus", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
                                      ('NodeSocketVector', "Hi", (1, 1, 1)), ('NodeSocketVector', "Band", (1, 1, 1))],

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "povray/scene_text.h"
-#include "render/focus.h"
+#include "scene/roi.h"
 
 iso_povray_options iso_povray_defaults(void)
 {

@@ -18,7 +18,7 @@
  * over white.
  *
  * A table over two values is a DF3 with a row a class. A region of interest
- * (render/focus.h) is a second set of media in the same container, with a lattice
+ * (scene/roi.h) is a second set of media in the same container, with a lattice
  * and a TF of its own; both are multiplied by their weights.
  *
  * Isosurface: instead of the media, the first point of a ray inside the box
@@ -31,7 +31,7 @@
 #include "base/progress.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
-#include "render/scene.h"
+#include "scene/scene.h"
 
 #define ISO_POVRAY_MAX_INTERVALS 255 /* a fixed vector inside POV-Ray */
 #define ISO_POVRAY_MAX_PLANES 100    /* two trace levels a plane, of 256 */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "encode/decode_double.h"
-#include "render/focus.h"
+#include "scene/roi.h"
 
 /* POV-Ray's colours are floats: entries this close to a line, as a part of the peak, make no difference. */
 static const double color_map_tolerance = 6e-8;
@@ -460,7 +460,7 @@ static void write_layer(FILE *f, const iso_povray_scene *s)
         write_specular(f, s);
 }
 
-/* The weights of the two layers: render/focus.h. */
+/* The weights of the two layers: scene/roi.h. */
 static void write_weights(FILE *f, const iso_focus *focus)
 {
     const double *lo = focus->lo, *hi = focus->hi;

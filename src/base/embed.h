@@ -1,6 +1,6 @@
 /* embed.h - a text file inside the program, by the assembler.
  *
- *     ISO_EMBED(raycast_glsl, "src/render/shaders/raycast.glsl");
+ *     ISO_EMBED(raycast_glsl, "src/render/gl/shaders/raycast.glsl");
  *
  * defines `extern const char raycast_glsl[]`, ended by a 0. Paths are relative
  * to the top of the project, where make runs; the Makefile makes the objects

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "cli/atlas.h"
-#include "cli/cli.h"
+#include "atlas/atlas.h"
+#include "options/cli.h"
 
 /* --case ID,ID: marks those that are wanted; all without it. */
 static iso_status choose(const char *list, bool *wanted, iso_error *err)

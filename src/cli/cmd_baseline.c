@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "cli/cli.h"
-#include "compare/baseline.h"
+#include "options/cli.h"
+#include "report/baseline.h"
 
 typedef struct baseline_arguments {
     double factor, floor;

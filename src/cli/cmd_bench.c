@@ -1,5 +1,5 @@
 /* cmd_bench.c - hands on to the benchmarks. */
-#include "cli/bench.h"
+#include "bench/bench.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
-#include "cli/cli.h"
-#include "cli/input.h"
+#include "options/cli.h"
+#include "options/input.h"
 #include "pyramid/pyramid_stream.h"
 
 typedef struct build_options {

@@ -5,10 +5,10 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "cli/chart_bench.h"
-#include "cli/chart_grid.h"
-#include "cli/chart_result.h"
-#include "cli/cli.h"
+#include "chart/bench.h"
+#include "chart/grid.h"
+#include "chart/result.h"
+#include "options/cli.h"
 
 typedef struct chart_arguments {
     iso_cli_input input;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "cli/cli.h"
+#include "options/cli.h"
 #include "compare/flip.h"
 #include "compare/metrics.h"
 

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "blender/blender.h"
-#include "cli/cli.h"
-#include "cli/planned.h"
-#include "cli/roi.h"
-#include "cli/subject.h"
+#include "options/cli.h"
+#include "plan/planned.h"
+#include "options/roi.h"
+#include "scene/subject.h"
 #include "povray/povray.h"
 #include "vdb/vdb.h"
 

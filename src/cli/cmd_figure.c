@@ -2,8 +2,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "cli/cli.h"
-#include "compare/figure.h"
+#include "options/cli.h"
+#include "report/figure.h"
 
 /* An option that the kind would pass over is an error: its user would believe it. */
 static iso_status check_for_kind(const iso_figure_options *opt, int level, const char *methods, const char *scene,

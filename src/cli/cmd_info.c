@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "cli/cli.h"
-#include "cli/input.h"
+#include "options/cli.h"
+#include "options/input.h"
 
 #define BINS 64        /* shown */
 #define FINE_BINS 16384 /* counted: percentiles are good to one of them */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/linalg.h"
-#include "cli/cli.h"
+#include "options/cli.h"
 #include "volume/stream.h"
 #include "volume/synthetic.h"
 

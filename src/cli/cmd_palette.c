@@ -7,11 +7,11 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "cli/cli.h"
-#include "cli/input.h"
-#include "cli/palette_level.h"
-#include "cli/palette_picture.h"
-#include "encode/palette.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "pyramid/palette_level.h"
+#include "palette/palette_picture.h"
+#include "palette/palette.h"
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
 

@@ -7,9 +7,9 @@
 #include "base/json.h"
 #include "base/parallel.h"
 #include "brick/store.h"
-#include "cli/cli.h"
-#include "cli/planner.h"
-#include "cli/subject.h"
+#include "options/cli.h"
+#include "plan/planner.h"
+#include "scene/subject.h"
 
 typedef struct plan_arguments {
     iso_cli_input input;

@@ -5,13 +5,13 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "cli/cached.h"
-#include "cli/cli.h"
-#include "cli/limits.h"
-#include "cli/palette_level.h"
-#include "cli/renderers.h"
-#include "cli/roi.h"
-#include "cli/subject.h"
+#include "plan/cached.h"
+#include "options/cli.h"
+#include "validate/limits.h"
+#include "pyramid/palette_level.h"
+#include "renderers/renderers.h"
+#include "options/roi.h"
+#include "scene/subject.h"
 
 typedef struct render_arguments {
     iso_cli_input input;

@@ -8,10 +8,10 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/process.h"
-#include "cli/adapted.h"
-#include "cli/cli.h"
-#include "cli/subject.h"
-#include "compare/chart.h"
+#include "options/adapted.h"
+#include "options/cli.h"
+#include "scene/subject.h"
+#include "report/gnuplot.h"
 
 typedef struct tf_arguments {
     iso_cli_input input;

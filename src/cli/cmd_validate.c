@@ -6,9 +6,9 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "cli/cli.h"
-#include "cli/subject.h"
-#include "cli/validate.h"
+#include "options/cli.h"
+#include "scene/subject.h"
+#include "validate/validate.h"
 
 typedef struct validate_arguments {
     iso_cli_input input;

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "cli/cli.h"
+#include "options/cli.h"
 #include "cli/commands.h"
 
 #define ISO_COMMAND_EXTERN(name) extern const iso_command iso_command_##name;

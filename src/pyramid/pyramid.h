@@ -27,7 +27,7 @@
 
 #include "base/progress.h"
 #include "encode/code.h"
-#include "encode/palette.h"
+#include "palette/palette.h"
 #include "gradient/gradient.h"
 #include "volume/volume.h"
 

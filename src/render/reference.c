@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
-#include "render/focus.h"
+#include "scene/roi.h"
 #include "render/sampler.h"
 #include "tf/integral.h"
 
@@ -63,7 +63,7 @@ static size_t *bends_create(const iso_tf_table *tf, const iso_class_tables *clas
     return bends;
 }
 
-/* shade(d) of render/scene.h */
+/* shade(d) of scene/scene.h */
 static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
 {
     const iso_shading *m = &view->shading;

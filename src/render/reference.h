@@ -22,8 +22,8 @@
 #include "brick/bricks.h"
 #include "brick/warp.h"
 #include "image/image.h"
-#include "render/field.h"
-#include "render/scene.h"
+#include "scene/field.h"
+#include "scene/scene.h"
 
 typedef enum iso_quadrature {
     ISO_QUADRATURE_CONVERGED,

@@ -8,7 +8,7 @@
 
 #include "brick/bricks.h"
 #include "brick/warp.h"
-#include "render/field.h"
+#include "scene/field.h"
 
 /* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
  * value range over its smallest spacing: flat regions fade to ambient. */

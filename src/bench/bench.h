@@ -1,0 +1,23 @@
+/* bench.h - the one list of benchmarks; `isoshade bench NAME` and its help
+ * expand from it. src/cli/bench_NAME.c defines iso_bench_NAME, an iso_command
+ * whose name is "bench NAME"; it is called and parses as a command does. */
+#ifndef ISO_BENCH_H
+#define ISO_BENCH_H
+
+#include "options/cli.h"
+
+#define ISO_BENCH_LIST(X) \
+    X(build) \
+    X(gradient)       \
+    X(consistency) \
+    X(convergence) \
+    X(encode) \
+    X(palette) \
+    X(power) \
+    X(plan) \
+    X(seams) \
+    X(render) \
+    X(roi) \
+    X(tf)
+
+#endif

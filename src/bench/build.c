@@ -1,0 +1,365 @@
+/* build.c - the in-memory build against memcpy. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "base/simd.h"
+#include "bench/bench.h"
+#include "bench/files.h"
+#include "pyramid/cascade.h"
+#include "volume/synthetic.h"
+
+typedef struct build_bench {
+    size_t size[3], levels, runs;
+    iso_type type;
+    iso_pyramid_options opt;
+    int threads;
+    const char *files;  /* a folder to build to files in, too; or NULL */
+    const char *volume; /* the file to build there from; NULL: the volume that is built in memory */
+    double memory_mb;
+} build_bench;
+
+/* Seconds are the least of the runs; memory has been touched before. */
+typedef struct build_times {
+    double gradient, encode, pyramid, total;    /* of the build: with one level and nothing stored, with codes, with all levels */
+    double memcpy_build;                        /* of half of what the build reads and writes, as memcpy does both */
+    double central, memcpy_central;             /* central differences to float triples */
+    size_t bytes_read, bytes_written, central_bytes;
+    size_t level_count;
+    bench_files_times files;                    /* of the build from a file to files, when asked for */
+} build_times;
+
+/* A small synthetic block, repeated: any size in no time. The speed does not depend on the values. */
+static iso_status fill(const build_bench *b, iso_volume *v, iso_error *err)
+{
+    const size_t edge = 32, block_size[3] = {edge, edge, edge};
+    const double spacing[3] = {1, 1, 1};
+    iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = iso_geometry_axis_aligned(block_size, spacing), .seed = 1};
+    iso_geometry g = iso_geometry_axis_aligned(b->size, spacing);
+    iso_volume block;
+    iso_status status = iso_field_sample(&field, b->type, &block, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_volume_create(v, &g, b->type, "bench build", err);
+    const size_t width = iso_type_bytes(b->type), *n = b->size;
+    if (status == ISO_OK) {
+#pragma omp parallel for schedule(static) num_threads(iso_threads(b->threads))
+        for (size_t row = 0; row < n[1] * n[2]; ++row)
+            for (size_t x = 0; x < n[0]; x += edge)
+                memcpy((char *)v->data + (row * n[0] + x) * width,
+                       (char *)block.data + ((row / n[1] % edge) * edge + row % n[1] % edge) * edge * width,
+                       (n[0] - x < edge ? n[0] - x : edge) * width);
+    }
+    iso_volume_destroy(&block);
+    return status;
+}
+
+static double copy_seconds(char *to, const char *from, size_t bytes, int threads)
+{
+    const size_t piece = (size_t)1 << 22, count = (bytes + piece - 1) / piece;
+    const double start = iso_clock_seconds();
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t i = 0; i < count; ++i)
+        memcpy(to + i * piece, from + i * piece, i + 1 < count ? piece : bytes - i * piece);
+    return iso_clock_seconds() - start;
+}
+
+/* memcpy of `bytes`, buffers touched before. */
+static iso_status time_memcpy(size_t bytes, size_t runs, int threads, double *seconds, iso_error *err)
+{
+    char *from = malloc(bytes), *to = malloc(bytes);
+    iso_status status = ISO_OK;
+    *seconds = INFINITY;
+    if (from && to) {
+        memset(from, 1, bytes);
+        memset(to, 2, bytes);
+        for (size_t i = 0; i < runs; ++i)
+            *seconds = fmin(*seconds, copy_seconds(to, from, bytes, threads));
+    } else {
+        status = iso_fail(err, ISO_E_MEMORY, "no memory to copy %zu bytes", bytes);
+    }
+    free(from);
+    free(to);
+    return status;
+}
+
+typedef struct build_buffers {
+    iso_cascade_out out[32];
+    size_t bytes;
+} build_buffers;
+
+static void free_buffers(build_buffers *b)
+{
+    for (size_t k = 0; k < 32; ++k) {
+        free(b->out[k].scalar);
+        free(b->out[k].codes);
+    }
+}
+
+static iso_status make_buffers(const iso_volume *v, size_t level_count, build_buffers *b, iso_error *err)
+{
+    iso_geometry g = v->geometry;
+    *b = (build_buffers){0};
+    for (size_t k = 0; k < level_count; ++k) {
+        const size_t count = iso_geometry_voxel_count(&g);
+        b->out[k].codes = malloc(3 * count);
+        if (k > 0)
+            b->out[k].scalar = malloc(count * sizeof(float));
+        if (!b->out[k].codes || (k > 0 && !b->out[k].scalar)) {
+            free_buffers(b);
+            return iso_fail(err, ISO_E_MEMORY, "no memory for level %zu", k);
+        }
+        memset(b->out[k].codes, 1, 3 * count);
+        if (k > 0)
+            memset(b->out[k].scalar, 1, count * sizeof(float));
+        b->bytes += 3 * count + (k > 0 ? 4 * count : 0);
+        g = iso_geometry_coarser(&g);
+    }
+    return ISO_OK;
+}
+
+static iso_status time_cascade(const iso_volume *v, const iso_pyramid_options *opt, const iso_cascade_out *out, size_t runs,
+                               double *seconds, iso_error *err)
+{
+    const size_t *n = v->geometry.size;
+    const iso_planes planes = {v->data, v->type, {n[0], n[1], n[2]}, 0, n[2]};
+    iso_status status = ISO_OK;
+    *seconds = INFINITY;
+    for (size_t i = 0; i < runs && status == ISO_OK; ++i) {
+        iso_cascade *c;
+        const double start = iso_clock_seconds();
+        status = iso_cascade_create(&v->geometry, v->type, opt, iso_cascade_scale(&v->geometry, 65535), &c, err);
+        if (status == ISO_OK)
+            status = iso_cascade_feed(c, &planes, 0, n[2], out, err);
+        iso_cascade_destroy(c);
+        *seconds = fmin(*seconds, iso_clock_seconds() - start);
+    }
+    return status;
+}
+
+static iso_status time_build(const build_bench *b, const iso_volume *v, build_times *t, iso_error *err)
+{
+    iso_pyramid_options opt = b->opt;
+    build_buffers buffers;
+    double one = INFINITY, coded = INFINITY;
+    t->level_count = iso_cascade_level_count(&v->geometry, &opt);
+    iso_status status = make_buffers(v, t->level_count, &buffers, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_cascade_out nothing = {0};
+    t->bytes_read = iso_geometry_voxel_count(&v->geometry) * iso_type_bytes(v->type);
+    t->bytes_written = buffers.bytes;
+    status = time_cascade(v, &opt, buffers.out, b->runs, &t->total, err);
+    opt.level_count = 1;
+    if (status == ISO_OK)
+        status = time_cascade(v, &opt, &nothing, b->runs, &one, err);
+    if (status == ISO_OK)
+        status = time_cascade(v, &opt, buffers.out, b->runs, &coded, err);
+    t->gradient = one;
+    t->encode = coded - one;
+    t->pyramid = t->total - coded;
+    free_buffers(&buffers);
+    if (status == ISO_OK)
+        status = time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build, err);
+    return status;
+}
+
+static iso_status time_central(const build_bench *b, const iso_volume *v, build_times *t, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(&v->geometry);
+    float *out = malloc(3 * count * sizeof *out);
+    if (!out)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
+    memset(out, 1, 3 * count * sizeof *out);
+    iso_gradient_options opt = b->opt.gradient;
+    opt.threads = b->threads;
+    iso_status status = ISO_OK;
+    t->central = INFINITY;
+    for (size_t i = 0; i < b->runs && status == ISO_OK; ++i) {
+        const double start = iso_clock_seconds();
+        status = iso_gradient_compute(v, &opt, out, err);
+        t->central = fmin(t->central, iso_clock_seconds() - start);
+    }
+    free(out);
+    t->central_bytes = count * (iso_type_bytes(v->type) + 3 * sizeof(float));
+    if (status == ISO_OK)
+        status = time_memcpy(t->central_bytes / 2, b->runs, iso_threads(b->threads), &t->memcpy_central, err);
+    return status;
+}
+
+static double files_voxels(const build_times *t)
+{
+    return (double)iso_geometry_voxel_count(&t->files.stream.levels[0].geometry);
+}
+
+/* Voxels a second from file to files, as a part of those in memory. */
+static double rate_ratio(const build_times *t, double voxels)
+{
+    return t->total / voxels * files_voxels(t) / t->files.stream.seconds_total;
+}
+
+static void report_files(const build_bench *b, const build_times *t, double voxels)
+{
+    const iso_stream_report *r = &t->files.stream;
+    (void)b;
+    printf("to files   %8.4f s  %6.2f ns a voxel  %5.2f of the rate in memory; slabs of %zu planes\n", r->seconds_total,
+           1e9 * r->seconds_total / files_voxels(t), rate_ratio(t, voxels), r->slab_planes);
+    printf("  of it    waiting for planes %.4f, building %.4f, waiting for writers %.4f s\n", r->seconds_read, r->seconds_build,
+           r->seconds_write);
+    printf("  disk     %8.4f s to read and write the same %.0f MB and compute nothing; the build takes %.2f times that\n",
+           t->files.floor, 1e-6 * (double)t->files.bytes, r->seconds_total / t->files.floor);
+}
+
+static json_t *files_to_json(const build_times *t, double voxels)
+{
+    const iso_stream_report *r = &t->files.stream;
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f, s:I, s:f, s:f}", "seconds_read", r->seconds_read,
+                     "seconds_build", r->seconds_build, "seconds_write", r->seconds_write, "seconds_total", r->seconds_total,
+                     "seconds_reading", r->seconds_reading, "seconds_writing", r->seconds_writing, "slab_planes",
+                     (json_int_t)r->slab_planes, "buffer_bytes", (json_int_t)r->buffer_bytes, "disk_seconds_same_bytes",
+                     t->files.floor, "bytes", (json_int_t)t->files.bytes, "ratio_to_disk", r->seconds_total / t->files.floor,
+                     "rate_ratio_to_memory", rate_ratio(t, voxels));
+}
+
+static void report(const iso_cli *cli, const build_bench *b, const build_times *t)
+{
+    const double voxels = (double)b->size[0] * (double)b->size[1] * (double)b->size[2];
+    if (!cli->json) {
+        printf("%zu x %zu x %zu %s, %zu levels, %s and %s, code %s, %d threads\n", b->size[0], b->size[1], b->size[2],
+               iso_type_name(b->type), t->level_count, iso_scalar_filter_name(b->opt.scalar_filter),
+               iso_direction_filter_name(b->opt.direction_filter), iso_code_describe(b->opt.code)->name,
+               iso_threads(b->threads));
+        printf("build      %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s for the same traffic, %.0f MB)\n", t->total,
+               1e9 * t->total / voxels, t->total / t->memcpy_build, t->memcpy_build,
+               1e-6 * (double)(t->bytes_read + t->bytes_written));
+        printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode, t->pyramid);
+        printf("gradients  %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
+               1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central, 1e-6 * (double)t->central_bytes);
+        if (b->files)
+            report_files(b, t, voxels);
+        return;
+    }
+    json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
+    json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(b->opt.scalar_filter)));
+    json_object_set_new(options, "direction_filter", json_string(iso_direction_filter_name(b->opt.direction_filter)));
+    json_object_set_new(options, "gradient", json_string(iso_gradient_name(b->opt.gradient.method)));
+    json_object_set_new(options, "code", json_string(iso_code_describe(b->opt.code)->name));
+    json_object_set_new(options, "runs", json_integer((json_int_t)b->runs));
+    json_object_set_new(root, "size", json_pack("[I,I,I]", (json_int_t)b->size[0], (json_int_t)b->size[1], (json_int_t)b->size[2]));
+    json_object_set_new(root, "voxel_type", json_string(iso_type_name(b->type)));
+    json_object_set_new(root, "levels", json_integer((json_int_t)t->level_count));
+    json_object_set_new(root, "threads", json_integer(iso_threads(b->threads)));
+    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "read", t->files.stream.seconds_read, "gradient",
+                                                   t->gradient, "pyramid", t->pyramid, "encode", t->encode, "write",
+                                                   t->files.stream.seconds_write, "total", t->total));
+    if (b->files)
+        json_object_set_new(root, "to_files", files_to_json(t, voxels));
+    json_object_set_new(root, "bytes_read", json_integer((json_int_t)t->bytes_read));
+    json_object_set_new(root, "bytes_written", json_integer((json_int_t)t->bytes_written));
+    json_object_set_new(root, "memcpy_seconds_same_bytes", json_real(t->memcpy_build));
+    json_object_set_new(root, "ratio_to_memcpy", json_real(t->total / t->memcpy_build));
+    json_object_set_new(root, "gradients_to_float",
+                        json_pack("{s:f, s:f, s:f}", "seconds", t->central, "memcpy_seconds_same_bytes", t->memcpy_central,
+                                  "ratio_to_memcpy", t->central / t->memcpy_central));
+    json_object_set_new(root, "peak_rss_bytes", json_real(iso_peak_rss_bytes()));
+    iso_cli_print_json(root);
+}
+
+static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
+{
+    iso_volume v;
+    build_times t = {0};
+    b->threads = b->opt.threads = cli->threads;
+    iso_status status = fill(b, &v, err);
+    if (status != ISO_OK)
+        return status;
+    status = time_build(b, &v, &t, err);
+    if (status == ISO_OK)
+        status = time_central(b, &v, &t, err);
+    const size_t memory = (size_t)(b->memory_mb * 1048576);
+    if (status == ISO_OK && b->volume)
+        status = bench_files_of(b->volume, &b->opt, b->files, memory, b->runs, &t.files, err);
+    else if (status == ISO_OK && b->files)
+        status = bench_files(&v, &b->opt, b->files, memory, b->runs, &t.files, err);
+    if (status == ISO_OK)
+        report(cli, b, &t);
+    iso_volume_destroy(&v);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    char *size = NULL, *type = NULL, *scalar = NULL, *direction = NULL, *code = NULL, *files = NULL, *volume = NULL;
+    build_bench b = {.size = {256, 256, 256}, .type = ISO_U16, .opt = iso_pyramid_defaults(), .memory_mb = 900};
+    int levels = (int)b.opt.level_count, runs = 5, radius = (int)b.opt.gauss_radius;
+    struct poptOption options[] = {
+        {"size", 0, POPT_ARG_STRING, &size, 0, "voxels (256)", "N or NXxNYxNZ"},
+        {"type", 0, POPT_ARG_STRING, &type, 0, "of the voxels (uint16)", "TYPE"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "levels, with the finest", "N"},
+        {"scalar-filter", 0, POPT_ARG_STRING, &scalar, 0, "as in build", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &direction, 0, "as in build", "NAME"},
+        {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &radius, 0, "as in build", "N"},
+        {"code", 0, POPT_ARG_STRING, &code, 0, "as in build", "NAME"},
+        {"files", 0, POPT_ARG_STRING, &files, 0, "build from a file to files in this folder, too", "FOLDER"},
+        {"volume", 0, POPT_ARG_STRING, &volume, 0, "with --files: from this file, of any size, instead of the volume in memory",
+         "FILE"},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: of buffers, at most", "MB"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "of which the fastest counts", "N"},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
+    if (status == ISO_OK && size)
+        status = iso_cli_parse_sizes(size, "--size", b.size, err);
+    if (status == ISO_OK && type)
+        status = iso_type_from_name(type, &b.type, err);
+    if (status == ISO_OK && scalar)
+        status = iso_scalar_filter_from_name(scalar, &b.opt.scalar_filter, err);
+    if (status == ISO_OK && direction)
+        status = iso_direction_filter_from_name(direction, &b.opt.direction_filter, err);
+    if (status == ISO_OK && code)
+        status = iso_code_from_name(code, &b.opt.code, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--levels", levels, 1, 32, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--gauss-radius", radius, 1, 16, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--runs", runs, 1, 1000, err);
+    b.opt.level_count = (size_t)levels;
+    b.opt.gauss_radius = (size_t)radius;
+    b.runs = (size_t)runs;
+    b.files = files;
+    b.volume = volume;
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--memory", b.memory_mb, 1, 1e9, err);
+    if (status == ISO_OK && volume && !files)
+        status = iso_fail(err, ISO_E_USAGE, "--volume needs --files");
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = bench(&cli, &b, err);
+    iso_cli_end(&cli);
+    free(size);
+    free(type);
+    free(scalar);
+    free(direction);
+    free(code);
+    free(files);
+    free(volume);
+    return status;
+}
+
+const iso_command iso_bench_build = {
+    .name = "bench build",
+    .summary = "gradients, pyramid and codes in memory against memcpy",
+    .usage = "[options]",
+    .details = "The build reads the samples and writes the codes of all levels and the scalars of the coarse ones.\n"
+               "memcpy copies half of the sum of those bytes, with as many threads: it reads and writes each.\n"
+               "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
+               "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
+               "build to files the disk reads and writes the same bytes with nothing computed.",
+    .examples = "isoshade bench build --size 96 --runs 2\n",
+    .run = run,
+};

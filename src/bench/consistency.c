@@ -1,0 +1,524 @@
+/* consistency.c - does a coarse level look like level 0? The original TF
+ * against adapted ones, over views from an icosahedron's faces.
+ *
+ * Paper: adaptive-tf-2016 sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20
+ * views); FLIP stands beside it. Four TFs, fixed as fractions of a volume's
+ * range, the same for every volume: nothing is fitted to one. Volumes stand in
+ * two blocks, those that a choice was made with and those held back from it;
+ * every renderer has its own. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/random.h"
+#include "bench/bench.h"
+#include "bench/figures.h"
+#include "bench/shading.h"
+#include "options/input.h"
+#include "renderers/renderers.h"
+#include "scene/subject.h"
+#include "scene/views.h"
+#include "compare/metrics.h"
+#include "tf/adapt.h"
+#include "volume/synthetic.h"
+
+enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1, BLOCK_COUNT = 2 };
+static const char *const block_names[BLOCK_COUNT] = {"volumes named", "held back"};
+
+typedef struct bench_tf {
+    const char *name;
+    size_t point_count;
+    iso_tf_point points[9];
+} bench_tf;
+
+/* Opacities are for one level-0 voxel. */
+static const bench_tf tfs[] = {
+    {"surface", 4, {{0, {0.9, 0.7, 0.4}, 0}, {0.3, {0.9, 0.7, 0.4}, 0}, {0.4, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}},
+    {"soft", 4, {{0, {0.1, 0.2, 0.6}, 0}, {0.1, {0.1, 0.3, 0.7}, 0}, {0.5, {0.8, 0.6, 0.2}, 0.05}, {1, {1, 0.9, 0.6}, 0.2}}},
+    {"two-material", 7, {{0, {0.7, 0.2, 0.1}, 0}, {0.15, {0.7, 0.2, 0.1}, 0}, {0.22, {0.7, 0.2, 0.1}, 0.06}, {0.38, {0.7, 0.2, 0.1}, 0.06},
+                         {0.45, {0.2, 0.5, 0.9}, 0}, {0.55, {0.2, 0.6, 0.9}, 0.6}, {1, {0.3, 0.7, 1}, 0.6}}},
+    {"shell", 5, {{0, {0.2, 0.8, 0.5}, 0}, {0.4, {0.2, 0.8, 0.5}, 0}, {0.45, {0.3, 0.9, 0.5}, 0.5}, {0.5, {0.8, 0.8, 0.2}, 0}, {1, {0.8, 0.8, 0.2}, 0}}},
+};
+enum { TF_COUNT = sizeof tfs / sizeof *tfs };
+
+typedef struct bench_method {
+    const char *name;
+    bool adapt;
+    iso_adapt_options options;
+    iso_joint_split classes; /* a table over value and class, or 0 */
+} bench_method;
+
+static const bench_method all_methods[] = {
+    {"original", false, {.bits = 8}, 0},
+    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
+    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
+    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
+    {"opacity-wide", true, {.weight = ISO_WEIGHT_FLAT, .window = 3, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
+    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
+    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
+    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
+    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
+    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_DEVIATION},
+    {"gradient-classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_GRADIENT},
+};
+enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
+
+typedef struct case_result {
+    double ssim_dissimilarity, flip, rmse;
+    iso_adapt_judgement judgement;
+} case_result;
+
+/* Sums of the logarithms of error / error of the original, by level (0: of all), and how often a method fell behind it. */
+typedef struct method_sums {
+    double log_ratio[MAX_LEVELS][3]; /* SSIM, FLIP, RMSE */
+    size_t worse;
+    double worst; /* largest SSIM dissimilarity above the original's */
+} method_sums;
+
+typedef struct block_sums {
+    size_t case_count[MAX_LEVELS];
+    method_sums methods[METHOD_COUNT];
+} block_sums;
+
+typedef struct bench_run {
+    const iso_cli *cli;
+    iso_cli_input input;
+    int views, size, levels, level, shaded, quick, analytic_size, paper_setup;
+    double step_voxels;
+    char *held, *figures;
+    const char *with, *tf_names;
+    bool wanted[METHOD_COUNT], wanted_tf[TF_COUNT];
+    bool wanted_renderer[ISO_RENDERER_COUNT];
+    iso_renderer renderer; /* the one at work */
+    iso_renderers renderers;
+    json_t *cases;
+    block_sums sums[ISO_RENDERER_COUNT][BLOCK_COUNT];
+} bench_run;
+
+static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view, iso_error *err)
+{
+    iso_vec3 direction = iso_view_of_faces(i, run->views);
+    const iso_level *level0 = &p->levels[0];
+    const iso_scene scene = {.path = "bench", .width = (size_t)run->size, .height = (size_t)run->size, .camera_fit = true,
+                             .orthographic = true, .camera_direction = direction,
+                             .camera_up = iso_view_up(direction), .margin = 1,
+                             .light_count = 1, .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
+                             .shading = {.ambient = run->shaded ? 0.3 : 1, .diffuse = run->shaded ? 0.7 : 0, .power = 1},
+                             .step_voxels = run->step_voxels, .tf = *tf};
+    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+}
+
+static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, const iso_tf_table *table,
+                         iso_class_tables *classes, iso_image *image, iso_error *err)
+{
+    iso_render_options opt = iso_render_defaults(run->renderer);
+    iso_tf_table own = view->tf;
+    iso_progress progress = {0};
+    opt.quadrature = run->paper_setup ? ISO_QUADRATURE_PREINTEGRATED : opt.quadrature;
+    opt.source = run->paper_setup ? ISO_FROM_ON_THE_FLY : opt.source;
+    opt.step_voxels = run->step_voxels;
+    opt.threads = run->cli->threads;
+    view->tf = *table;
+    view->classes = classes; /* lent */
+    iso_status status = iso_render_with(&run->renderers, p, level, view, &opt, image, NULL, &progress, err);
+    view->tf = own;
+    view->classes = NULL;
+    return status;
+}
+
+/* All views of one level with one table. */
+static iso_status measure(bench_run *run, const iso_pyramid *p, size_t level, iso_view *views, const iso_image *finest,
+                          const iso_tf_table *table, iso_class_tables *classes, case_result *r, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int i = 0; i < run->views && status == ISO_OK; ++i) {
+        iso_image image;
+        iso_metrics m;
+        status = render(run, p, level, &views[i], table, classes, &image, err);
+        if (status != ISO_OK)
+            break;
+        status = iso_metrics_measure(&finest[i], &image, &m, err);
+        r->ssim_dissimilarity += (1 - m.ssim) / run->views;
+        r->flip += m.flip_mean / run->views;
+        r->rmse += m.rmse / run->views;
+        iso_image_destroy(&image);
+    }
+    return status;
+}
+
+static void add_to_sums(block_sums *sums, int m, size_t level, const case_result *r, const case_result *original)
+{
+    const double floor_error = 1e-6, /* both perfect: a ratio of 1 */
+        ours[3] = {r->ssim_dissimilarity, r->flip, r->rmse}, theirs[3] = {original->ssim_dissimilarity, original->flip, original->rmse};
+    method_sums *of = &sums->methods[m];
+    for (int i = 0; i < 3; ++i) {
+        double ratio = log((ours[i] + floor_error) / (theirs[i] + floor_error));
+        of->log_ratio[0][i] += ratio;
+        of->log_ratio[level][i] += ratio;
+    }
+    double above = r->ssim_dissimilarity - original->ssim_dissimilarity;
+    of->worse += above > 0.005;
+    of->worst = fmax(of->worst, above);
+}
+
+static void note_case(bench_run *run, int block, const char *volume, const char *tf, size_t level, const case_result results[METHOD_COUNT])
+{
+    block_sums *sums = &run->sums[run->renderer][block];
+    ++sums->case_count[0];
+    ++sums->case_count[level];
+    for (int m = 0; m < METHOD_COUNT; ++m) {
+        if (!run->wanted[m])
+            continue;
+        const case_result *r = &results[m];
+        const char *kept = all_methods[m].options.fall_back && r->judgement.use_original ? "  original kept" : "";
+        add_to_sums(sums, m, level, r, &results[0]);
+        json_array_append_new(run->cases, json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
+                                                    iso_renderer_name(run->renderer), "volume", volume, "held", block == HELD, "tf", tf,
+                                                    "level", (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
+                                                    r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse, "rms_voxels_original",
+                                                    r->judgement.rms_original, "rms_voxels_adapted", r->judgement.rms_adapted,
+                                                    "fell_back", r->judgement.use_original));
+        if (!run->cli->json)
+            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", iso_renderer_name(run->renderer), volume, tf, level,
+                   all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgement.rms_original, r->judgement.rms_adapted, kept);
+    }
+    fflush(stdout);
+}
+
+static iso_status run_level(bench_run *run, int block, const char *volume, const iso_pyramid *p, size_t level, const bench_tf *tf,
+                            iso_view *views, const iso_image *finest, iso_error *err)
+{
+    case_result results[METHOD_COUNT] = {{0}};
+    iso_status status = ISO_OK;
+    for (int m = 0; m < METHOD_COUNT && status == ISO_OK; ++m) {
+        iso_tf_table table = {0};
+        if (!run->wanted[m])
+            continue;
+        iso_adapt_options opt = all_methods[m].options;
+        opt.threads = run->cli->threads;
+        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgement, err);
+        iso_class_tables classes = {0};
+        if (status == ISO_OK && all_methods[m].classes)
+            status = iso_adapt_classes(p, NULL, level, all_methods[m].classes, &views[0].tf, &opt, &classes, err);
+        if (status == ISO_OK)
+            status = measure(run, p, level, views, finest, &table, all_methods[m].classes ? &classes : NULL, &results[m], err);
+        iso_class_tables_destroy(&classes);
+        iso_tf_table_destroy(&table);
+    }
+    if (status == ISO_OK)
+        note_case(run, block, volume, tf->name, level, results);
+    return status;
+}
+
+static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const bench_tf *tf, iso_error *err)
+{
+    iso_tf own = {.point_count = tf->point_count, .points = (iso_tf_point *)tf->points, .fit_range = true, .unit_distance = 1,
+                  .unit_is_voxels = true, .table_size = 256};
+    iso_view views[MAX_VIEWS] = {{0}};
+    iso_image finest[MAX_VIEWS] = {{0}};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < run->views && status == ISO_OK; ++i) {
+        status = make_view(run, p, &own, i, &views[i], err);
+        if (status == ISO_OK)
+            status = render(run, p, 0, &views[i], &views[i].tf, NULL, &finest[i], err);
+    }
+    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
+        if (run->level == 0 || (size_t)run->level == level)
+            status = run_level(run, block, volume, p, level, tf, views, finest, err);
+    for (int i = 0; i < run->views; ++i) {
+        iso_view_destroy(&views[i]);
+        iso_image_destroy(&finest[i]);
+    }
+    return status;
+}
+
+static iso_status run_pyramid(bench_run *run, int block, const char *name, const iso_pyramid *p, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int r = 0; r < ISO_RENDERER_COUNT; ++r)
+        for (int t = 0; run->wanted_renderer[r] && t < TF_COUNT && status == ISO_OK; ++t) {
+            run->renderer = (iso_renderer)r;
+            if (run->wanted_tf[t])
+                status = run_tf(run, block, name, p, &tfs[t], err);
+        }
+    return status;
+}
+
+static iso_pyramid_options pyramid_options(const bench_run *run)
+{
+    iso_pyramid_options build = iso_pyramid_defaults();
+    build.level_count = (size_t)(run->level > 0 ? run->level + 1 : run->levels);
+    build.scalar_filter = run->paper_setup ? ISO_SCALAR_GAUSS : ISO_SCALAR_MEAN;
+    build.threads = run->cli->threads;
+    return build;
+}
+
+static iso_status run_volume(bench_run *run, int block, const char *path, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(run->cli);
+    iso_pyramid_options build = pyramid_options(run);
+    iso_pyramid p = {0};
+    iso_status status = iso_cli_load_pyramid(path, &run->input, &build, &progress, &p, err);
+    if (status == ISO_OK)
+        status = run_pyramid(run, block, iso_path_base(path), &p, err);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+/* A twentieth of the range, normally distributed (the sum of twelve numbers in [0, 1) less 6; deviation 1). */
+static void add_noise(iso_volume *v, uint64_t seed)
+{
+    iso_random random = {seed};
+    uint8_t *data = v->data;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&v->geometry); ++i) {
+        double normal = -6;
+        for (int k = 0; k < 12; ++k)
+            normal += iso_random_unit(&random);
+        data[i] = (uint8_t)lrint(fmin(fmax((double)data[i] + 0.05 * 255 * normal, 0), 255));
+    }
+}
+
+/* Analytic volumes under noise: held back. */
+static iso_status run_analytic(bench_run *run, iso_error *err)
+{
+    static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
+    const size_t n = (size_t)run->analytic_size;
+    iso_pyramid_options build = pyramid_options(run);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == ISO_OK && n > 0; ++i) {
+        iso_field field = {.kind = kinds[i], .seed = 1, .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
+        iso_volume v = {0};
+        iso_pyramid p = {0};
+        char name[64];
+        snprintf(name, sizeof name, "%s+noise", iso_field_name(kinds[i]));
+        status = iso_field_sample(&field, ISO_U8, &v, err);
+        if (status == ISO_OK) {
+            add_noise(&v, i + 1);
+            status = iso_pyramid_build(&v, name, &build, &p, NULL, err);
+        }
+        if (status == ISO_OK)
+            status = run_pyramid(run, HELD, name, &p, err);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
+    return status;
+}
+
+/* A block's geometric means, of all levels (level 0) or of one. */
+static void report_means(const bench_run *run, const block_sums *sums, size_t level, json_t *methods)
+{
+    const double n = (double)sums->case_count[level];
+    for (int m = 0; m < METHOD_COUNT; ++m) {
+        const method_sums *of = &sums->methods[m];
+        double mean[3];
+        for (int i = 0; i < 3; ++i)
+            mean[i] = exp(of->log_ratio[level][i] / n);
+        if (run->wanted[m])
+            json_array_append_new(methods, json_pack("{s:i, s:s, s:f, s:f, s:f}", "level", (int)level, "method", all_methods[m].name,
+                                                     "ssim_ratio", mean[0], "flip_ratio", mean[1], "rmse_ratio", mean[2]));
+        if (!run->wanted[m] || run->cli->json)
+            continue;
+        if (level > 0)
+            printf("  level %zu %-17s %8.3f %8.3f %8.3f\n", level, all_methods[m].name, mean[0], mean[1], mean[2]);
+        else
+            printf("%-26s %8.3f %8.3f %8.3f   %13zu   %.4f\n", all_methods[m].name, mean[0], mean[1], mean[2], of->worse, of->worst);
+    }
+}
+
+static json_t *report_block(const bench_run *run, iso_renderer renderer, int block)
+{
+    const block_sums *sums = &run->sums[renderer][block];
+    json_t *means = json_array(), *behind = json_array();
+    if (!run->cli->json)
+        printf("\n%s, %s: %zu cases; geometric means of error / error of the original TF\n%-26s %8s %8s %8s   worse by .005   worst\n",
+               iso_renderer_name(renderer), block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
+    for (size_t level = 0; level < MAX_LEVELS; ++level)
+        if (sums->case_count[level] > 0)
+            report_means(run, sums, level, means);
+    for (int m = 0; m < METHOD_COUNT; ++m)
+        if (run->wanted[m])
+            json_array_append_new(behind, json_pack("{s:s, s:i, s:f}", "method", all_methods[m].name, "worse_count",
+                                                    (int)sums->methods[m].worse, "worst_ssim_difference", sums->methods[m].worst));
+    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "renderer", iso_renderer_name(renderer), "block", block_names[block], "case_count",
+                     (int)sums->case_count[0], "means", means, "behind", behind);
+}
+
+static void report(bench_run *run)
+{
+    json_t *root = iso_cli_json(run->cli), *blocks = json_array();
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels", run->levels, "shaded",
+                                     run->shaded, "step_voxels", run->step_voxels, "paper_setup", run->paper_setup));
+    for (int r = 0; r < ISO_RENDERER_COUNT; ++r)
+        for (int block = 0; block < BLOCK_COUNT; ++block)
+            if (run->sums[r][block].case_count[0] > 0)
+                json_array_append_new(blocks, report_block(run, (iso_renderer)r, block));
+    json_object_set_new(root, "blocks", blocks);
+    json_object_set(root, "cases", run->cases);
+    if (run->cli->json)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+}
+
+/* "all", or names separated by commas; the original always runs. */
+static iso_status choose_methods(bench_run *run, const char *text, iso_error *err)
+{
+    run->wanted[0] = true;
+    for (const char *at = text; *at;) {
+        size_t length = strcspn(at, ",");
+        bool known = false;
+        for (int m = 0; m < METHOD_COUNT; ++m)
+            if (strncmp(at, "all", length) == 0 || (strlen(all_methods[m].name) == length && strncmp(at, all_methods[m].name, length) == 0))
+                run->wanted[m] = known = true;
+        if (!known)
+            return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
+                            "extinction-flat, transmittance-flat, default, classes, gradient-classes or all", (int)length, at);
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status choose_tfs(bench_run *run, iso_error *err)
+{
+    for (const char *at = run->tf_names; *at;) {
+        size_t length = strcspn(at, ",");
+        bool known = false;
+        for (int t = 0; t < TF_COUNT; ++t)
+            if (strlen(tfs[t].name) == length && strncmp(at, tfs[t].name, length) == 0)
+                run->wanted_tf[t] = known = true;
+        if (!known)
+            return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell", (int)length, at);
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status choose_renderers(bench_run *run, iso_error *err)
+{
+    for (const char *at = run->with; *at;) {
+        size_t length = strcspn(at, ",");
+        char name[32];
+        iso_renderer r;
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (iso_renderer_from_name(name, &r, err) != ISO_OK)
+            return iso_fail_in(err, ISO_E_USAGE, "--with");
+        run->wanted_renderer[r] = true;
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
+{
+    iso_status status = iso_cli_check_range("--views", run->views, 1, MAX_VIEWS, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--size", run->size, 16, 4096, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--step", run->step_voxels, 0.01, 4, err);
+    if (status == ISO_OK && run->analytic_size != 0)
+        status = iso_cli_check_range("--analytic", run->analytic_size, 16, 512, err);
+    if (status == ISO_OK)
+        status = choose_methods(run, methods, err);
+    if (status == ISO_OK)
+        status = choose_tfs(run, err);
+    return status == ISO_OK ? choose_renderers(run, err) : status;
+}
+
+static void apply_presets(bench_run *run)
+{
+    if (run->quick)
+        run->views = 2, run->size = 96, run->analytic_size = run->analytic_size ? 48 : 0;
+    if (run->paper_setup)
+        run->views = MAX_VIEWS, run->step_voxels = 1, run->shaded = 1;
+}
+
+static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
+{
+    apply_presets(run);
+    iso_status status = check_options(run, methods, err);
+    run->cases = json_array();
+    if (status == ISO_OK && !run->cli->json)
+        printf("%-9s %-22s %-13s k %-19s %8s %8s %8s  voxels: original, adapted\n", "renderer", "volume", "tf", "method", "1-SSIM", "FLIP", "RMSE");
+    for (size_t i = 0; i < run->cli->argument_count && status == ISO_OK; ++i)
+        status = run_volume(run, 0, run->cli->arguments[i], err);
+    for (char *at = run->held; at && *at && status == ISO_OK;) {
+        char *comma = strchr(at, ','), *next = comma ? comma + 1 : NULL;
+        if (comma)
+            *comma = 0;
+        status = run_volume(run, HELD, at, err);
+        at = next;
+    }
+    if (status == ISO_OK)
+        status = run_analytic(run, err);
+    if (status == ISO_OK)
+        report(run);
+    if (status == ISO_OK && run->figures)
+        status = iso_bench_figures(run->cases, run->figures, err);
+    json_decref(run->cases);
+    iso_renderers_end(&run->renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    bench_run b = {.views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = "gl", .tf_names = "surface,soft,two-material,shell"};
+    const char *methods = "paper,default";
+    iso_cli_input_defaults(&b.input);
+    struct poptOption options[] = {
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0, "ray step in voxels of the level", "VOXELS"},
+        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0, "beside the original: names with commas, or all", "NAMES"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas", "NAMES"},
+        {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, "of gl, reference, povray, cycles: each against its own level 0", "LIST"},
+        {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
+        {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0, "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
+        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a headlight; else emission alone", NULL},
+        {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0, "Gaussian pyramid, 20 views, pre-integration, gradients on the fly, steps of a voxel", NULL},
+        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
+        {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "Figures 8 and 9 of the paper into this folder", "DIR"},
+        ISO_CLI_INPUT_OPTIONS(&b.input),
+        POPT_TABLEEND,
+    };
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--shading") == 0)
+            return iso_bench_shading(argc, argv, err);
+        if (strcmp(argv[i], "--filters") == 0 || strcmp(argv[i], "--holes") == 0)
+            return iso_bench_filters(argc, argv, err);
+    }
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
+    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held && !b.analytic_size;
+    b.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
+        status = run_all(&b, methods, err);
+    iso_cli_end(&cli);
+    free(b.held);
+    free(b.figures);
+    return no_volume ? iso_bench_shading(argc, argv, err) : status;
+}
+
+const iso_command iso_bench_consistency = {
+    .name = "bench consistency",
+    .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
+    .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
+    .details = "With --shading, or without a volume, directions are judged; with --filters and --holes, where they give way. Each has\n"
+               "its own options: isoshade bench consistency --shading --help.\n"
+               "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
+               "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"
+               "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade bench consistency shells.nrrd --views 3 --size 64 --levels 3\n"
+                "  isoshade bench consistency shells.nrrd --with gl,povray --size 48 --views 1 --level 1 --tfs soft --methods default\n",
+    .run = run,
+};

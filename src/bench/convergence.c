@@ -1,0 +1,268 @@
+/* convergence.c - does the error of a renderer fall as its quadrature promises, and to where?
+ *
+ * Each renderer draws the scene at steps that halve. Midpoint rules err with the
+ * square of the step: the error against the converged reference falls by 4, and
+ * the limit extrapolated from the two finest (Richardson) lies within two of its
+ * error bars of the reference. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "bench/bench.h"
+#include "options/input.h"
+#include "renderers/renderers.h"
+#include "scene/subject.h"
+#include "report/gnuplot.h"
+#include "compare/metrics.h"
+#include "compare/statistics.h"
+#include "povray/povray.h"
+
+ISO_EMBED(convergence_gp, "src/bench/convergence.gp");
+
+enum { most_steps = 8 };
+
+typedef struct convergence_options {
+    iso_cli_input input;
+    char *scene, *with, *size, *output, *format;
+    int level, steps;
+    double finest;
+} convergence_options;
+
+/* One renderer's way down. */
+typedef struct descent {
+    iso_renderer renderer;
+    double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps];
+    double limit_rmse, error_bar; /* of the extrapolated limit */
+    bool agrees;
+} descent;
+
+/* POV-Ray's images have steps of 1.5e-5, which extrapolation widens; floats have less. */
+static const double rounding = 1e-5;
+static const double expected_order = 2;
+/* The TF's bends and the cells' borders fall anywhere between the samples, so that part of the error has a random
+ * phase: independent errors e and 4 e of the two finest leave 1.9 e in the limit, at a bar of 1.4 e. */
+static const double bars_allowed = 2;
+
+/* POV-Ray has intervals, not steps: the planes stay and the intervals double, so that every interval is halved. */
+static void set_step(const iso_level *level, const convergence_options *o, int i, iso_render_options *opt, double *step)
+{
+    const int halvings = o->steps - 1 - i;
+    *step = ldexp(o->finest, halvings);
+    if (opt->renderer != ISO_WITH_POVRAY) {
+        opt->step_voxels = *step;
+        return;
+    }
+    const iso_geometry *g = &level->geometry;
+    const double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
+    const size_t most = (size_t)ISO_POVRAY_MAX_INTERVALS >> (o->steps - 1) << (o->steps - 1);
+    const double pieces = ceil(chord_voxels / (o->finest * (double)most));
+    opt->planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
+    const double wanted = ceil(ldexp(chord_voxels / (o->finest * (double)(opt->planes + 1)), 1 - o->steps));
+    opt->intervals = (size_t)fmin(wanted, (double)(most >> (o->steps - 1))) << i;
+    *step = chord_voxels / (double)(opt->intervals * (opt->planes + 1));
+}
+
+static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view *view, const convergence_options *o,
+                          const iso_image *reference, const iso_cli *cli, descent *d, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_image image = {0}, coarser = {0}, limit = {0};
+    iso_metrics m = {0};
+    iso_extrapolation extrapolation = {0};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < o->steps && status == ISO_OK; ++i) {
+        iso_render_options opt = iso_render_defaults(d->renderer);
+        opt.threads = cli->threads;
+        set_step(&p->levels[o->level], o, i, &opt, &d->step[i]);
+        iso_image_destroy(&coarser);
+        coarser = image;
+        image = (iso_image){0};
+        status = iso_render_with(r, p, (size_t)o->level, view, &opt, &image, NULL, &progress, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&image, reference, &m, err);
+        d->rmse[i] = m.rmse;
+        d->max_abs[i] = m.max_abs;
+        d->order[i] = i > 0 ? log2(d->rmse[i - 1] / d->rmse[i]) / log2(d->step[i - 1] / d->step[i]) : NAN;
+    }
+    if (status == ISO_OK)
+        status = iso_richardson(&coarser, &image, d->step[o->steps - 2] / d->step[o->steps - 1], expected_order, &limit,
+                                &extrapolation, err);
+    if (status == ISO_OK)
+        status = iso_metrics_measure(&limit, reference, &m, err);
+    d->limit_rmse = m.rmse;
+    d->error_bar = extrapolation.error_bar;
+    d->agrees = status == ISO_OK && iso_limits_agree(m.rmse, d->error_bar, 0, bars_allowed, rounding);
+    iso_image_destroy(&image);
+    iso_image_destroy(&coarser);
+    iso_image_destroy(&limit);
+    return status;
+}
+
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *to_json(const descent *d, int steps)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < steps; ++i)
+        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse", number(d->rmse[i]),
+                                              "max_abs", number(d->max_abs[i]), "order", number(d->order[i])));
+    return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", iso_renderer_name(d->renderer), "steps", list, "limit",
+                     "rmse", number(d->limit_rmse), "error_bar", number(d->error_bar), "agrees", d->agrees);
+}
+
+static void print_table(const descent *d, int steps)
+{
+    printf("%s\n  %12s %12s %12s %8s\n", iso_renderer_title(d->renderer), "step, voxels", "rmse", "max_abs", "order");
+    for (int i = 0; i < steps; ++i) {
+        printf("  %12.5g %12.3g %12.3g", d->step[i], d->rmse[i], d->max_abs[i]);
+        if (i > 0)
+            printf(" %8.2f", d->order[i]);
+        printf("\n");
+    }
+    printf("  %12s %12.3g, error bar %.3g: %s\n", "limit", d->limit_rmse, d->error_bar, d->agrees ? "agrees" : "differs");
+}
+
+/* Columns: renderer, kind, step, rmse, error bar. The limit is drawn at half the finest step. */
+static iso_status draw(const convergence_options *o, const descent *d, size_t count, iso_error *err)
+{
+    char *csv = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&csv, &size);
+    if (!f)
+        return iso_fail(err, ISO_E_MEMORY, "bench convergence: no memory for the chart's data");
+    fprintf(f, "renderer,kind,step_voxels,rmse,error_bar\n");
+    for (size_t r = 0; r < count; ++r) {
+        for (int i = 0; i < o->steps; ++i)
+            fprintf(f, "%s,step,%.9g,%.9g,NaN\n", iso_renderer_name(d[r].renderer), d[r].step[i], d[r].rmse[i]);
+        fprintf(f, "%s,limit,%.9g,%.9g,%.9g\n", iso_renderer_name(d[r].renderer), 0.75 * d[r].step[o->steps - 1],
+                d[r].limit_rmse, d[r].error_bar);
+    }
+    fclose(f);
+    iso_output out = {0};
+    iso_status status = iso_output_begin_dir(&out, o->output, "convergence.csv", err);
+    if (status == ISO_OK)
+        status = iso_chart_draw(out.temp_path, "convergence", csv, convergence_gp, o->format, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(csv);
+    return status;
+}
+
+/* "gl,povray" */
+static iso_status parse_renderers(const char *text, descent d[ISO_RENDERER_COUNT], size_t *count, iso_error *err)
+{
+    char *copy = strdup(text), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bench convergence: no memory");
+    *count = 0;
+    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));) {
+        iso_renderer r = ISO_WITH_GL;
+        status = iso_renderer_from_name(word, &r, err);
+        if (status == ISO_OK && (r == ISO_WITH_REFERENCE || *count == ISO_RENDERER_COUNT))
+            status = iso_fail(err, ISO_E_USAGE, "--with is \"%s\", wanted a list of gl, cycles and povray", text);
+        if (status == ISO_OK)
+            d[(*count)++] = (descent){.renderer = r};
+    }
+    free(copy);
+    return status;
+}
+
+static iso_status check(const convergence_options *o, iso_error *err)
+{
+    iso_status status = iso_cli_check_range("--steps", o->steps, 2, 6, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--finest", o->finest, 1e-3, 10, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--level", o->level, 0, 63, err);
+    if (status == ISO_OK && !o->scene)
+        status = iso_fail(err, ISO_E_USAGE, "--scene is missing: a .scene.json");
+    if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+    return status;
+}
+
+static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_renderers renderers = {0};
+    iso_render_options arbiter = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_pyramid p = {0};
+    iso_view view = {0};
+    iso_image reference = {0};
+    descent d[ISO_RENDERER_COUNT];
+    size_t count = 0;
+    iso_status status = check(o, err);
+    if (status == ISO_OK)
+        status = parse_renderers(o->with, d, &count, err);
+    build.threads = arbiter.threads = cli->threads;
+    build.level_count = (size_t)o->level + 1;
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_view(o->scene, &p, o->size, &view, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &arbiter, &reference, NULL, &progress, err);
+    for (size_t r = 0; r < count && status == ISO_OK; ++r) {
+        status = descend(&renderers, &p, &view, o, &reference, cli, &d[r], err);
+        if (status == ISO_OK && !cli->json)
+            print_table(&d[r], o->steps);
+    }
+    if (status == ISO_OK && o->output)
+        status = draw(o, d, count, err);
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli), *cases = json_array();
+        for (size_t r = 0; r < count; ++r)
+            json_array_append_new(cases, to_json(&d[r], o->steps));
+        json_object_set_new(root, "cases", cases);
+        iso_cli_print_json(root);
+    }
+    iso_image_destroy(&reference);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+    iso_renderers_end(&renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    convergence_options o = {.with = "gl,povray", .format = "svg", .steps = 4, .finest = 0.125};
+    iso_cli_input_defaults(&o.input);
+    struct poptOption options[] = {
+        {"scene", 0, POPT_ARG_STRING, &o.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, "gl, cycles, povray", "LIST"},
+        {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0, "how many steps, each half of the one before", "N"},
+        {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0, "the last step, in voxels of the level", "VOXELS"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest", "K"},
+        {"size", 0, POPT_ARG_STRING, &o.size, 0, "image size instead of the scene's", "WxH"},
+        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "a folder for the chart and its data", "DIR"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
+        ISO_CLI_INPUT_OPTIONS(&o.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = bench(&cli, &o, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_bench_convergence = {
+    .name = "bench convergence",
+    .summary = "the error of each renderer by its ray step, its order and its limit",
+    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
+    .details = "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
+               "from the two finest steps; it agrees when it lies within two error bars of the reference.",
+    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+                "  isoshade bench convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",
+    .run = run,
+};

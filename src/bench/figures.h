@@ -1,0 +1,12 @@
+/* figures.h - Figures 8 and 9 of adaptive-tf-2016 from the cases of bench consistency. */
+#ifndef ISO_BENCH_FIGURES_H
+#define ISO_BENCH_FIGURES_H
+
+#include "base/json.h"
+
+/* cases: objects with renderer, volume, level, method and ssim_dissimilarity, the first renderer's alone are drawn.
+ * DIR/figure9.svg: each volume's levels, original and default; DIR/figure8.svg: each volume, by method. Means over the
+ * transfer functions (and the levels). ISO_E_MISSING without gnuplot. */
+iso_status iso_bench_figures(const json_t *cases, const char *dir, iso_error *err);
+
+#endif

@@ -1,0 +1,145 @@
+#define _GNU_SOURCE
+#include "bench/files.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/bigfile.h"
+#include "base/file.h"
+#include "base/parallel.h"
+
+enum { MAX_FILES = 128, READ_PLANES = 4, WRITERS = 2 };
+
+static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
+{
+    return iso_source_open(user, source, err);
+}
+
+static iso_status read_all(const char *path, iso_error *err)
+{
+    iso_volume_source *source;
+    iso_status status = iso_source_open(path, &source, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_volume *v = iso_source_volume(source);
+    const size_t *n = v->geometry.size;
+    char *planes = malloc(READ_PLANES * n[0] * n[1] * iso_type_bytes(v->type));
+    if (!planes)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %d planes", path, READ_PLANES);
+    for (size_t z = 0; z < n[2] && status == ISO_OK; z += READ_PLANES)
+        status = iso_source_read(source, z + READ_PLANES < n[2] ? READ_PLANES : n[2] - z, planes, err);
+    free(planes);
+    iso_source_close(source);
+    return status;
+}
+
+static iso_status write_bytes(const char *path, bool direct, size_t bytes, iso_error *err)
+{
+    char *data = malloc(ISO_BIGFILE_BYTES);
+    iso_bigfile *file = NULL;
+    iso_status status = data ? iso_bigfile_open(path, direct, 0, &file, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (data)
+        memset(data, 1, ISO_BIGFILE_BYTES);
+    for (size_t done = 0; done < bytes && status == ISO_OK; done += ISO_BIGFILE_BYTES)
+        status = iso_bigfile_write(file, data, bytes - done < ISO_BIGFILE_BYTES ? bytes - done : ISO_BIGFILE_BYTES, err);
+    free(data);
+    iso_status closed = iso_bigfile_close(file, status == ISO_OK ? err : NULL);
+    return status == ISO_OK ? closed : status;
+}
+
+/* The sizes of the files in a folder. */
+static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
+{
+    size_t count = 0;
+    DIR *d = opendir(dir);
+    for (struct dirent *e; d && count < MAX_FILES && (e = readdir(d));) {
+        char *path = iso_path_join(dir, e->d_name);
+        struct stat st;
+        if (path && stat(path, &st) == 0 && S_ISREG(st.st_mode))
+            sizes[count++] = (size_t)st.st_size;
+        free(path);
+    }
+    if (d)
+        closedir(d);
+    return count;
+}
+
+/* One thread reads, two write, as the build's own do. */
+static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t count, const char *folder, bench_files_times *t,
+                             iso_error *err)
+{
+    size_t read_bytes = 0;
+    struct stat st;
+    char *dir = iso_path_join(folder, "isoshade-bench.copy");
+    iso_status results[MAX_FILES + 1] = {ISO_OK}, status = ISO_OK;
+    iso_error errors[MAX_FILES + 1];
+    if (stat(volume, &st) == 0)
+        read_bytes = (size_t)st.st_size;
+    if (!dir || mkdir(dir, 0777) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be created", dir ? dir : folder);
+    const double start = iso_clock_seconds();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(1 + WRITERS)
+    for (size_t i = 0; i <= count; ++i) {
+        char name[32];
+        snprintf(name, sizeof name, "%zu", i);
+        char *path = status == ISO_OK && i > 0 ? iso_path_join(dir, name) : NULL;
+        if (status == ISO_OK)
+            results[i] = i == 0 ? read_all(volume, &errors[0])
+                         : path ? write_bytes(path, read_bytes >= (size_t)256 << 20, sizes[i - 1], &errors[i])
+                                : iso_fail(&errors[i], ISO_E_MEMORY, "out of memory");
+        free(path);
+    }
+    const double seconds = iso_clock_seconds() - start;
+    t->bytes = read_bytes;
+    for (size_t i = 0; i <= count && status == ISO_OK; ++i) {
+        t->bytes += i > 0 ? sizes[i - 1] : 0;
+        if ((status = results[i]) != ISO_OK)
+            *err = errors[i];
+    }
+    t->floor = fmin(t->floor, seconds);
+    if (dir)
+        iso_remove_tree(dir);
+    free(dir);
+    return status;
+}
+
+iso_status bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
+                          size_t runs, bench_files_times *t, iso_error *err)
+{
+    char *pyramid = iso_path_join(folder, "isoshade-bench.iso");
+    const iso_stream_input in = {open_path, (void *)volume, volume};
+    const iso_stream_options how = {.memory_bytes = memory_bytes};
+    iso_status status = pyramid ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    *t = (bench_files_times){.floor = INFINITY};
+    t->stream.seconds_total = INFINITY;
+    for (size_t i = 0; i < runs && status == ISO_OK; ++i) {
+        iso_stream_report r;
+        status = iso_pyramid_stream(&in, opt, &how, pyramid, &r, NULL, err);
+        if (status == ISO_OK && r.seconds_total < t->stream.seconds_total)
+            t->stream = r;
+        size_t sizes[MAX_FILES];
+        const size_t count = list_sizes(pyramid, sizes);
+        iso_remove_tree(pyramid); /* before as much is written again */
+        if (status == ISO_OK)
+            status = copy_bytes(volume, sizes, count, folder, t, err);
+    }
+    free(pyramid);
+    return status;
+}
+
+iso_status bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
+                       bench_files_times *t, iso_error *err)
+{
+    char *volume = iso_path_join(folder, "isoshade-bench.nrrd");
+    iso_status status = volume ? iso_volume_save(v, volume, false, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = bench_files_of(volume, opt, folder, memory_bytes, runs, t, err);
+    if (volume)
+        unlink(volume);
+    free(volume);
+    return status;
+}

@@ -1,0 +1,21 @@
+/* files.h - the build from a file to files against what the disk takes for the same bytes. */
+#ifndef ISO_BENCH_FILES_H
+#define ISO_BENCH_FILES_H
+
+#include "pyramid/pyramid_stream.h"
+
+/* Of the fastest run each. */
+typedef struct bench_files_times {
+    iso_stream_report stream;
+    double floor; /* reading the volume's file and writing files as long as the pyramid's, at once, nothing computed */
+    size_t bytes; /* read and written */
+} bench_files_times;
+
+/* Builds `runs` times in the folder, each build beside one copy of the same bytes. memory_bytes: of buffers; 0: as build does. */
+iso_status bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
+                       bench_files_times *times, iso_error *err);
+/* The same for a volume that is in a file already. */
+iso_status bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
+                          size_t runs, bench_files_times *times, iso_error *err);
+
+#endif

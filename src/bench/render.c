@@ -1,0 +1,179 @@
+/* render.c - the ray caster's time by transfer function, gradients and loop. */
+#include "bench/render.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/synthetic.h"
+
+const char *const iso_bench_tf_names[TF_COUNT] = {"dense", "sparse"};
+const char *const iso_bench_gradients_names[GRADIENTS_COUNT] = {"none", "codes", "on-the-fly"};
+static const char *const loop_names[LOOP_COUNT] = {"plain", "skipping", "auto"};
+static const iso_gl_skip loop_skips[LOOP_COUNT] = {ISO_GL_SKIP_NEVER, ISO_GL_SKIP_ALWAYS, ISO_GL_SKIP_AUTO};
+
+/* Dense: every value shows, so thinly that no ray ends early. Sparse: the upper 40 % of the range alone, and denser. */
+static iso_tf make_tf(bench_tf kind)
+{
+    static iso_tf_point dense[] = {{0, {0.2, 0.3, 0.9}, 0.002}, {1, {1, 0.9, 0.7}, 0.02}};
+    static iso_tf_point sparse[] = {{0, {0, 0, 0}, 0}, {0.6, {0.9, 0.4, 0.2}, 0}, {0.7, {1, 0.9, 0.7}, 0.3}};
+    iso_tf tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256,
+                 .point_count = kind == TF_DENSE ? 2 : 3, .points = kind == TF_DENSE ? dense : sparse};
+    return tf;
+}
+
+iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients)
+{
+    return (iso_scene){.path = "bench", .width = (size_t)opt->image, .height = (size_t)opt->image, .camera_fit = true,
+                       .camera_direction = {0.5, 1, -0.4}, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 0.8,
+                       .light_count = gradients == GRADIENTS_NONE ? 0 : 1,
+                       .lights = {{.direction = {-0.5, 0.5, 1}, .in_camera_space = true, .intensity = 1}},
+                       .shading = {.ambient = gradients == GRADIENTS_NONE ? 1 : 0.3, .diffuse = 0.7},
+                       .step_voxels = opt->step_voxels, .tf = make_tf(tf)};
+}
+
+iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_tf tf,
+                             bench_gradients gradients, bench_loop loop, double *seconds, iso_error *err)
+{
+    const iso_level *level = &p->levels[0];
+    iso_scene scene = iso_bench_scene(opt, tf, gradients);
+    iso_gl_options options = iso_gl_defaults();
+    options.source = gradients == GRADIENTS_ON_THE_FLY ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES;
+    options.skip = loop_skips[loop];
+    options.repeats = (size_t)opt->runs + 1; /* the first one compiles */
+    iso_view view;
+    iso_image image;
+    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, seconds, err);
+    if (status == ISO_OK)
+        iso_image_destroy(&image);
+    iso_view_destroy(&view);
+    return status;
+}
+
+static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
+                            iso_error *err)
+{
+    const size_t *size = p->levels[0].geometry.size;
+    char size_text[64];
+    snprintf(size_text, sizeof size_text, "%zux%zux%zu", size[0], size[1], size[2]);
+    json_t *root = iso_cli_json(cli), *cases = json_array();
+    json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
+    json_object_set_new(root, "image", json_integer(opt->image));
+    if (!cli->json)
+        printf("%s, %s, image %d x %d, step %g voxels; milliseconds, least of %d\n%-8s %-12s %10s %10s %10s\n",
+               iso_gl_describe(gl).renderer, size_text, opt->image, opt->image, opt->step_voxels, opt->runs, "tf",
+               "gradients", loop_names[0], loop_names[1], loop_names[2]);
+    iso_status status = ISO_OK;
+    for (int tf = 0; tf < TF_COUNT; ++tf)
+        for (int g = 0; g < GRADIENTS_COUNT && status == ISO_OK; ++g) {
+            double seconds[LOOP_COUNT] = {0};
+            for (int loop = 0; loop < LOOP_COUNT && status == ISO_OK; ++loop) {
+                status = iso_bench_measure(gl, p, opt, (bench_tf)tf, (bench_gradients)g, (bench_loop)loop, &seconds[loop], err);
+                json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "size",
+                                                       size_text, "tf", iso_bench_tf_names[tf], "gradients", iso_bench_gradients_names[g],
+                                                       "loop", loop_names[loop], "step_voxels", opt->step_voxels,
+                                                       "milliseconds", 1e3 * seconds[loop]));
+            }
+            if (!cli->json && status == ISO_OK)
+                printf("%-8s %-12s %10.1f %10.1f %10.1f\n", iso_bench_tf_names[tf], iso_bench_gradients_names[g], 1e3 * seconds[0],
+                       1e3 * seconds[1], 1e3 * seconds[2]);
+        }
+    json_object_set_new(root, "cases", cases);
+    if (cli->json && status == ISO_OK)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+    return status;
+}
+
+/* The volume that is named, or two thin shells. */
+static iso_status load(const iso_cli *cli, const bench_render_options *opt, iso_pyramid *p, iso_error *err)
+{
+    const size_t n = (size_t)opt->size, size[3] = {n, n, n};
+    const double spacing[3] = {1, 1, 1};
+    iso_field field = {.kind = ISO_FIELD_SHELLS, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 1};
+    iso_pyramid_options options = iso_pyramid_defaults();
+    options.level_count = opt->bricks ? BENCH_LEVELS : 1;
+    options.threads = cli->threads;
+    iso_volume v;
+    iso_status status = cli->argument_count ? iso_cli_load_volume(cli->arguments[0], &opt->input, &v, err)
+                                            : iso_field_sample(&field, ISO_U16, &v, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_pyramid_build(&v, cli->argument_count ? cli->arguments[0] : "shells", &options, p, NULL, err);
+    iso_volume_destroy(&v);
+    return status;
+}
+
+static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso_error *err)
+{
+    iso_pyramid p;
+    iso_gl *gl;
+    iso_status status = iso_cli_check_range("--size", opt->size, 8, 1024, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--image", opt->image, 1, 8192, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--runs", opt->runs, 1, 1000, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--step", opt->step_voxels, 1e-3, 100, err);
+    if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
+        status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
+    if (status == ISO_OK)
+        status = iso_gl_create(&gl, NULL, err);
+    if (status != ISO_OK)
+        return status;
+    iso_gl_time_processor(gl, opt->processor_time);
+    status = load(cli, opt, &p, err);
+    if (status == ISO_OK) {
+        status = opt->bricks ? iso_bench_bricks(cli, gl, &p, opt, err) : run_cases(cli, gl, &p, opt, err);
+        iso_pyramid_destroy(&p);
+    }
+    iso_gl_destroy(gl);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    bench_render_options opt = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1};
+    iso_cli_input_defaults(&opt.input);
+    struct poptOption options[] = {
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels a side of the synthetic volume", "N"},
+        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels a side", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
+        {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0, "of all cores instead of the clock's: software GL on a busy machine", NULL},
+        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0, "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-mended", "NAME"},
+        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
+        {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
+        ISO_CLI_INPUT_OPTIONS(&opt.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = bench(&cli, &opt, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_bench_render = {
+    .name = "bench render",
+    .summary = "the OpenGL ray caster: dense and sparse TFs, sources of gradients, empty-space skipping",
+    .usage = "[VOLUME] [options]",
+    .details = "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "
+               "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
+               "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
+               "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
+               "samples\ninside bricks, on their own, with the paper's transitions as written and as mended; a quarter of the "
+               "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
+               "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
+    .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",
+    .run = run,
+};

@@ -1,0 +1,37 @@
+/* render.h - what the parts of `bench render` share: its cases and how one is measured. */
+#ifndef ISO_BENCH_RENDER_H
+#define ISO_BENCH_RENDER_H
+
+#include "bench/bench.h"
+#include "options/input.h"
+#include "pyramid/pyramid.h"
+#include "render/gl/raycaster.h"
+
+enum { BENCH_LEVELS = 4 }; /* for --bricks */
+
+typedef struct bench_render_options {
+    iso_cli_input input;
+    int size, image, runs, bricks, processor_time;
+    double step_voxels;
+    char *transition, *picture; /* --bricks: one transition alone, and its image; or NULL */
+} bench_render_options;
+
+typedef enum bench_tf { TF_DENSE, TF_SPARSE, TF_COUNT } bench_tf;
+extern const char *const iso_bench_tf_names[TF_COUNT];
+
+typedef enum bench_gradients { GRADIENTS_NONE, GRADIENTS_CODES, GRADIENTS_ON_THE_FLY, GRADIENTS_COUNT } bench_gradients;
+extern const char *const iso_bench_gradients_names[GRADIENTS_COUNT];
+
+typedef enum bench_loop { LOOP_PLAIN, LOOP_SKIPPING, LOOP_AUTO, LOOP_COUNT } bench_loop;
+
+iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients);
+
+/* Level 0 as one texture: the fastest of opt->runs draws. */
+iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_tf tf,
+                             bench_gradients gradients, bench_loop loop, double *seconds, iso_error *err);
+
+/* --bricks (render_bricks.c). */
+iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
+                            iso_error *err);
+
+#endif

@@ -1,0 +1,319 @@
+#include "chart/bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "plan/cached.h"
+#include "pyramid/palette_level.h"
+#include "plan/planner.h"
+#include "scene/subject.h"
+#include "tf/adapt.h"
+
+/* A frame is drawn up to MOST_FRAMES times while that takes less than FRAMES_SECONDS. */
+enum { MOST_FRAMES = 5 };
+static const double FRAMES_SECONDS = 0.15;
+/* What settings leave for others is kept until it is so large. */
+static const double MOST_KEPT_BYTES = 600e6, MOST_OTHERS_BYTES = 1500e6;
+
+/* ---- what the chart stands on ------------------------------------------------------ */
+
+static iso_status load(const iso_chart_bench *b, iso_gradient_method estimator, iso_direction_filter filter, size_t level_count,
+                       iso_code code, const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.gradient.method = estimator;
+    opt.direction_filter = filter;
+    opt.level_count = level_count;
+    opt.code = code;
+    opt.keep_float = true;
+    opt.threads = opt.gradient.threads = b->threads;
+    return iso_cli_load_pyramid(b->path, b->input, &opt, progress, p, err);
+}
+
+iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_cli_input *input, const char *scene, const char *size,
+                                size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err)
+{
+    *b = (iso_chart_bench){.path = path, .input = input, .threads = threads, .progress = *progress, .is_volume = !iso_pyramid_is_one(path)};
+    iso_status status = load(b, grid->first_estimator, grid->first_filter, level_count, grid->first_code, progress, &b->first, err);
+    return status == ISO_OK ? iso_cli_load_view(scene, &b->first, size, &b->view, err) : status;
+}
+
+void iso_chart_bench_close(iso_chart_bench *b)
+{
+    for (size_t k = 0; k < ISO_CHART_MAX_LEVELS; ++k) {
+        iso_tf_table_destroy(&b->adapted[k]);
+        for (size_t i = 0; i < 2; ++i)
+            iso_class_tables_destroy(&b->tables[k][i]);
+    }
+    for (size_t i = 0; i < ISO_CHART_PALETTES; ++i)
+        iso_palette_destroy(&b->palettes[i]);
+    for (size_t i = 0; i < b->kept_count; ++i)
+        free(b->kept[i].bytes);
+    iso_plan_destroy(&b->plan);
+    iso_node_levels_destroy(&b->nodes);
+    iso_image_destroy(&b->reference);
+    iso_view_destroy(&b->view);
+    iso_pyramid_destroy(&b->first);
+    for (size_t i = 0; i < b->other_count; ++i)
+        iso_pyramid_destroy(&b->others[i]);
+    iso_renderers_end(&b->renderers);
+    *b = (iso_chart_bench){.threads = 0};
+}
+
+iso_status iso_chart_bench_reference(iso_chart_bench *b, iso_error *err)
+{
+    const iso_pyramid *p = &b->first;
+    iso_reference_options opt = iso_reference_defaults();
+    opt.source = p->levels[0].directions ? ISO_FROM_FLOAT : ISO_FROM_CODES;
+    opt.tolerance = 1e-3;
+    opt.threads = b->threads;
+    const double start = iso_clock_seconds();
+    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &b->view, &opt, &b->reference, &b->progress, err);
+    b->reference_seconds = iso_clock_seconds() - start;
+    return status;
+}
+
+/* ---- what settings need ------------------------------------------------------------ */
+
+static bool is_of(const iso_pyramid *p, const iso_chart_case *c)
+{
+    return p->levels && p->options.gradient.method == c->estimator && p->options.direction_filter == c->filter;
+}
+
+/* NULL where it has to be built. */
+static const iso_pyramid *pyramid_of(const iso_chart_bench *b, const iso_chart_case *c)
+{
+    for (size_t i = 0; i < b->other_count; ++i)
+        if (is_of(&b->others[i], c))
+            return &b->others[i];
+    return is_of(&b->first, c) ? &b->first : NULL;
+}
+
+static iso_status need_pyramid(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
+    const double bytes = 8.0 / 7 * (sizeof(float) + 3 + 3 * sizeof(float)) * (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
+    const size_t most = bytes < MOST_OTHERS_BYTES / ISO_CHART_MAX_OTHERS ? ISO_CHART_MAX_OTHERS : (size_t)fmax(MOST_OTHERS_BYTES / bytes, 1);
+    const iso_progress silent = {0};
+    if (pyramid_of(b, c))
+        return ISO_OK;
+    iso_pyramid *p = &b->others[b->other_count < most ? b->other_count : b->replaced++ % most];
+    iso_pyramid_destroy(p);
+    *p = (iso_pyramid){0};
+    iso_status status = load(b, c->estimator, c->filter, b->first.level_count, b->first.options.code, &silent, p, err);
+    b->other_count += status == ISO_OK && p == &b->others[b->other_count];
+    return status;
+}
+
+static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = b->threads;
+    if (c->table != ISO_SPLIT_NONE) {
+        iso_class_tables *tables = &b->tables[c->level][c->table - ISO_SPLIT_DEVIATION];
+        return tables->bytes ? ISO_OK : iso_adapt_classes(&b->first, NULL, c->level, c->table, &b->view.tf, &opt, tables, err);
+    }
+    if (!c->adapted || b->adapted[c->level].entries)
+        return ISO_OK;
+    return iso_adapt_level(&b->first, NULL, c->level, &b->view.tf, &opt, &b->adapted[c->level], NULL, err);
+}
+
+/* With few swaps: a chart has no time for the last per cent. */
+static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
+    iso_palette *palette = &b->palettes[c->palette];
+    if (c->source != ISO_FROM_PALETTE || palette->xyz)
+        return ISO_OK;
+    return iso_cli_fit_palette(&b->first.levels[0], b->first.options.code, iso_chart_palettes[c->palette], 2, b->threads, palette, err);
+}
+
+static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
+    if (!(c->plan_error > 0) || b->plan.levels)
+        return ISO_OK;
+    iso_status status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS, true,
+                                               b->threads, err);
+    if (status != ISO_OK)
+        return status;
+    iso_node_levels_round(&b->nodes);
+    const iso_progress silent = {0};
+    return iso_plan_create(&b->plan, &b->nodes, &b->view, 1, b->threads, &silent, err);
+}
+
+/* ---- foresight --------------------------------------------------------------------- */
+
+/* Seconds a million voxels of level 0 that each takes to make on a slow machine: only to know whether to begin. */
+static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
+{
+    const double millions = 1e-6 * (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
+    double a_million = 0;
+    if (!pyramid_of(b, c))
+        a_million += 0.4;
+    if (c->table != ISO_SPLIT_NONE ? !b->tables[c->level][c->table - ISO_SPLIT_DEVIATION].bytes : c->adapted && !b->adapted[c->level].entries)
+        a_million += 0.2;
+    if (c->source == ISO_FROM_PALETTE && !b->palettes[c->palette].xyz)
+        a_million += 1;
+    if (c->plan_error > 0 && !b->plan.levels)
+        a_million += 0.8;
+    return a_million * millions;
+}
+
+double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c)
+{
+    const iso_chart_pace *pace = &b->pace[c->renderer];
+    const bool other_program = iso_chart_is_other_program(c->renderer);
+    const double needs = foresee_needs(b, c) + b->metrics_seconds;
+    if (!pace->is_known)
+        return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
+    const double frame = pace->frame_seconds_per_cost * c->relative_cost;
+    const double frames = other_program ? frame : fmin(MOST_FRAMES * frame, FRAMES_SECONDS + frame);
+    return needs + pace->setup_seconds * (other_program ? 1 : (double)c->voxel_count) + frames;
+}
+
+/* The slowest seen; what was slow once, as other work on the machine makes it, is forgotten by halves. */
+static void learn(iso_chart_bench *b, const iso_chart_case *c, double all_seconds)
+{
+    iso_chart_pace *pace = &b->pace[c->renderer];
+    const double frames = c->took.median_seconds * (double)c->took.count, setup = fmax(all_seconds - frames, 0);
+    const double voxels = iso_chart_is_other_program(c->renderer) ? 1 : fmax((double)c->voxel_count, 1e5);
+    pace->setup_seconds = fmax(0.5 * pace->setup_seconds, setup / voxels);
+    pace->frame_seconds_per_cost = fmax(0.5 * pace->frame_seconds_per_cost, c->took.median_seconds / c->relative_cost);
+    pace->is_known = true;
+}
+
+/* ---- one setting ------------------------------------------------------------------- */
+
+/* Directions of the case's level in its code, or indices into its palette: made once where there is room to keep them. */
+static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso_chart_case *c, void **bytes, bool *is_kept, iso_error *err)
+{
+    const bool keep = p == &b->first;
+    *bytes = NULL;
+    *is_kept = false;
+    for (size_t i = 0; keep && i < b->kept_count; ++i) {
+        const iso_chart_kept *k = &b->kept[i];
+        if (k->level == c->level && k->source == c->source && k->code == c->code && k->palette == c->palette) {
+            *bytes = k->bytes;
+            *is_kept = true;
+            return ISO_OK;
+        }
+    }
+    iso_level level = p->levels[c->level];
+    const size_t count = iso_geometry_voxel_count(&level.geometry);
+    const double size = (double)count * (c->source == ISO_FROM_PALETTE ? sizeof(uint16_t) : 3);
+    iso_status status = ISO_OK;
+    if (c->source == ISO_FROM_PALETTE) {
+        status = iso_cli_attach_palette(&level, p->options.code, &b->palettes[c->palette], err);
+        *bytes = status == ISO_OK ? (void *)level.palette_index : NULL;
+    } else if (!(*bytes = malloc(3 * count))) {
+        status = iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu directions", count);
+    } else {
+        iso_code_encode(c->code, level.directions, *bytes, count);
+    }
+    if (status == ISO_OK && keep && b->kept_bytes + size <= MOST_KEPT_BYTES && b->kept_count < sizeof b->kept / sizeof *b->kept) {
+        b->kept[b->kept_count++] = (iso_chart_kept){c->source, c->code, c->palette, c->level, *bytes};
+        b->kept_bytes += size;
+        *is_kept = true;
+    }
+    return status;
+}
+
+static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
+{
+    const iso_pyramid *base = pyramid_of(b, c);
+    const bool palette = c->source == ISO_FROM_PALETTE, recoded = c->source == ISO_FROM_CODES && c->code != base->options.code;
+    iso_render_options opt = iso_render_defaults(c->renderer);
+    iso_level levels[ISO_CHART_MAX_LEVELS];
+    iso_pyramid p = *base;
+    iso_view view = b->view; /* borrowed, but for an adapted transfer function */
+    void *bytes = NULL;
+    bool is_kept = true;
+    iso_status status = palette || recoded ? need_bytes(b, base, c, &bytes, &is_kept, err) : ISO_OK;
+    memcpy(levels, base->levels, base->level_count * sizeof *levels);
+    p.levels = levels;
+    if (recoded) {
+        levels[c->level].codes = bytes;
+        p.options.code = c->code;
+    }
+    if (palette) {
+        levels[c->level].palette = &b->palettes[c->palette];
+        levels[c->level].palette_index = bytes;
+    }
+    if (c->table != ISO_SPLIT_NONE)
+        view.classes = &b->tables[c->level][c->table - ISO_SPLIT_DEVIATION];
+    else if (c->adapted)
+        view.tf = b->adapted[c->level];
+    opt.source = c->source;
+    opt.quadrature = c->preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
+    opt.step_voxels = c->step_voxels;
+    opt.threads = b->threads;
+    opt.repeats = MOST_FRAMES;
+    opt.repeat_seconds = FRAMES_SECONDS;
+    opt.processor_time = b->processor_time;
+    opt.stats = &c->took;
+    if (status == ISO_OK)
+        status = iso_render_with(&b->renderers, &p, c->level, &view, &opt, image, NULL, NULL, err);
+    if (!is_kept)
+        free(bytes);
+    return status;
+}
+
+static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
+{
+    const iso_cached_options opt = {.plan_error = c->plan_error, .step_voxels = c->step_voxels, .repeats = MOST_FRAMES,
+                                    .repeat_seconds = FRAMES_SECONDS, .threads = b->threads};
+    iso_cached_report report;
+    iso_status status = iso_renderers_need_gl(&b->renderers, err);
+    if (status == ISO_OK && b->processor_time)
+        iso_gl_time_processor(b->renderers.gl, true);
+    if (status == ISO_OK)
+        status = iso_cached_render_nodes(b->renderers.gl, &b->nodes, &b->plan, &b->view, &opt, image, &report, err);
+    if (status != ISO_OK)
+        return status;
+    iso_render_stats_of_gl(&report.gl, &c->took);
+    c->stored_bytes = ISO_BYTES_A_NODE * (double)report.node_count;
+    return ISO_OK;
+}
+
+/* What the setting needs, and its image. */
+static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
+{
+    *image = (iso_image){0};
+    iso_status status = need_pyramid(b, c, err);
+    if (status == ISO_OK)
+        status = need_tf(b, c, err);
+    if (status == ISO_OK)
+        status = need_palette(b, c, err);
+    if (status == ISO_OK)
+        status = need_plan(b, c, err);
+    const double start = iso_clock_seconds();
+    if (status == ISO_OK)
+        status = c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err);
+    if (status == ISO_OK)
+        learn(b, c, iso_clock_seconds() - start);
+    return status;
+}
+
+iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
+{
+    iso_image image;
+    iso_status status = render(b, c, &image, err);
+    const double start = iso_clock_seconds();
+    if (status == ISO_OK)
+        status = iso_metrics_measure(&b->reference, &image, &c->metrics, err);
+    b->metrics_seconds = iso_clock_seconds() - start;
+    iso_image_destroy(&image);
+    c->done = status == ISO_OK;
+    return status;
+}
+
+iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
+{
+    iso_chart_case again = *c;
+    iso_image image;
+    iso_status status = render(b, &again, &image, err);
+    iso_image_destroy(&image);
+    if (status == ISO_OK)
+        iso_render_stats_add(&c->took, &again.took);
+    return status;
+}

@@ -1,0 +1,385 @@
+#define _GNU_SOURCE
+#include "chart/grid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "options/cli.h"
+
+const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
+
+const iso_chart_words iso_chart_default_words = {.with = "gl,povray,cycles",
+                                                 .steps = "2,1,0.5,0.25,0.125",
+                                                 .quadratures = "midpoint,preintegrated",
+                                                 .codes = "fit,snorm,shell,free,cube,region48,squeeze",
+                                                 .filters = "moments,eq1,naive",
+                                                 .estimators = "central,sobel",
+                                                 .tfs = "original,adapted,tables",
+                                                 .plans = "16/255,4/255,1/255"};
+
+/* ---- what the user asked for ------------------------------------------------- */
+
+/* "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients of lo to hi. */
+static iso_status parse_numbers(const char *option, const char *text, double lo, double hi, const char *wanted, double *values,
+                                size_t *count, iso_error *err)
+{
+    *count = 0;
+    for (const char *at = text;; ++at) {
+        char *end;
+        double value = iso_cli_read_quotient(at, &end);
+        if (end == at || !(value >= lo && value <= hi) || *count == ISO_CHART_MAX_LIST || (*end && *end != ','))
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", option, text, ISO_CHART_MAX_LIST, wanted);
+        values[(*count)++] = value;
+        if (!*end)
+            return ISO_OK;
+        at = end;
+    }
+}
+
+static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
+{
+    iso_renderer r = ISO_WITH_GL;
+    iso_status status = iso_renderer_from_name(word, &r, err);
+    flags[r] = true;
+    return status;
+}
+
+static iso_status take_code(const char *word, bool *flags, iso_error *err)
+{
+    iso_code code = ISO_CODE_FIT;
+    iso_status status = iso_code_from_name(word, &code, err);
+    if (status == ISO_OK && !iso_code_describe(code)->is_textured)
+        return iso_fail(err, ISO_E_USAGE, "--codes: a texture cannot filter \"%s\"", word);
+    flags[code] = true;
+    return status;
+}
+
+static iso_status take_filter(const char *word, bool *flags, iso_error *err)
+{
+    iso_direction_filter filter = ISO_DIRECTION_MOMENTS;
+    iso_status status = iso_direction_filter_from_name(word, &filter, err);
+    flags[filter] = true;
+    return status;
+}
+
+static iso_status take_estimator(const char *word, bool *flags, iso_error *err)
+{
+    iso_gradient_method method = ISO_GRADIENT_CENTRAL;
+    iso_status status = iso_gradient_from_name(word, &method, err);
+    flags[method] = true;
+    return status;
+}
+
+/* flags[0] the midpoint rule, flags[1] pre-integration */
+static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
+{
+    bool midpoint = strcmp(word, "midpoint") == 0;
+    if (!midpoint && strcmp(word, "preintegrated") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--quadratures has \"%s\", wanted midpoint or preintegrated", word);
+    flags[!midpoint] = true;
+    return ISO_OK;
+}
+
+/* flags[0] the scene's own, flags[1] the level's, flags[2] the level's over two values */
+static iso_status take_tf(const char *word, bool *flags, iso_error *err)
+{
+    static const char *const names[] = {"original", "adapted", "tables"};
+    for (size_t i = 0; i < 3; ++i)
+        if (strcmp(word, names[i]) == 0) {
+            flags[i] = true;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tables", word);
+}
+
+/* "a,b,c": sets the flag of each. */
+static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
+{
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
+        status = take(word, flags, err);
+    free(copy);
+    return status;
+}
+
+/* The word before the first comma, which has been found good. */
+static const char *first_word(const char *list, char word[64])
+{
+    snprintf(word, 64, "%.*s", (int)strcspn(list, ","), list);
+    return word;
+}
+
+iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)
+{
+    const iso_chart_words *usual = &iso_chart_default_words;
+    *g = (iso_chart_grid){.step_count = 0};
+    bool quadratures[2] = {false}, tfs[3] = {false};
+    char word[64];
+    const char *filters = words->filters ? words->filters : usual->filters,
+               *estimators = words->estimators ? words->estimators : usual->estimators,
+               *codes = words->codes ? words->codes : usual->codes,
+               *plans = words->plans ? words->plans : usual->plans;
+    const struct {
+        const char *list;
+        iso_status (*take)(const char *, bool *, iso_error *);
+        bool *flags;
+    } lists[] = {{words->with ? words->with : usual->with, take_renderer, g->with},
+                 {codes, take_code, g->codes},
+                 {filters, take_filter, g->filters},
+                 {estimators, take_estimator, g->estimators},
+                 {words->quadratures ? words->quadratures : usual->quadratures, take_quadrature, quadratures},
+                 {words->tfs ? words->tfs : usual->tfs, take_tf, tfs}};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists && status == ISO_OK; ++i)
+        status = parse_list(lists[i].list, lists[i].take, lists[i].flags, err);
+    if (status == ISO_OK)
+        status = iso_direction_filter_from_name(first_word(filters, word), &g->first_filter, err);
+    if (status == ISO_OK)
+        status = iso_gradient_from_name(first_word(estimators, word), &g->first_estimator, err);
+    if (status == ISO_OK)
+        status = iso_code_from_name(first_word(codes, word), &g->first_code, err);
+    if (status == ISO_OK)
+        status = parse_numbers("--steps", words->steps ? words->steps : usual->steps, 1e-3, 100,
+                               "steps of 0.001 to 100 voxels, such as 2,1,0.5", g->steps, &g->step_count, err);
+    if (status == ISO_OK && strcmp(plans, "none") != 0)
+        status = parse_numbers("--plans", plans, 1e-6, 1, "errors of 1e-6 to 1, such as 4/255,1/255, or none", g->plans,
+                               &g->plan_count, err);
+    for (int r = 0; r < ISO_RENDERER_COUNT && !words->with; ++r)
+        g->optional[r] = g->with[r];
+    g->midpoint = quadratures[0];
+    g->preintegrated = quadratures[1];
+    g->original = tfs[0];
+    g->adapted = tfs[1];
+    g->tables = tfs[2];
+    return status;
+}
+
+/* ---- names ------------------------------------------------------------------ */
+
+void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size)
+{
+    if (c->plan_error > 0)
+        snprintf(text, size, "bricks");
+    else if (c->source == ISO_FROM_CODES)
+        snprintf(text, size, "%s", iso_code_describe(c->code)->name);
+    else if (c->source == ISO_FROM_PALETTE)
+        snprintf(text, size, "palette-%zu", iso_chart_palettes[c->palette]);
+    else
+        snprintf(text, size, "%s", iso_direction_source_name(c->source));
+}
+
+const char *iso_chart_name_tf(const iso_chart_case *c)
+{
+    return c->table == ISO_SPLIT_DEVIATION ? "deviation" : c->table == ISO_SPLIT_GRADIENT ? "gradient" : c->adapted ? "adapted" : "original";
+}
+
+/* The estimator is named where it is not the usual one. */
+void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
+{
+    if (c->plan_error > 0) {
+        snprintf(text, size, "%s; plan for %.2g; step %g", iso_renderer_name(c->renderer), c->plan_error, c->step_voxels);
+        return;
+    }
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
+    char gradients[64];
+    iso_chart_name_gradients(c, gradients, sizeof gradients);
+    snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", iso_renderer_name(c->renderer), c->level,
+             !c->adapted                       ? ""
+             : c->table == ISO_SPLIT_DEVIATION ? " TF over deviation"
+             : c->table == ISO_SPLIT_GRADIENT  ? " TF over gradient"
+                                               : " adapted TF", gradients, on_the_fly || c->level == 0 ? "" : " ",
+             on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter), on_the_fly || usual ? "" : " ",
+             on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels, c->preintegrated ? " pre-integrated" : "");
+}
+
+void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
+{
+    char gradients[64];
+    iso_chart_name_gradients(c, gradients, sizeof gradients);
+    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), c->plan_error > 0 ? "plan" : gradients);
+}
+
+/* ---- the grid --------------------------------------------------------------- */
+
+/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing; and the second value of a
+ * table. */
+static double stored_bytes(const iso_level *level, const iso_chart_case *c)
+{
+    double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
+    if (c->source == ISO_FROM_PALETTE)
+        direction = iso_chart_palettes[c->palette] <= 255 ? 1 : 2;
+    double second = c->table == ISO_SPLIT_NONE ? 0 : 1;
+    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction + second);
+}
+
+/* Relative: 1 fetch of the scalar, 1 of a code, 8 to flip them, 6 more scalars on the fly; the reference and other programs are slower
+ * throughout. */
+static double relative_cost(const iso_level *level, const iso_chart_case *c)
+{
+    static const double slower[ISO_RENDERER_COUNT] = {
+        [ISO_WITH_GL] = 1, [ISO_WITH_REFERENCE] = 10, [ISO_WITH_CYCLES] = 100, [ISO_WITH_POVRAY] = 100};
+    const size_t *n = level->geometry.size;
+    double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
+    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
+    return longest / c->step_voxels * (fetches + (c->preintegrated || c->table != ISO_SPLIT_NONE ? 1 : 0)) * slower[c->renderer];
+}
+
+/* What is usual, from which a setting departs. */
+typedef struct usual_choice {
+    iso_renderer renderer;
+    iso_code code;
+    iso_gradient_method estimator;
+    iso_direction_filter filter;
+    double step_voxels; /* the middle of the list */
+} usual_choice;
+
+static size_t count_departures(const iso_chart_case *c, const usual_choice *usual)
+{
+    size_t n = (size_t)c->adapted + (c->table != ISO_SPLIT_NONE) + c->preintegrated + (c->filter != usual->filter) +
+               (c->estimator != usual->estimator) + (c->plan_error > 0);
+    if (iso_chart_is_other_program(usual->renderer)) /* nothing else was asked for: they are equals */
+        n += !iso_chart_is_other_program(c->renderer);
+    else if (iso_chart_is_other_program(c->renderer))
+        n += c->level == 0 && c->step_voxels == usual->step_voxels ? 1 : 2;
+    else
+        n += c->renderer != usual->renderer;
+    if (c->plan_error > 0)
+        return n;
+    n += c->source == ISO_FROM_FLOAT || c->source == ISO_FROM_ON_THE_FLY;
+    n += c->source == ISO_FROM_FLIPPED || c->source == ISO_FROM_PALETTE || c->code != usual->code ? 2 : 0;
+    return n;
+}
+
+/* Departures; the usual pyramid before others, which have to be built; programs after our own renderers; a pyramid at a
+ * time, as not all fit in memory; cheap first. */
+static int by_turn(const void *a, const void *b)
+{
+    const iso_chart_case *x = a, *y = b;
+    const double keys[][2] = {{(double)x->departures, (double)y->departures},
+                              {x->needs_pyramid, y->needs_pyramid},
+                              {iso_chart_is_other_program(x->renderer), iso_chart_is_other_program(y->renderer)},
+                              {x->estimator, y->estimator},
+                              {x->filter, y->filter},
+                              {x->relative_cost, y->relative_cost},
+                              {(double)x->stored_bytes, (double)y->stored_bytes},
+                              {x->code, y->code}};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i)
+        if (keys[i][0] != keys[i][1])
+            return keys[i][0] < keys[i][1] ? -1 : 1;
+    return 0;
+}
+
+/* Does the setting differ from the others of the grid? Level 0 has one filter and no adapted TF; on the fly needs neither
+ * filter, estimator nor code; other programs get decoded directions and have a quadrature of their own. */
+static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
+{
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual_pyramid = c->filter == usual->filter && c->estimator == usual->estimator;
+    if (iso_chart_is_other_program(c->renderer) && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
+        return false;
+    if ((c->level == 0 || on_the_fly) && c->filter != usual->filter)
+        return false;
+    if (on_the_fly && c->estimator != usual->estimator)
+        return false;
+    if (c->level == 0 && c->adapted)
+        return false;
+    /* tables over two values: by the usual directions alone, which say what they gain */
+    if (c->table != ISO_SPLIT_NONE && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
+        return false;
+    return c->source == ISO_FROM_CODES || c->code == usual->code;
+}
+
+/* Is the setting asked for, and can it be made? A pyramid on disk is what it is; without floats it keeps its code. */
+static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual, const iso_chart_case *c)
+{
+    const bool other_program = iso_chart_is_other_program(c->renderer), has_floats = is_volume || first->levels[c->level].directions;
+    if (!g->with[c->renderer])
+        return false;
+    if (is_volume ? !g->filters[c->filter] || !g->estimators[c->estimator] : c->filter != usual->filter || c->estimator != usual->estimator)
+        return false;
+    if (c->source == ISO_FROM_CODES && !g->codes[c->code] && !other_program)
+        return false;
+    if (!(c->preintegrated ? g->preintegrated : g->midpoint || other_program))
+        return false;
+    if (c->level > 0 && !(c->table != ISO_SPLIT_NONE ? g->tables : c->adapted ? g->adapted : g->original))
+        return false;
+    return has_floats || (c->source != ISO_FROM_FLOAT && (c->source != ISO_FROM_CODES || c->code == usual->code));
+}
+
+/* The i-th of all combinations, whether sensible or not. */
+static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t i)
+{
+    static const struct {
+        iso_direction_source source;
+        size_t palette;
+    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_FLIPPED, 0}, {ISO_FROM_ON_THE_FLY, 0},
+                 {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
+    const size_t source_count = sizeof sources / sizeof *sources;
+    iso_chart_case c = {.metrics = {.rmse = NAN}};
+    c.step_voxels = g->steps[i % g->step_count], i /= g->step_count;
+    c.preintegrated = i % 2, i /= 2;
+    c.code = (iso_code)(i % ISO_CODE_COUNT), i /= ISO_CODE_COUNT;
+    c.source = sources[i % source_count].source, c.palette = sources[i % source_count].palette;
+    i /= source_count;
+    c.filter = (iso_direction_filter)(i % ISO_DIRECTION_COUNT), i /= ISO_DIRECTION_COUNT;
+    c.estimator = (iso_gradient_method)(i % ISO_GRADIENT_COUNT), i /= ISO_GRADIENT_COUNT;
+    static const iso_joint_split tables[] = {ISO_SPLIT_NONE, ISO_SPLIT_NONE, ISO_SPLIT_DEVIATION, ISO_SPLIT_GRADIENT};
+    c.adapted = i % 4 > 0, c.table = tables[i % 4], i /= 4;
+    c.level = i % levels, i /= levels;
+    c.renderer = i < ISO_RENDERER_COUNT ? (iso_renderer)i : ISO_RENDERER_COUNT; /* the count: no more */
+    return c;
+}
+
+/* Plans are nodes of level 0 in bricks, whose bytes are known when they are made. */
+static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual, iso_chart_case *cases, size_t *count)
+{
+    for (size_t i = 0; i < g->plan_count && g->with[ISO_WITH_GL]; ++i)
+        for (size_t k = 0; k < g->step_count; ++k) {
+            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .table = ISO_SPLIT_NONE, .metrics = {.rmse = NAN},
+                                .estimator = usual->estimator, .filter = usual->filter, .code = usual->code};
+            c.plan_error = g->plans[i];
+            c.step_voxels = g->steps[k];
+            c.voxel_count = iso_geometry_voxel_count(&level0->geometry);
+            c.relative_cost = relative_cost(level0, &c);
+            c.departures = count_departures(&c, usual);
+            cases[(*count)++] = c;
+        }
+}
+
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
+                                size_t *count, iso_error *err)
+{
+    usual_choice usual = {.renderer = ISO_WITH_GL, .code = first->options.code, .estimator = first->options.gradient.method,
+                          .filter = first->options.direction_filter, .step_voxels = g->steps[g->step_count / 2]};
+    for (int r = 0; r < ISO_RENDERER_COUNT && !g->with[usual.renderer]; ++r)
+        usual.renderer = (iso_renderer)r;
+    *cases = NULL;
+    for (int pass = 0; pass < 2; ++pass) { /* counts, then fills */
+        *count = 0;
+        for (size_t i = 0;; ++i) {
+            iso_chart_case c = combination(g, first->level_count, i);
+            if (c.renderer == ISO_RENDERER_COUNT)
+                break;
+            if (!is_wanted(g, first, is_volume, &usual, &c) || !is_distinct(&c, &usual))
+                continue;
+            const iso_level *level = &first->levels[c.level];
+            c.voxel_count = iso_geometry_voxel_count(&level->geometry);
+            c.relative_cost = relative_cost(level, &c);
+            c.departures = count_departures(&c, &usual);
+            c.needs_pyramid = c.filter != usual.filter || c.estimator != usual.estimator;
+            c.stored_bytes = stored_bytes(level, &c);
+            if (pass == 1)
+                (*cases)[*count] = c;
+            ++*count;
+        }
+        if (pass == 0)
+            *cases = malloc((*count + (size_t)ISO_CHART_MAX_LIST * ISO_CHART_MAX_LIST) * sizeof **cases);
+        if (!*cases)
+            return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", *count);
+    }
+    add_plans(g, &first->levels[0], &usual, *cases, count);
+    qsort(*cases, *count, sizeof **cases, by_turn);
+    return ISO_OK;
+}

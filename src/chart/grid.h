@@ -1,0 +1,84 @@
+/* grid.h - the settings that `isoshade chart` tries: a grid of renderer, step, quadrature, estimator, level, direction
+ * filter, code, transfer function and plan, without those that would repeat each other, the most telling first. */
+#ifndef ISO_CHART_GRID_H
+#define ISO_CHART_GRID_H
+
+#include "renderers/renderers.h"
+#include "compare/metrics.h"
+#include "tf/histogram.h"
+
+/* Palettes in the grid: one byte and ten bits an index. Each is fitted to the finest level and serves all. */
+#define ISO_CHART_PALETTES 2
+extern const size_t iso_chart_palettes[ISO_CHART_PALETTES];
+
+/* Bricks of 16 voxels and three levels suit volumes from a chart's small ones on. */
+enum { ISO_CHART_BRICK_VOXELS = 16, ISO_CHART_BRICK_LEVELS = 3 };
+
+#define ISO_CHART_MAX_LIST 16
+
+/* What the user asked for; NULL is the default, which `isoshade chart --help` prints from here. */
+typedef struct iso_chart_words {
+    const char *with, *steps, *quadratures, *codes, *filters, *estimators, *tfs, *plans;
+} iso_chart_words;
+extern const iso_chart_words iso_chart_default_words;
+
+/* Which values each axis of the grid has. */
+typedef struct iso_chart_grid {
+    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
+    bool optional[ISO_RENDERER_COUNT]; /* in the default list: left out where it does not answer */
+    bool midpoint, preintegrated;
+    bool original, adapted, tables; /* transfer functions of coarse levels */
+    double steps[ISO_CHART_MAX_LIST], plans[ISO_CHART_MAX_LIST]; /* voxels; predicted errors */
+    size_t step_count, plan_count;
+    iso_gradient_method first_estimator; /* what the user named first: the reference's, and that of settings with the usual one */
+    iso_direction_filter first_filter;
+    iso_code first_code;
+} iso_chart_grid;
+
+/* One setting of the grid, and what it gave. */
+typedef struct iso_chart_case {
+    iso_renderer renderer;
+    size_t level;
+    iso_gradient_method estimator;
+    iso_direction_filter filter;
+    iso_direction_source source;
+    iso_code code;
+    size_t palette;      /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
+    bool adapted;        /* the level's own transfer function */
+    iso_joint_split table; /* adapted over two values (tf/class_tables.h), or ISO_SPLIT_NONE */
+    bool preintegrated;
+    double plan_error;   /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
+    double step_voxels;
+    size_t voxel_count;  /* of the level; a plan's is level 0's */
+    double relative_cost; /* samples along all rays, times the fetches of one */
+    size_t departures;   /* from the usual choice of each axis but level and step */
+    bool needs_pyramid;  /* by another estimator or filter than the first */
+    iso_render_stats took;
+    double stored_bytes; /* of the level in a pyramid on disk: scalars as stored, and directions; of a plan's nodes */
+    iso_metrics metrics;
+    bool done, on_time_front, on_bytes_front;
+    size_t number;       /* of those on a front that are named in the chart, by falling error, from 1; else 0 */
+} iso_chart_case;
+
+/* ISO_E_USAGE with the option and the word. */
+iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err);
+
+/* first: the pyramid of the first estimator and filter; is_volume: the others can be built. *cases is to be freed.
+ * Their order: level and step alone, then one departure from the usual choices, then two ..., cheap ones first within
+ * each, so that a budget that ends anywhere leaves a whole, coarser chart. Codes and palettes, which differ little, and
+ * other programs, which take long, count two; but one image of each other program comes early. */
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
+                                size_t *count, iso_error *err);
+
+static inline bool iso_chart_is_other_program(iso_renderer r) { return r == ISO_WITH_CYCLES || r == ISO_WITH_POVRAY; }
+
+/* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
+void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);
+/* The code, palette or source. */
+void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size);
+/* "original", "adapted", "deviation" or "gradient" (tables over two values) */
+const char *iso_chart_name_tf(const iso_chart_case *c);
+/* What has one colour in the chart. */
+void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size);
+
+#endif

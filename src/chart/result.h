@@ -1,0 +1,54 @@
+/* result.h - what a chart found, as files and as lines.
+ *
+ *     DIR/pareto.svg, .pdf   error against time and against bytes, with the fronts
+ *         pareto.csv         a line a setting: all that is drawn, and the command that renders it again
+ *         pareto.gp          draws the CSV; style.gp: fonts, colours, shapes
+ *         chart.json         the same as data (schema isoshade.chart/2), with what was not tried
+ *         reference.exr      what errors are measured against
+ *         palette-N.csv      the palettes that settings use */
+#ifndef ISO_CHART_RESULT_H
+#define ISO_CHART_RESULT_H
+
+#include "chart/bench.h"
+#include "options/cli.h"
+
+/* Which figure of a comparison is the error. */
+typedef enum iso_chart_metric { ISO_CHART_RMSE, ISO_CHART_FLIP, ISO_CHART_SSIM, ISO_CHART_METRIC_COUNT } iso_chart_metric;
+/* "rmse", "flip", "ssim" */
+const char *iso_chart_metric_name(iso_chart_metric m);
+iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err);
+double iso_chart_error(const iso_chart_case *c, iso_chart_metric m);
+
+/* Which bytes are the second chart's cost. */
+typedef enum iso_chart_bytes { ISO_CHART_DEVICE, ISO_CHART_STORED } iso_chart_bytes;
+
+typedef struct iso_chart_result {
+    const iso_cli *cli;
+    const iso_chart_bench *bench;
+    iso_chart_case *cases;
+    size_t count, done_count;  /* those that are done come first */
+    iso_chart_metric metric;
+    iso_chart_bytes bytes;
+    double want;               /* 0: none */
+    size_t fastest, smallest;  /* with at most the wanted error; done_count: none */
+    size_t best;               /* of the least error */
+    double budget_seconds, spent_seconds;
+    const char *scene, *size, *output, *style;
+    char versions[ISO_RENDERER_COUNT][320]; /* empty: not used */
+    char left_out[ISO_RENDERER_COUNT][320]; /* why a renderer was; or empty */
+    size_t refused_count;      /* settings that could not be rendered */
+    char refusal[320];         /* why the first could not */
+} iso_chart_result;
+
+/* Moves what is done to the front, marks and numbers the fronts, and chooses. */
+iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
+
+/* "isoshade render ..." that gives the setting's image again as setting.exr; to be freed, NULL when memory ends. */
+char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c);
+
+json_t *iso_chart_result_json(const iso_chart_result *r);
+/* The folder, whole or not at all. */
+iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json, iso_error *err);
+void iso_chart_result_print(const iso_chart_result *r);
+
+#endif

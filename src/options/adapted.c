@@ -1,0 +1,97 @@
+#include "options/adapted.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "options/cli.h"
+
+void iso_cli_adapted_defaults(iso_cli_adapted *a)
+{
+    *a = (iso_cli_adapted){.bits = iso_adapt_defaults().bits};
+}
+
+iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err)
+{
+    *opt = iso_adapt_defaults();
+    iso_status status = iso_cli_check_range("--bits", a->bits, 8, 16, err);
+    if (status == ISO_OK && a->average && iso_adapt_average_from_name(a->average, &opt->average, err) != ISO_OK)
+        status = iso_fail_in(err, ISO_E_USAGE, "--average");
+    if (status == ISO_OK && a->weight && iso_adapt_weight_from_name(a->weight, &opt->weight, err) != ISO_OK)
+        status = iso_fail_in(err, ISO_E_USAGE, "--weight");
+    if (status == ISO_OK && a->window != 0)
+        status = iso_cli_check_range("--window", a->window, 1, 100, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--mix-s", a->mix_s, 0, 1, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--mix-t", a->mix_t, 0, 1 - a->mix_s, err);
+    opt->window = a->window;
+    opt->mix_s = a->mix_s;
+    opt->mix_t = a->mix_t;
+    opt->bits = a->bits;
+    opt->fall_back = !a->always;
+    opt->threads = threads;
+    return status;
+}
+
+iso_status iso_cli_adapt_split(const iso_cli_adapted *a, iso_joint_split *split, iso_error *err)
+{
+    static const char *const names[] = {"value", "deviation", "gradient"};
+    static const iso_joint_split splits[] = {ISO_SPLIT_NONE, ISO_SPLIT_DEVIATION, ISO_SPLIT_GRADIENT};
+    *split = ISO_SPLIT_NONE;
+    for (int i = 0; i < 3; ++i)
+        if (!a->table || strcmp(a->table, names[i]) == 0) {
+            *split = splits[i];
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--table is \"%s\", wanted value, deviation or gradient", a->table);
+}
+
+/* How to adapt, said without asking for it, would be passed over in silence. */
+static bool is_told_how(const iso_cli_adapted *a)
+{
+    return a->average || a->weight || a->table || a->window != 0 || a->mix_s != 0 || a->mix_t != 0 || a->always ||
+           a->bits != iso_adapt_defaults().bits;
+}
+
+/* The 1-D table stands beside the classes for what can show no other: a ColorRamp, an isosurface. */
+static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split, iso_adapt_options *opt,
+                        iso_view *view, iso_error *err)
+{
+    iso_tf_table table;
+    iso_class_tables *classes = NULL;
+    iso_status status = ISO_OK;
+    if (split != ISO_SPLIT_NONE && level > 0) {
+        opt->fall_back = false;
+        classes = calloc(1, sizeof *classes);
+        status = classes ? iso_adapt_classes(p, dir, level, split, &view->tf, opt, classes, err)
+                         : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+    }
+    if (status == ISO_OK)
+        status = iso_adapt_level(p, dir, level, &view->tf, opt, &table, NULL, err);
+    if (status != ISO_OK) {
+        iso_class_tables_destroy(classes);
+        free(classes);
+        return status;
+    }
+    iso_tf_table_destroy(&view->tf);
+    view->tf = table;
+    view->classes = classes;
+    return ISO_OK;
+}
+
+iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
+                              int threads, iso_error *err)
+{
+    iso_adapt_options opt;
+    iso_joint_split split;
+    if (!a->wanted && is_told_how(a))
+        return iso_fail(err, ISO_E_USAGE, "--table, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
+    if (!a->wanted)
+        return ISO_OK;
+    iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
+    if (status == ISO_OK)
+        status = iso_cli_adapt_split(a, &split, err);
+    if (status == ISO_OK && split != ISO_SPLIT_NONE)
+        status = iso_cli_check_range("--bits with a --table over two values", a->bits, 8, 12, err);
+    return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, split, &opt, view, err) : status;
+}

@@ -1,0 +1,56 @@
+/* adapted.h - the options by which every command that renders or exports a
+ * level gives it its adapted TF, and the one call that does it.
+ *
+ *     iso_cli_adapted adapted;
+ *     struct poptOption options[] = {ISO_CLI_ADAPTED_OPTIONS(&adapted), ..., POPT_TABLEEND};
+ *     iso_cli_adapted_defaults(&adapted);
+ *     ... iso_cli_parse(...), iso_cli_load_view(...) ...
+ *     iso_cli_adapt_view(&adapted, path, &pyramid, level, &view, threads, err);
+ *
+ * An adapted view is the same view with another table, or with tables over value
+ * and class, so every renderer and exporter takes it. */
+#ifndef ISO_OPTIONS_ADAPTED_H
+#define ISO_OPTIONS_ADAPTED_H
+
+#include <popt.h>
+
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+#include "tf/adapt.h"
+
+typedef struct iso_cli_adapted {
+    int wanted;             /* --adapt */
+    char *average, *weight, *table; /* by popt; live until the process ends */
+    double window, mix_s, mix_t;
+    int bits, always;
+} iso_cli_adapted;
+
+/* How to adapt, without the switch that asks for it. */
+#define ISO_CLI_ADAPT_METHOD_OPTIONS(a)                                                                                        \
+    {"average", 0, POPT_ARG_STRING, &(a)->average, 0, "rgba, opacity (default), extinction or transmittance", "WHAT"},          \
+    {"weight", 0, POPT_ARG_STRING, &(a)->weight, 0, "gauss, flat (default), triangle or mixed", "WINDOW"},                      \
+    {"window", 0, POPT_ARG_DOUBLE, &(a)->window, 0, "half its width, in deviations of a row (flat 1.75, gauss 3, triangle and mixed 2.5)", "D"},    \
+    {"mix-s", 0, POPT_ARG_DOUBLE, &(a)->mix_s, 0, "mixed: part of the constant", "S"},                                          \
+    {"mix-t", 0, POPT_ARG_DOUBLE, &(a)->mix_t, 0, "mixed: part of the triangle", "T"},                                          \
+    {"bits", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &(a)->bits, 0, "of the joint histogram, 8 to 16", "N"},               \
+    {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt even where the error at the voxels would not fall", NULL}
+
+#define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
+    {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \
+    {"table", 0, POPT_ARG_STRING, &(a)->table, 0, "value (default), deviation or gradient: over the value alone, or also over a second one", "OVER"}, \
+    ISO_CLI_ADAPT_METHOD_OPTIONS(a)
+
+void iso_cli_adapted_defaults(iso_cli_adapted *a);
+/* ISO_E_USAGE with option and value. */
+iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);
+
+/* Replaces view->tf by the table of `level` when it is wanted, and sets view->classes
+ * for a table over two values at a coarse level (then without the indicator). path:
+ * what p was loaded from; a pyramid on disk keeps its histograms. */
+iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
+                              int threads, iso_error *err);
+
+/* What --table says: ISO_SPLIT_NONE without it. */
+iso_status iso_cli_adapt_split(const iso_cli_adapted *a, iso_joint_split *split, iso_error *err);
+
+#endif

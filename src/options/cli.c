@@ -1,0 +1,278 @@
+#define _GNU_SOURCE
+#include "options/cli.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void print_help(const iso_command *command, poptContext context)
+{
+    printf("isoshade %s - %s\n\nusage: isoshade %s %s\n", command->name, command->summary, command->name, command->usage);
+    if (command->details)
+        printf("\n%s\n", command->details);
+    printf("\noptions:\n");
+    fflush(stdout);
+    /* popt prints its own "Usage:" line first; only the table below it is wanted. */
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    poptPrintHelp(context, memory, 0);
+    fclose(memory);
+    char *table = strchr(text, '\n');
+    fputs(table ? table + 1 : text, stdout);
+    free(text);
+    if (command->examples)
+        printf("\nexamples:\n%s", command->examples);
+}
+
+/* popt names a bad value but not its option, when they are two words. */
+static const char *option_before(const char *bad, int argc, const char **argv, char text[64])
+{
+    for (int i = 2; i < argc; ++i)
+        if (strcmp(argv[i], bad) == 0 && argv[i - 1][0] == '-' && bad[0] != '-') {
+            snprintf(text, 64, "%s ", argv[i - 1]);
+            return text;
+        }
+    return "";
+}
+
+static bool is_numeric(const struct poptOption *o)
+{
+    switch (o->argInfo & POPT_ARG_MASK) {
+    case POPT_ARG_INT:
+    case POPT_ARG_SHORT:
+    case POPT_ARG_LONG:
+    case POPT_ARG_LONGLONG:
+    case POPT_ARG_FLOAT:
+    case POPT_ARG_DOUBLE: return true;
+    default: return false;
+    }
+}
+
+/* popt reads a number out of an empty word: 0. */
+static iso_status refuse_empty_numbers(const struct poptOption *o, int argc, const char **argv, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
+            status = refuse_empty_numbers(o->arg, argc, argv, err);
+        if (!is_numeric(o) || !o->longName)
+            continue;
+        const size_t length = strlen(o->longName);
+        for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+            const char *word = argv[i];
+            if (strncmp(word, "--", 2) != 0 || strncmp(word + 2, o->longName, length) != 0)
+                continue;
+            const char *rest = word + 2 + length;
+            if (strcmp(rest, "=") == 0 || (!*rest && i + 1 < argc && !*argv[i + 1]))
+                return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", o->longName);
+        }
+    }
+    return status;
+}
+
+iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
+                         struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
+                         iso_error *err)
+{
+    *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
+    *next = ISO_CLI_RUN;
+    int help = 0;
+    struct poptOption common[] = {
+        {"json", 0, POPT_ARG_NONE, &cli->json, 0, "one JSON object on stdout", NULL},
+        {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "no progress", NULL},
+        {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "threads; 0: all cores", "N"},
+        {"help", 'h', POPT_ARG_NONE, &help, 0, "this text", NULL},
+        POPT_TABLEEND,
+    };
+    struct poptOption table[] = {
+        {NULL, 0, POPT_ARG_INCLUDE_TABLE, options, 0, NULL, NULL},
+        {NULL, 0, POPT_ARG_INCLUDE_TABLE, common, 0, NULL, NULL},
+        POPT_TABLEEND,
+    };
+    iso_status status = refuse_empty_numbers(table, argc, argv, err);
+    if (status != ISO_OK)
+        return status;
+    cli->context = poptGetContext("isoshade", argc, argv, table, 0);
+    /* popt writes through POPT_ARG_* pointers; every option has val 0, so one call parses all. */
+    int result = poptGetNextOpt(cli->context);
+    if (result < -1) {
+        const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
+        char option[64];
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options", option_before(bad, argc, argv, option), bad,
+                        poptStrerror(result), command->name);
+    }
+    if (help) {
+        print_help(command, cli->context);
+        *next = ISO_CLI_STOP;
+        return ISO_OK;
+    }
+    cli->arguments = poptGetArgs(cli->context);
+    while (cli->arguments && cli->arguments[cli->argument_count])
+        ++cli->argument_count;
+    if (cli->argument_count < min_arguments || cli->argument_count > max_arguments)
+        return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
+                        command->usage);
+    return iso_cli_check_range("--threads", cli->threads, 0, 1024, err);
+}
+
+void iso_cli_end(iso_cli *cli)
+{
+    if (cli->context)
+        poptFreeContext(cli->context);
+    *cli = (iso_cli){0};
+}
+
+/* One bar at a time; the library reports from one thread at a time. */
+static void draw_bar(void *user, const char *stage, double fraction)
+{
+    static char shown_stage[64];
+    static int shown_percent = -1;
+    (void)user;
+    int percent = (int)(100 * fmin(fmax(fraction, 0), 1));
+    bool new_stage = strncmp(stage, shown_stage, sizeof shown_stage - 1) != 0;
+    if (!new_stage && percent == shown_percent)
+        return;
+    snprintf(shown_stage, sizeof shown_stage, "%s", stage);
+    shown_percent = percent;
+    if (isatty(STDERR_FILENO)) {
+        static const char full[] = "##############################";
+        int filled = percent * 30 / 100;
+        fprintf(stderr, "\r\033[K%-32s [%.*s%*s] %3d %%%s", stage, filled, full, 30 - filled, "", percent,
+                percent == 100 ? "\n" : "");
+    } else if (new_stage) {
+        fprintf(stderr, "%s\n", stage);
+    }
+    fflush(stderr);
+}
+
+iso_progress iso_cli_progress(const iso_cli *cli)
+{
+    return (iso_progress){.report = cli->quiet ? NULL : draw_bar};
+}
+
+static bool is_plain(const char *word)
+{
+    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
+}
+
+void iso_cli_put_word(FILE *f, const char *word)
+{
+    if (is_plain(word)) {
+        fputs(word, f);
+        return;
+    }
+    fputc('\'', f);
+    for (const char *c = word; *c; ++c)
+        *c == '\'' ? fputs("'\\''", f) : fputc(*c, f);
+    fputc('\'', f);
+}
+
+char *iso_cli_command_line(const iso_cli *cli)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    if (!memory)
+        return NULL;
+    fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
+    for (int i = 1; i < cli->argc; ++i) {
+        fputc(' ', memory);
+        iso_cli_put_word(memory, cli->argv[i]);
+    }
+    fclose(memory);
+    return text;
+}
+
+json_t *iso_cli_json(const iso_cli *cli)
+{
+    char schema[64];
+    snprintf(schema, sizeof schema, "isoshade.%s/1", cli->command->name);
+    for (char *space = strchr(schema, ' '); space; space = strchr(space, ' '))
+        *space = '.';
+    char *line = iso_cli_command_line(cli);
+    json_t *root = json_pack("{s:s, s:s, s:{}}", "schema", schema, "command", line ? line : "", "options");
+    free(line);
+    return root;
+}
+
+void iso_cli_print_json(json_t *root)
+{
+    json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(root);
+}
+
+/* One or three values separated by x. */
+static int split_three(const char *text, double out[3])
+{
+    int count = 0;
+    for (const char *at = text; count < 3; ++count) {
+        char *end;
+        errno = 0;
+        out[count] = strtod(at, &end);
+        if (end == at || errno || (*end && *end != 'x'))
+            return -1;
+        if (!*end) {
+            ++count;
+            break;
+        }
+        at = end + 1;
+        if (count == 2)
+            return -1;
+    }
+    if (count == 1)
+        out[1] = out[2] = out[0];
+    return count == 1 || count == 3 ? 0 : -1;
+}
+
+iso_status iso_cli_parse_numbers(const char *text, const char *option, double out[3], iso_error *err)
+{
+    if (split_three(text, out) != 0 || !isfinite(out[0]) || !isfinite(out[1]) || !isfinite(out[2]))
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one number or three such as 1x1x2.5", option, text);
+    return ISO_OK;
+}
+
+iso_status iso_cli_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err)
+{
+    double values[3];
+    if (split_three(text, values) != 0)
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one size or three such as 40x56x33", option, text);
+    for (int a = 0; a < 3; ++a) {
+        if (!(values[a] >= 1 && values[a] <= 1048576) || values[a] != floor(values[a]))
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option, text);
+        out[a] = (size_t)values[a];
+    }
+    return ISO_OK;
+}
+
+double iso_cli_read_quotient(const char *text, char **end)
+{
+    double above = strtod(text, end);
+    if (*end == text || **end != '/')
+        return above;
+    const char *rest = *end + 1;
+    char *rest_end;
+    double below = strtod(rest, &rest_end);
+    *end = rest_end == rest ? (char *)text : rest_end;
+    return above / below;
+}
+
+iso_status iso_cli_parse_error(const char *option, const char *text, double *error, iso_error *err)
+{
+    char *end;
+    *error = iso_cli_read_quotient(text, &end);
+    if (end == text || *end || !(*error > 0 && *error <= 1))
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option, text);
+    return ISO_OK;
+}
+
+iso_status iso_cli_check_range(const char *option, double value, double lo, double hi, iso_error *err)
+{
+    if (!(value >= lo && value <= hi))
+        return iso_fail(err, ISO_E_USAGE, "%s is %g, must be %g to %g", option, value, lo, hi);
+    return ISO_OK;
+}

@@ -1,0 +1,62 @@
+#include "options/roi.h"
+
+#include <stdlib.h>
+
+#include "options/cli.h"
+
+void iso_cli_roi_defaults(iso_cli_roi *r)
+{
+    *r = (iso_cli_roi){.band = iso_focus_defaults().band};
+}
+
+static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_error *err)
+{
+    const char *at = text;
+    for (int i = 0; i < 6; ++i) {
+        char *end;
+        (i < 3 ? lo : hi)[i % 3] = strtod(at, &end);
+        if (end == at || *end != (i < 5 ? ',' : '\0'))
+            return iso_fail(err, ISO_E_USAGE, "--roi is \"%s\", wanted six numbers: x0,y0,z0,x1,y1,z1 in voxels of level 0", text);
+        at = end + 1;
+    }
+    return ISO_OK;
+}
+
+/* The scene's table, or the adapted one of the level inside. */
+static iso_status inner_table(const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p, size_t level,
+                              const iso_tf_table *tf, int threads, iso_tf_table *table, iso_error *err)
+{
+    iso_adapt_options opt;
+    if (!adapted->wanted)
+        level = 0; /* a copy */
+    iso_status status = iso_cli_adapt_options(adapted, threads, &opt, err);
+    return status == ISO_OK ? iso_adapt_level(p, iso_pyramid_is_one(path) ? path : NULL, level, tf, &opt, table, NULL, err) : status;
+}
+
+iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p,
+                            size_t level, iso_view *view, int threads, iso_error *err)
+{
+    iso_focus_options opt = iso_focus_defaults();
+    iso_tf_table table = {0};
+    if (!r->box && (r->level != 0 || r->band != opt.band))
+        return iso_fail(err, ISO_E_USAGE, "--roi-level and --roi-band go with --roi");
+    if (!r->box)
+        return ISO_OK;
+    iso_status status = parse_box(r->box, opt.lo, opt.hi, err);
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--roi-band", r->band, 0, 64, err);
+    if (status == ISO_OK && level < 1)
+        status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around it: --level 1 or more");
+    if (status == ISO_OK)
+        status = iso_cli_check_range("--roi-level", r->level, 0, (double)level - 1, err);
+    opt.level = (size_t)r->level;
+    opt.band = r->band;
+    if (status == ISO_OK)
+        status = inner_table(adapted, path, p, opt.level, &view->tf, threads, &table, err);
+    if (status == ISO_OK && !(view->focus = calloc(1, sizeof *view->focus)))
+        status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
+    if (status == ISO_OK)
+        status = iso_focus_create(p, level, &table, &opt, view->focus, err);
+    iso_tf_table_destroy(&table);
+    return status;
+}

@@ -1,0 +1,57 @@
+/* palette_clusters.h - clusters of a direction set, for the k-means family.
+ *
+ * A cluster's entry is the direction of its resultant S = sum of r u over its
+ * bundles (r = weight times length). Its cost is sum of weights - |S|, so that
+ * the fit maximises the sum of all |S|; that is spherical k-means. */
+#ifndef ISO_PALETTE_CLUSTERS_H
+#define ISO_PALETTE_CLUSTERS_H
+
+#include "base/random.h"
+#include "palette/palette.h"
+
+#define CLUSTER_NEIGHBORS 16
+#define NO_ITEM UINT32_MAX
+
+typedef struct cluster {
+    double sum[3], norm; /* S and |S| */
+    uint32_t head;       /* of the list of its items, or NO_ITEM */
+    uint32_t neighbor_count;
+    uint32_t neighbor[CLUSTER_NEIGHBORS]; /* nearest first */
+    float neighbor_dot[CLUSTER_NEIGHBORS];
+} cluster;
+
+typedef struct clusters {
+    size_t item_count, count;
+    const float *u;  /* 3 an item, borrowed from the set */
+    double *r;       /* weight times length */
+    float *axis[3];  /* the entries, planar */
+    float *dots;     /* scratch, one an entry */
+    uint32_t *owner; /* an item's cluster */
+    uint32_t *next, *previous;
+    cluster *cluster;
+} clusters;
+
+iso_status clusters_create(clusters *c, const iso_direction_set *set, size_t count, iso_error *err);
+void clusters_destroy(clusters *c);
+
+static inline float clusters_dot(const clusters *c, uint32_t k, const float *u)
+{
+    return c->axis[0][k] * u[0] + c->axis[1][k] * u[1] + c->axis[2][k] * u[2];
+}
+void clusters_set_entry(clusters *c, uint32_t k, const float *direction);
+
+/* Seeds: count entries, and each item's owner. */
+void clusters_seed_random(clusters *c, iso_random *random);
+iso_status clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
+
+/* Nearest entry among all, for every item. */
+void clusters_assign_all(clusters *c);
+/* Each entry's nearest others. */
+void clusters_find_neighbors(clusters *c, uint32_t k);
+/* Assigns and recentres until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that
+ * lose all items go to the item that costs most. Returns the sum of |S|. */
+double clusters_lloyd(clusters *c, size_t rounds);
+/* The lists of items, S and |S| from the owners. Returns the sum of |S|. */
+double clusters_collect(clusters *c);
+
+#endif

@@ -1,0 +1,13 @@
+/* palette_fit.h - what the fitted methods share. */
+#ifndef ISO_PALETTE_FIT_H
+#define ISO_PALETTE_FIT_H
+
+#include "palette/palette.h"
+
+/* The options have been checked. */
+iso_status iso_palette_fit_kmeans(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
+                                  const iso_progress *progress, iso_error *err);
+/* ISO_E_RANGE for options outside their limits. */
+iso_status iso_palette_check(const iso_palette_options *opt, iso_error *err);
+
+#endif

@@ -1,0 +1,62 @@
+/* palette_mesh.h - a convex triangulation of the unit sphere whose vertices
+ * move (Bremer et al. 2001, section 3.2).
+ *
+ * All vertices lie on the sphere, so that the locally convex triangulation is
+ * their convex hull. A move drags a vertex along a great circle: where a
+ * triangle of its star degenerates, the edge in the way is swapped, which
+ * keeps the weaker condition (every triangle seen from the centre keeps its
+ * orientation). Then every edge concerned is made convex by further swaps.
+ *
+ *         a                 triangle t: v[0..2] counter-clockwise from outside,
+ *       / | \               n[i] the triangle across the edge opposite v[i]
+ *      b  |  d
+ *       \ | /               the patch of a move: the triangles that it changed;
+ *         c                 its outline stays, so that what lay in it still does */
+#ifndef ISO_PALETTE_MESH_H
+#define ISO_PALETTE_MESH_H
+
+#include "base/linalg.h"
+#include "base/random.h"
+#include "palette/palette.h"
+
+typedef struct mesh_triangle {
+    uint32_t v[3], n[3];
+} mesh_triangle;
+
+typedef struct mesh_saved {
+    uint32_t triangle;
+    mesh_triangle before;
+} mesh_saved;
+
+typedef struct mesh {
+    size_t vertex_count, triangle_count;
+    iso_vec3 *position;
+    uint32_t *triangle_of; /* one of a vertex's triangles */
+    mesh_triangle *triangle;
+    /* Of the move in progress. */
+    uint32_t moved_vertex;
+    iso_vec3 moved_from;
+    size_t saved_count, patch_count;
+    mesh_saved *saved; /* all whose neighbours or corners changed */
+    uint32_t *patch;   /* those whose shape changed */
+    uint8_t *mark;     /* bit 0: saved, bit 1: in the patch */
+    uint32_t *edges;   /* edges to be made convex: 3 triangle + side */
+    size_t edge_count;
+    bool too_many; /* more edges than a sane move has */
+} mesh;
+
+/* A random one of an even number of triangles, at least 8: four vertices are a randomly turned tetrahedron, so that
+ * the centre is inside, the others are uniform on the sphere. */
+iso_status mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err);
+void mesh_destroy(mesh *m);
+
+/* Moves a vertex by an angle in a random direction. False where the conditions cannot be kept: nothing has changed
+ * then. After true the caller reads the patch, and keeps or reverts the move. */
+bool mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random);
+void mesh_keep(mesh *m);
+void mesh_revert(mesh *m);
+
+/* Whether every edge is convex and every triangle seen from the centre is positive: for tests. */
+bool mesh_is_convex(const mesh *m);
+
+#endif

@@ -1,0 +1,120 @@
+#include "plan/cached.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "brick/pack.h"
+
+/* 16 bits of the scalar and, in four channels, of the direction. */
+enum { BYTES_A_TEXEL = 10, LARGEST_PAGE = 2048 };
+
+typedef struct cache {
+    const iso_node_levels *nodes;
+    const iso_view *view;
+    const iso_cached_options *opt;
+    iso_plan *plan;
+    uint8_t *visible; /* by TF and view */
+} cache;
+
+static size_t page_side(const iso_cached_options *o)
+{
+    return o->page_side > 0 && o->page_side < LARGEST_PAGE ? o->page_side : LARGEST_PAGE;
+}
+
+/* Bytes of the textures at the plan's levels. */
+static double bytes_of(cache *c)
+{
+    const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
+    iso_brick_cull(&field, &c->view->tf, c->opt->threads, c->visible);
+    for (size_t i = 0; i < c->plan->brick_count; ++i)
+        c->visible[i] = c->visible[i] && c->plan->footprints[i] > 0;
+    return BYTES_A_TEXEL * (double)iso_brick_pack_texels(c->nodes, c->plan->levels, c->visible, page_side(c->opt));
+}
+
+/* The least predicted error whose bricks fit, in a hundredth of a decade; or the wanted one. */
+static iso_status fit(cache *c, double *predicted, iso_error *err)
+{
+    double low = -9, high = 1; /* decades of the prediction: at 1 all is coarsest */
+    if (c->opt->plan_error > 0) {
+        *predicted = iso_plan_choose(c->plan, c->nodes, c->opt->plan_error);
+        bytes_of(c);
+        return ISO_OK;
+    }
+    *predicted = iso_plan_choose(c->plan, c->nodes, 0);
+    if (bytes_of(c) <= c->opt->cache_bytes)
+        return ISO_OK;
+    iso_plan_choose(c->plan, c->nodes, pow(10, high));
+    double least = bytes_of(c);
+    if (least > c->opt->cache_bytes)
+        return iso_fail(err, ISO_E_RANGE, "--cache-bytes is %g; the coarsest bricks take %g: allow more levels", c->opt->cache_bytes, least);
+    while (high - low > 1e-2) {
+        double middle = 0.5 * (low + high);
+        iso_plan_choose(c->plan, c->nodes, pow(10, middle));
+        *(bytes_of(c) <= c->opt->cache_bytes ? &high : &low) = middle;
+    }
+    *predicted = iso_plan_choose(c->plan, c->nodes, pow(10, high));
+    bytes_of(c);
+    return ISO_OK;
+}
+
+static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report *r, iso_error *err)
+{
+    const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
+    iso_gl_brick_options o = iso_gl_brick_defaults();
+    iso_gl_brick_stats stats;
+    o.wanted = c->visible;
+    o.page_side = page_side(c->opt);
+    o.step_voxels = c->opt->step_voxels;
+    o.repeats = c->opt->repeats;
+    o.repeat_seconds = c->opt->repeat_seconds;
+    iso_status status = iso_gl_render_bricks(gl, &field, c->view, &o, image, &stats, err);
+    if (status != ISO_OK)
+        return status;
+    r->cache_bytes = BYTES_A_TEXEL * (double)stats.texel_count;
+    r->page_count = stats.page_count;
+    r->brick_count = stats.shown_count;
+    r->node_count = stats.node_count;
+    r->seconds = stats.seconds;
+    r->gl = stats.gl;
+    for (size_t i = 0; i < c->plan->brick_count; ++i)
+        r->bricks_by_level[c->plan->levels[i]] += c->visible[i];
+    if (c->opt->cache_bytes > 0 && r->cache_bytes > c->opt->cache_bytes) {
+        iso_image_destroy(image);
+        return iso_fail(err, ISO_E_RANGE, "the cache takes %g bytes, at most %g are allowed", r->cache_bytes, c->opt->cache_bytes);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
+                                   const iso_cached_options *opt, iso_image *image, iso_cached_report *report, iso_error *err)
+{
+    cache c = {.nodes = nodes, .view = view, .opt = opt, .plan = plan, .visible = malloc(plan->brick_count)};
+    *report = (iso_cached_report){0};
+    *image = (iso_image){0};
+    iso_status status = c.visible ? fit(&c, &report->predicted_rmse, err)
+                                  : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", plan->brick_count);
+    if (status == ISO_OK)
+        status = draw(gl, &c, image, report, err);
+    free(c.visible);
+    return status;
+}
+
+iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
+                             iso_image *image, iso_cached_report *report, const iso_progress *progress, iso_error *err)
+{
+    iso_node_levels nodes = {0};
+    iso_plan plan = {0};
+    *report = (iso_cached_report){0};
+    *image = (iso_image){0};
+    iso_status status = iso_node_levels_create(&nodes, level0, opt->brick_voxels, opt->level_count, true, opt->threads, err);
+    if (status != ISO_OK)
+        return status;
+    iso_node_levels_round(&nodes);
+    status = iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err);
+    if (status == ISO_OK)
+        status = iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, report, err);
+    iso_plan_destroy(&plan);
+    iso_node_levels_destroy(&nodes);
+    return status;
+}

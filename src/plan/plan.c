@@ -1,0 +1,259 @@
+#include "plan/plan.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "brick/pack.h"
+#include "encode/code.h"
+
+/* ---- estimates ---------------------------------------------------------------- */
+
+/* What a node emits over one voxel, and its opacity: all that the image is made of. */
+static void emit(const iso_view *view, double voxel_mm, const double node[ISO_NODE_CHANNELS], double rgba[4])
+{
+    double entry[4], normal[3], shade = view->shading.ambient;
+    iso_tf_lookup(&view->tf, node[0], entry);
+    iso_code_normal(node + 1, normal);
+    for (size_t i = 0; i < view->light_count; ++i) {
+        const iso_light *l = &view->lights[i];
+        shade += l->intensity * view->shading.diffuse *
+                 fabs(normal[0] * l->direction.x + normal[1] * l->direction.y + normal[2] * l->direction.z);
+    }
+    rgba[3] = -expm1(-entry[3] * voxel_mm);
+    for (int c = 0; c < 3; ++c)
+        rgba[c] = rgba[3] * shade * entry[c];
+}
+
+static double largest_difference(const iso_view *view, double voxel_mm, const double node[ISO_NODE_CHANNELS],
+                                 const double exact[4])
+{
+    double rgba[4], worst = 0;
+    emit(view, voxel_mm, node, rgba);
+    for (int c = 0; c < 4; ++c)
+        worst = fmax(worst, fabs(rgba[c] - exact[c]));
+    return worst;
+}
+
+/* The node of level 0 at p, moved outwards by one where it lies on a face of the brick. False inside the brick and at
+ * the volume's end. */
+static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const size_t local[3],
+                        double value[ISO_NODE_CHANNELS])
+{
+    size_t p[3], size[3];
+    bool moved = false;
+    for (int a = 0; a < 3; ++a) {
+        size[a] = n->count[a] * n->brick_voxels + 1;
+        p[a] = brick[a] * n->brick_voxels + local[a];
+        bool below = local[a] == 0 && p[a] > 0, above = local[a] == n->brick_voxels && p[a] + 1 < size[a];
+        p[a] = below ? p[a] - 1 : above ? p[a] + 1 : p[a];
+        moved = moved || below || above;
+    }
+    for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
+        value[c] = (double)n->nodes[0][ISO_NODE_CHANNELS * (p[0] + size[0] * (p[1] + size[1] * p[2])) + c];
+    return moved;
+}
+
+/* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
+ * cell takes the face with it. */
+static void add_errors(const iso_node_levels *n, const iso_view *view, const iso_brick_field *f, uint8_t *level,
+                       const size_t brick[3], const size_t local[3], double *sum)
+{
+    double voxel_mm = iso_geometry_mean_spacing_mm(&n->geometry), q[3], exact[2][4], beyond[ISO_NODE_CHANNELS];
+    bool on_face = node_beyond(n, brick, local, beyond);
+    for (int a = 0; a < 3; ++a)
+        q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
+    for (size_t l = 0; l < n->level_count; ++l) {
+        double node[ISO_NODE_CHANNELS], middle[ISO_NODE_CHANNELS];
+        *level = (uint8_t)l;
+        iso_brick_sample_in(f, brick, q, node);
+        for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+            middle[c] = 0.5 * (node[c] + beyond[c]);
+        if (l == 0) {
+            emit(view, voxel_mm, node, exact[0]);
+            emit(view, voxel_mm, middle, exact[1]);
+            continue;
+        }
+        sum[l] += largest_difference(view, voxel_mm, node, exact[0]);
+        if (on_face)
+            sum[l] += largest_difference(view, voxel_mm, middle, exact[1]);
+    }
+}
+
+/* A quarter of the nodes, in a lattice that no plane and no row evades. */
+static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8_t *levels, size_t index, float *errors)
+{
+    const size_t brick[3] = {index % n->count[0], index / n->count[0] % n->count[1],
+                             index / (n->count[0] * n->count[1])};
+    /* levels[index] alone is looked at: faces of its own. */
+    const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_OWN};
+    double sum[ISO_BRICK_MAX_LEVELS] = {0};
+    size_t count = 0, side = n->brick_voxels;
+    for (size_t z = 0; z <= side; ++z)
+        for (size_t y = 0; y <= side; ++y)
+            for (size_t x = (y + 2 * z) % 4; x <= side; x += 4, ++count)
+                add_errors(n, view, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
+    /* A mean over the brick, times the voxels of a ray through it; no pixel is wrong by more than 1. */
+    for (size_t l = 0; l < n->level_count; ++l)
+        errors[l] = (float)fmin(1, sum[l] / (double)count * (double)side);
+    levels[index] = 0;
+}
+
+/* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its entry. */
+static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown, double *seen)
+{
+    const iso_node_levels *n = f->nodes;
+    double t0, t1, step = iso_geometry_min_spacing_mm(&n->geometry), transmittance = 1;
+    size_t last = SIZE_MAX;
+    if (!iso_view_ray(view, ray, &n->geometry, &t0, &t1))
+        return;
+    for (double t = t0 + 0.5 * step; t < t1 && transmittance >= ISO_PLAN_HIDDEN; t += step) {
+        iso_vec3 p = iso_geometry_to_index(&n->geometry, iso_madd(ray->origin, ray->direction, t));
+        const double index[3] = {p.x - 0.5, p.y - 0.5, p.z - 0.5};
+        double node[ISO_NODE_CHANNELS], entry[4];
+        size_t brick[3];
+        for (int a = 0; a < 3; ++a) {
+            double b = floor(index[a] / (double)n->brick_voxels), end = (double)(n->count[a] - 1);
+            brick[a] = (size_t)(b > 0 ? (b < end ? b : end) : 0);
+        }
+        size_t here = iso_brick_index(n, brick);
+        if (here != last)
+            seen[here] += transmittance * transmittance;
+        last = here;
+        if (!shown[here])
+            continue;
+        iso_brick_sample(f, p, node);
+        iso_tf_lookup(&view->tf, node[0], entry);
+        transmittance *= exp(-entry[3] * step);
+    }
+}
+
+/* Rays through every `stride`-th pixel, so that the smallest brick meets several. A brick that is passed is counted for
+ * stride^2 pixels a ray. */
+static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view, const uint8_t *shown,
+                                  int threads, float *footprints, iso_error *err)
+{
+    size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
+    const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
+    size_t columns = (view->width + stride - 1) / stride, rows = (view->height + stride - 1) / stride;
+    double *seen = calloc(plan->brick_count * rows, sizeof *seen);
+    if (!seen)
+        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for the footprints of %zu bricks", plan->brick_count);
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
+    for (size_t row = 0; row < rows; ++row)
+        for (size_t column = 0; column < columns; ++column) {
+            size_t x = column * stride + stride / 2, y = row * stride + stride / 2;
+            iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, x < view->width ? x : view->width - 1,
+                                         y < view->height ? y : view->height - 1);
+            trace(&finest, view, &ray, shown, seen + row * plan->brick_count);
+        }
+    /* Row by row and then in order: the sum does not depend on threads. */
+    for (size_t i = 0; i < plan->brick_count; ++i) {
+        double sum = 0;
+        for (size_t row = 0; row < rows; ++row)
+            sum += seen[row * plan->brick_count + i];
+        footprints[i] = (float)(sum * (double)(stride * stride));
+    }
+    free(seen);
+    return ISO_OK;
+}
+
+/* Adds what one view sees. */
+static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_view *view, uint8_t *shown,
+                           float *footprints, int threads, iso_error *err)
+{
+    const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
+    iso_brick_cull(&finest, &view->tf, threads, shown);
+    iso_status status = find_footprints(plan, n, view, shown, threads, footprints, err);
+    if (status != ISO_OK)
+        return status;
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
+    for (size_t i = 0; i < plan->brick_count; ++i) {
+        float errors[ISO_BRICK_MAX_LEVELS] = {0};
+        plan->footprints[i] += footprints[i];
+        if (footprints[i] <= 0 || !shown[i])
+            continue;
+        plan->shown[i] = 1;
+        estimate_brick(n, view, plan->levels, i, errors);
+        for (size_t l = 0; l < n->level_count; ++l)
+            plan->squares[i * n->level_count + l] += footprints[i] * errors[l] * errors[l];
+    }
+    plan->pixel_count += (double)(view->width * view->height);
+    return ISO_OK;
+}
+
+iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *views, size_t view_count,
+                           int threads, const iso_progress *progress, iso_error *err)
+{
+    size_t count = iso_brick_count(n);
+    *plan = (iso_plan){.brick_count = count, .level_count = n->level_count};
+    plan->squares = calloc(count * n->level_count, sizeof *plan->squares);
+    plan->footprints = calloc(count, sizeof *plan->footprints);
+    plan->levels = calloc(count, 1);
+    plan->shown = calloc(count, 1);
+    uint8_t *shown = malloc(count);
+    float *footprints = malloc(count * sizeof *footprints);
+    iso_status status = ISO_OK;
+    if (!plan->squares || !plan->footprints || !plan->levels || !plan->shown || !shown || !footprints)
+        status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    for (size_t v = 0; v < view_count && status == ISO_OK; ++v) {
+        iso_progress_report(progress, "plan", (double)v / (double)view_count);
+        status = add_view(plan, n, &views[v], shown, footprints, threads, err);
+    }
+    iso_progress_report(progress, "plan", 1);
+    free(shown);
+    free(footprints);
+    if (status != ISO_OK)
+        iso_plan_destroy(plan);
+    return status;
+}
+
+void iso_plan_destroy(iso_plan *plan)
+{
+    if (!plan)
+        return;
+    free(plan->squares);
+    free(plan->footprints);
+    free(plan->levels);
+    free(plan->shown);
+    *plan = (iso_plan){0};
+}
+
+/* ---- choice ------------------------------------------------------------------- */
+
+/* The levels for one lambda; returns the predicted RMSE. */
+static double choose_for(iso_plan *plan, const iso_node_levels *n, double lambda)
+{
+    double sum = 0;
+    for (size_t i = 0; i < plan->brick_count; ++i) {
+        const float *squares = plan->squares + i * plan->level_count;
+        double least = INFINITY, square = 0;
+        plan->levels[i] = 0;
+        if (!plan->shown[i] || plan->footprints[i] <= 0)
+            continue;
+        for (size_t l = plan->level_count; l-- > 0;) {
+            double side = (double)iso_brick_side(n, l), cost = side * side * side + lambda * (double)squares[l];
+            if (cost < least) {
+                least = cost;
+                square = (double)squares[l];
+                plan->levels[i] = (uint8_t)l;
+            }
+        }
+        sum += square;
+    }
+    return sqrt(sum / plan->pixel_count);
+}
+
+double iso_plan_choose(iso_plan *plan, const iso_node_levels *n, double rmse)
+{
+    /* The prediction falls as lambda rises; lambda in decades, to a thousandth of one. */
+    double low = -12, high = 24;
+    if (choose_for(plan, n, pow(10, low)) <= rmse)
+        return choose_for(plan, n, pow(10, low));
+    while (high - low > 1e-3) {
+        double middle = 0.5 * (low + high);
+        *(choose_for(plan, n, pow(10, middle)) <= rmse ? &high : &low) = middle;
+    }
+    return choose_for(plan, n, pow(10, high));
+}

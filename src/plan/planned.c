@@ -1,0 +1,250 @@
+#include "plan/planned.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "base/parallel.h"
+#include "brick/pack.h"
+
+/* ---- the file ------------------------------------------------------------------ */
+
+static iso_status read_bricks(const char *path, const char *levels, const char *use, iso_plan_file *plan, iso_error *err)
+{
+    size_t count = plan->count[0] * plan->count[1] * plan->count[2];
+    if (strlen(levels) != count || strlen(use) != count)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu levels and %zu uses of bricks, there are %zu x %zu x %zu", path,
+                        strlen(levels), strlen(use), plan->count[0], plan->count[1], plan->count[2]);
+    plan->levels = malloc(count);
+    plan->drawn = malloc(count);
+    plan->seen = malloc(count);
+    if (!plan->levels || !plan->drawn || !plan->seen)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bricks", path, count);
+    for (size_t i = 0; i < count; ++i) {
+        size_t level = (size_t)(levels[i] - '0');
+        if (level >= plan->level_count || !strchr("dhu", use[i]))
+            return iso_fail(err, ISO_E_FORMAT, "%s: level '%c' and use '%c' of brick %zu, must be 0 to %zu and d, h or u", path,
+                            levels[i], use[i], i, plan->level_count - 1);
+        plan->levels[i] = (uint8_t)level;
+        plan->drawn[i] = use[i] == 'd';
+        plan->seen[i] = use[i] != 'u';
+    }
+    return ISO_OK;
+}
+
+json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count)
+{
+    char *digits = malloc(count + 1), *use = malloc(count + 1);
+    for (size_t i = 0; digits && use && i < count; ++i) {
+        digits[i] = (char)('0' + levels[i]);
+        use[i] = drawn[i] ? 'd' : seen[i] ? 'h' : 'u';
+    }
+    json_t *both = digits && use ? json_pack("{s:s%, s:s%}", "levels", digits, count, "use", use, count) : NULL;
+    free(digits);
+    free(use);
+    return both;
+}
+
+iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err)
+{
+    json_t *root = NULL;
+    const char *levels, *use;
+    double count[3] = {0};
+    *plan = (iso_plan_file){0};
+    iso_status status = iso_json_load(path, &root, err);
+    if (status != ISO_OK)
+        return status;
+    iso_json_reader r = {.path = path, .err = err};
+    static const char *const schemas[] = {"isoshade.plan/1", NULL};
+    int schema;
+    iso_json_get_word(&r, root, "schema", true, schemas, &schema);
+    iso_json_get_numbers(&r, root, "bricks", true, 3, 1, 65536, count);
+    iso_json_get_size(&r, root, "brick_voxels", true, 2, 64, &plan->brick_voxels);
+    iso_json_get_size(&r, root, "level_count", true, 1, ISO_BRICK_MAX_LEVELS, &plan->level_count);
+    iso_json_get_string(&r, root, "levels", true, &levels);
+    iso_json_get_string(&r, root, "use", true, &use);
+    for (int a = 0; a < 3; ++a)
+        plan->count[a] = (size_t)count[a];
+    status = r.status == ISO_OK ? read_bricks(path, levels, use, plan, err) : r.status;
+    json_decref(root);
+    if (status != ISO_OK)
+        iso_plan_file_destroy(plan);
+    return status;
+}
+
+void iso_plan_file_destroy(iso_plan_file *plan)
+{
+    if (!plan)
+        return;
+    free(plan->levels);
+    free(plan->seen);
+    free(plan->drawn);
+    *plan = (iso_plan_file){0};
+}
+
+/* ---- the model ----------------------------------------------------------------- */
+
+static iso_brick_field field_of(const iso_planned *p)
+{
+    return (iso_brick_field){.nodes = &p->nodes, .levels = p->plan.levels, .faces = ISO_FACES_BAKED};
+}
+
+/* A plan for other transfer functions has bricks marked as hidden that these show. Rounding alone moves a few. */
+static iso_status check_match(const char *path, const iso_planned *p, int threads, iso_error *err)
+{
+    const iso_brick_field field = field_of(p);
+    size_t count = iso_brick_count(&p->nodes), wrong = 0, drawn = 0;
+    uint8_t *visible = malloc(count);
+    if (!visible)
+        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    for (size_t t = 0; t < p->tf_count; ++t) {
+        iso_brick_cull(&field, &p->tfs[t], threads, visible);
+        for (size_t i = 0; i < count; ++i)
+            wrong += visible[i] && p->plan.seen[i] && !p->plan.drawn[i];
+    }
+    for (size_t i = 0; i < count; ++i)
+        drawn += p->plan.drawn[i];
+    free(visible);
+    if (100 * wrong > drawn)
+        return iso_fail(err, ISO_E_RANGE, "%s: this scene shows %zu bricks that the plan hides: it was made for another one", path, wrong);
+    return ISO_OK;
+}
+
+static iso_status check_bricks(const char *path, const iso_planned *p, iso_error *err)
+{
+    const size_t *have = p->nodes.count, *want = p->plan.count;
+    if (memcmp(have, want, sizeof p->plan.count) != 0)
+        return iso_fail(err, ISO_E_RANGE, "%s: %zu x %zu x %zu bricks of %zu voxels, the volume has %zu x %zu x %zu", path, want[0],
+                        want[1], want[2], p->plan.brick_voxels, have[0], have[1], have[2]);
+    return ISO_OK;
+}
+
+iso_status iso_planned_create(const char *path, const iso_level *level0, iso_code code, const iso_tf_table *tfs,
+                              size_t tf_count, int threads, iso_planned *p, iso_error *err)
+{
+    double start = iso_clock_seconds();
+    *p = (iso_planned){.tfs = tfs, .tf_count = tf_count};
+    iso_status status = iso_plan_file_load(path, &p->plan, err);
+    if (status == ISO_OK)
+        status = iso_node_levels_create(&p->nodes, level0, p->plan.brick_voxels, p->plan.level_count, true, threads, err);
+    if (status == ISO_OK)
+        status = check_bricks(path, p, err);
+    if (status == ISO_OK)
+        status = check_match(path, p, threads, err);
+    if (status == ISO_OK)
+        iso_node_levels_encode(&p->nodes, code);
+    p->build_seconds = iso_clock_seconds() - start;
+    if (status != ISO_OK)
+        iso_planned_destroy(p);
+    return status;
+}
+
+void iso_planned_destroy(iso_planned *p)
+{
+    if (!p)
+        return;
+    iso_plan_file_destroy(&p->plan);
+    iso_node_levels_destroy(&p->nodes);
+    *p = (iso_planned){0};
+}
+
+static bool draws_level(const iso_planned *p, size_t level)
+{
+    for (size_t i = 0; i < iso_brick_count(&p->nodes); ++i)
+        if (p->plan.drawn[i] && p->plan.levels[i] == level)
+            return true;
+    return false;
+}
+
+iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool whole_box, int threads,
+                                       iso_planned_lattices *lattices, iso_error *err)
+{
+    const iso_brick_field field = field_of(p);
+    iso_lattice_options opt = {.drawn = p->plan.drawn, .seen = p->plan.seen, .tfs = p->tfs, .tf_count = p->tf_count,
+                               .merged = merged, .whole_box = whole_box, .threads = threads};
+    iso_status status = ISO_OK;
+    *lattices = (iso_planned_lattices){0};
+    for (size_t l = 0; l < (merged ? 1 : p->nodes.level_count) && status == ISO_OK; ++l) {
+        opt.level = l;
+        if (!merged && !draws_level(p, l))
+            continue;
+        status = iso_lattice_create(&lattices->items[lattices->count], &field, &opt, err);
+        lattices->count += status == ISO_OK;
+    }
+    if (status == ISO_OK && lattices->count == 0)
+        status = iso_fail(err, ISO_E_RANGE, "the plan draws no brick: there is nothing to export");
+    if (status != ISO_OK)
+        iso_planned_lattices_destroy(lattices);
+    return status;
+}
+
+uint8_t *iso_planned_pieces(const iso_planned *p, const iso_planned_lattices *lattices)
+{
+    size_t count = iso_brick_count(&p->nodes);
+    uint8_t *pieces = calloc(count, 1);
+    for (size_t i = 0; pieces && i < count; ++i)
+        for (size_t k = 0; k < lattices->count && p->plan.drawn[i]; ++k)
+            if (lattices->items[k].level == p->plan.levels[i])
+                pieces[i] = (uint8_t)(k + 1);
+    return pieces;
+}
+
+void iso_planned_lattices_destroy(iso_planned_lattices *lattices)
+{
+    for (size_t i = 0; i < lattices->count; ++i)
+        iso_lattice_destroy(&lattices->items[i]);
+    *lattices = (iso_planned_lattices){0};
+}
+
+/* ---- the crop ------------------------------------------------------------------ */
+
+/* Voxel v of the lattice stands at index step (first + v - 1/2) + 1/2 of the volume. */
+static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][3])
+{
+    double step = (double)((size_t)1 << l->level);
+    for (int a = 0; a < 3; ++a) {
+        double low = -0.5 / step - (double)l->first[a] + 0.5, high = (g->box_index[a] - 0.5) / step - (double)l->first[a] + 0.5;
+        box[0][a] = low > 0 ? low : 0;
+        box[1][a] = high < (double)l->size[a] ? high : (double)l->size[a];
+    }
+}
+
+iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
+                                   iso_planned_crop *crop, iso_error *err)
+{
+    iso_planned_lattices merged;
+    *crop = (iso_planned_crop){0};
+    iso_status status = iso_planned_lattices_create(p, true, false, threads, &merged, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_lattice *l = &merged.items[0];
+    size_t count = l->size[0] * l->size[1] * l->size[2];
+    bool sampled = false;
+    for (size_t k = 1; k < p->nodes.level_count; ++k)
+        sampled = sampled || draws_level(p, k);
+    crop->level = (iso_level){.geometry = l->geometry, .stored_type = sampled ? ISO_F32 : level0->stored_type, .min = l->min,
+                              .max = l->max, .scalar = malloc(count * sizeof(float)), .codes = malloc(6 * count)};
+    float *directions = malloc(3 * count * sizeof *directions);
+    if (!crop->level.scalar || !crop->level.codes || !directions)
+        status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        crop->level.scalar[i] = l->nodes[ISO_NODE_CHANNELS * i];
+        memcpy(directions + 3 * i, l->nodes + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *directions);
+    }
+    if (status == ISO_OK) {
+        iso_code_encode(code, directions, crop->level.codes, count);
+        find_box(l, &p->nodes.geometry, crop->box);
+    }
+    free(directions);
+    iso_planned_lattices_destroy(&merged);
+    if (status != ISO_OK)
+        iso_planned_crop_destroy(crop);
+    return status;
+}
+
+void iso_planned_crop_destroy(iso_planned_crop *crop)
+{
+    free(crop->level.scalar);
+    free(crop->level.codes);
+    *crop = (iso_planned_crop){0};
+}

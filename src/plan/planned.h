@@ -1,0 +1,66 @@
+/* planned.h - a plan file and the model that it leaves.
+ *
+ *   { "schema": "isoshade.plan/1", ...
+ *     "bricks": [nx, ny, nz], "brick_voxels": n, "level_count": L,
+ *     "levels": "0010...",   a digit a brick, x fastest
+ *     "use": "dhu..." }      a letter a brick: drawn, hidden by the transfer function, unseen by any view */
+#ifndef ISO_PLANNED_H
+#define ISO_PLANNED_H
+
+#include <jansson.h>
+
+#include "brick/lattice.h"
+#include "scene/scene.h"
+
+typedef struct iso_plan_file {
+    size_t count[3], brick_voxels, level_count;
+    uint8_t *levels; /* owned; of the bricks that are left out too: faces follow the coarsest brick, drawn or not */
+    uint8_t *drawn;  /* owned; 0: left out */
+    uint8_t *seen;   /* owned; 0: left out because no view sees it */
+} iso_plan_file;
+
+iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err);
+/* "levels" and "use" as an object; NULL when memory ends. */
+json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count);
+void iso_plan_file_destroy(iso_plan_file *plan); /* accepts empty and NULL */
+
+/* What a plan leaves of a volume. */
+typedef struct iso_planned {
+    iso_plan_file plan;
+    iso_node_levels nodes; /* directions as the pyramid's code has them */
+    const iso_tf_table *tfs;
+    size_t tf_count;
+    double build_seconds;
+} iso_planned;
+
+/* `tfs` is kept, not copied. ISO_E_RANGE when the plan was made
+ * for another volume or for other transfer functions. */
+iso_status iso_planned_create(const char *path, const iso_level *level0, iso_code code, const iso_tf_table *tfs,
+                              size_t tf_count, int threads, iso_planned *p, iso_error *err);
+void iso_planned_destroy(iso_planned *p);
+
+typedef struct iso_planned_lattices {
+    size_t count;
+    iso_lattice items[ISO_BRICK_MAX_LEVELS];
+} iso_planned_lattices;
+
+/* One merged lattice, or one a level that is in use, finest first. whole_box as in lattice.h. */
+iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool whole_box, int threads,
+                                       iso_planned_lattices *lattices, iso_error *err);
+/* One a level: number of the lattice and 1 that a brick belongs to, 0 when it is left out; a byte a brick. To be freed;
+ * NULL when memory ends. */
+uint8_t *iso_planned_pieces(const iso_planned *p, const iso_planned_lattices *lattices);
+void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
+
+/* The merged lattice as a level, dense, for programs that know no sparse grids: cropped to what is needed, directions
+ * in the pyramid's code, scalars of the stored type where nothing is sampled. box: where the volume's own box is, in
+ * voxels of the level. Release with iso_planned_crop_destroy(). */
+typedef struct iso_planned_crop {
+    iso_level level;
+    double box[2][3];
+} iso_planned_crop;
+iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
+                                   iso_planned_crop *crop, iso_error *err);
+void iso_planned_crop_destroy(iso_planned_crop *crop);
+
+#endif

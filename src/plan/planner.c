@@ -1,0 +1,258 @@
+#define _GNU_SOURCE
+#include "plan/planner.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "brick/pack.h"
+#include "scene/subject.h"
+
+/* ---- views --------------------------------------------------------------------- */
+
+static iso_vec3 turned(iso_vec3 v, iso_vec3 axis, double angle)
+{
+    iso_vec3 along = iso_scale(axis, iso_dot(v, axis)), across = iso_sub(v, along);
+    return iso_add(along, iso_add(iso_scale(across, cos(angle)), iso_scale(iso_cross(axis, across), sin(angle))));
+}
+
+/* The scene from another side. Lights in camera space turn with it when it is resolved. */
+static void turn_scene(iso_scene *s, double angle)
+{
+    iso_vec3 up = iso_normalize(s->camera_up);
+    s->camera_direction = turned(s->camera_direction, up, angle);
+    if (!s->camera_fit)
+        s->camera_position = iso_add(s->camera_look_at, turned(iso_sub(s->camera_position, s->camera_look_at), up, angle));
+}
+
+static iso_status load_scene_views(const char *path, size_t turns, const iso_pyramid *p, const char *size, iso_view *views,
+                                   size_t *count, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < turns && status == ISO_OK; ++i) {
+        iso_scene scene;
+        status = iso_scene_load(path, &scene, err);
+        if (status != ISO_OK)
+            return status;
+        if (size)
+            status = iso_cli_parse_image_size(size, &scene.width, &scene.height, err);
+        turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
+        if (status == ISO_OK)
+            status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, &views[*count], err);
+        *count += status == ISO_OK;
+        iso_scene_destroy(&scene);
+    }
+    return status;
+}
+
+iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size, iso_view **views,
+                                  size_t *count, iso_error *err)
+{
+    size_t scene_count = 1;
+    *views = NULL;
+    *count = 0;
+    if (!scenes)
+        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
+    for (const char *c = scenes; *c; ++c)
+        scene_count += *c == ',';
+    char *names = strdup(scenes), *rest = names;
+    *views = calloc(scene_count * turns, sizeof **views);
+    iso_status status = names && *views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: out of memory");
+    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ","))
+        status = load_scene_views(name, turns, p, size, *views, count, err);
+    free(names);
+    if (status != ISO_OK) {
+        iso_planner_destroy_views(*views, *count);
+        *views = NULL;
+        *count = 0;
+    }
+    return status;
+}
+
+void iso_planner_destroy_views(iso_view *views, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        iso_view_destroy(&views[i]);
+    free(views);
+}
+
+/* ---- rendering ------------------------------------------------------------------- */
+
+static iso_status render_levels(iso_planner *p, const uint8_t *levels, bool everything, size_t view, iso_image *image,
+                                iso_error *err)
+{
+    const iso_brick_field field = {.nodes = p->nodes, .levels = levels, .faces = p->faces};
+    iso_gl_brick_options opt = iso_gl_brick_defaults();
+    opt.wanted = everything ? NULL : p->wanted;
+    ++p->render_count;
+    return iso_gl_render_bricks(p->gl, &field, &p->views[view], &opt, image, NULL, err);
+}
+
+/* What remains of an image when nothing is drawn. */
+static iso_status measure_blank(const iso_image *full, const iso_view *view, double *rmse, iso_error *err)
+{
+    iso_image blank;
+    iso_metrics measured;
+    iso_status status = iso_image_create(&blank, full->width, full->height, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t i = 0; i < full->width * full->height; ++i)
+        for (size_t c = 0; c < 4; ++c)
+            blank.rgba[4 * i + c] = c < 3 ? (float)view->background[c] : 0;
+    status = iso_metrics_measure(&blank, full, &measured, err);
+    *rmse = fmin(*rmse, measured.rmse);
+    iso_image_destroy(&blank);
+    return status;
+}
+
+iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_view *views, size_t view_count,
+                              iso_brick_faces faces, int threads, const iso_progress *progress, iso_error *err)
+{
+    *p = (iso_planner){.nodes = nodes, .views = views, .view_count = view_count, .faces = faces, .blank_rmse = INFINITY};
+    size_t count = iso_brick_count(nodes), side = iso_brick_side(nodes, 0);
+    p->full_node_count = count * side * side * side;
+    p->wanted = malloc(count);
+    p->full = calloc(view_count, sizeof *p->full);
+    iso_status status = p->wanted && p->full ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    if (status == ISO_OK)
+        status = iso_gl_create(&p->gl, NULL, err);
+    if (status == ISO_OK)
+        status = iso_plan_create(&p->plan, nodes, views, view_count, threads, progress, err);
+    for (size_t i = 0; status == ISO_OK && i < count; ++i)
+        p->wanted[i] = p->plan.footprints[i] > 0;
+    for (size_t v = 0; status == ISO_OK && v < view_count; ++v) { /* levels are still all 0 */
+        status = render_levels(p, p->plan.levels, true, v, &p->full[v], err);
+        if (status == ISO_OK)
+            status = measure_blank(&p->full[v], &views[v], &p->blank_rmse, err);
+    }
+    if (status != ISO_OK)
+        iso_planner_destroy(p);
+    return status;
+}
+
+static void drop_trial(iso_plan_trial *t)
+{
+    free(t->levels);
+    free(t->drawn);
+    iso_image_destroy(&t->image);
+    *t = (iso_plan_trial){0};
+}
+
+void iso_planner_destroy(iso_planner *p)
+{
+    drop_trial(&p->best);
+    for (size_t v = 0; p->full && v < p->view_count; ++v)
+        iso_image_destroy(&p->full[v]);
+    free(p->full);
+    free(p->wanted);
+    iso_plan_destroy(&p->plan);
+    iso_gl_destroy(p->gl);
+    *p = (iso_planner){0};
+}
+
+/* Which bricks the views' transfer functions show at these levels, and what they hold. */
+static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error *err)
+{
+    const iso_brick_field field = {.nodes = p->nodes, .levels = t->levels, .faces = p->faces};
+    size_t count = p->plan.brick_count;
+    uint8_t *visible = malloc(count);
+    if (!visible)
+        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    for (size_t v = 0; v < p->view_count; ++v) {
+        const iso_tf_table *tf = &p->views[v].tf, *before = v > 0 ? &p->views[v - 1].tf : NULL;
+        if (before && before->count == tf->count && before->lo == tf->lo && before->hi == tf->hi &&
+            memcmp(before->entries, tf->entries, 4 * tf->count * sizeof *tf->entries) == 0)
+            continue; /* the same scene from another side */
+        iso_brick_cull(&field, tf, 0, visible);
+        for (size_t i = 0; i < count; ++i)
+            t->drawn[i] = t->drawn[i] || (visible[i] && p->wanted[i]);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        size_t side = iso_brick_side(p->nodes, t->levels[i]);
+        t->drawn_count += t->drawn[i];
+        t->node_count += t->drawn[i] ? side * side * side : 0;
+    }
+    free(visible);
+    return ISO_OK;
+}
+
+/* Chooses for a predicted error, renders, measures. Once the RMSE of a view is above `limit` the others do not matter. */
+static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_trial *t, iso_error *err)
+{
+    size_t count = p->plan.brick_count;
+    *t = (iso_plan_trial){0};
+    t->predicted_rmse = iso_plan_choose(&p->plan, p->nodes, rmse);
+    t->levels = malloc(count);
+    t->drawn = calloc(count, 1);
+    iso_status status = t->levels && t->drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    if (status == ISO_OK) {
+        memcpy(t->levels, p->plan.levels, count);
+        status = count_drawn(p, t, err);
+    }
+    for (size_t v = 0; v < p->view_count && status == ISO_OK && t->measured.rmse <= limit; ++v) {
+        iso_image image = {0};
+        iso_metrics measured;
+        status = render_levels(p, t->levels, false, v, &image, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&image, &p->full[v], &measured, err);
+        if (status == ISO_OK && (v == 0 || measured.rmse > t->measured.rmse))
+            t->measured = measured;
+        if (v == 0)
+            t->image = image;
+        else
+            iso_image_destroy(&image);
+    }
+    if (status != ISO_OK)
+        drop_trial(t);
+    return status;
+}
+
+/* ---- the search ------------------------------------------------------------------ */
+
+/* Does it meet what is asked for? A model that draws nothing is none, unless there is nothing to be drawn. */
+static bool is_good(const iso_planner *p, double error, double memory, const iso_plan_trial *t)
+{
+    if (memory <= 0)
+        return t->measured.rmse <= error;
+    return iso_plan_trial_bytes(t) <= memory && (t->drawn_count > 0 || p->blank_rmse == 0);
+}
+
+/* The largest predicted error that is still good, by bisection of its logarithm. Both the measured error and the bytes
+ * follow the prediction but for small steps, so the best good trial is kept, not the last one. */
+iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err)
+{
+    enum { steps = 9 };
+    double low = -8, high = 0, least = INFINITY; /* decades; bytes of what was seen at all */
+    if (memory <= 0) { /* the prediction is about right: start around it */
+        low = log10(error) - 2;
+        high = log10(error) + 2;
+    }
+    drop_trial(&p->best);
+    for (int i = 0; i < steps; ++i) {
+        double middle = 0.5 * (low + high);
+        iso_plan_trial t;
+        iso_status status = try_rmse(p, pow(10, middle), memory > 0 ? INFINITY : error, &t, err);
+        if (status != ISO_OK)
+            return status;
+        bool good = is_good(p, error, memory, &t);
+        bool finer = memory > 0 ? iso_plan_trial_bytes(&t) <= memory : !good;
+        *(finer ? &high : &low) = middle;
+        bool better = !p->best.levels || (memory > 0 ? t.measured.rmse < p->best.measured.rmse
+                                                     : t.node_count < p->best.node_count);
+        least = t.drawn_count > 0 ? fmin(least, iso_plan_trial_bytes(&t)) : least;
+        if (good && better) {
+            drop_trial(&p->best);
+            p->best = t;
+        } else {
+            drop_trial(&t);
+        }
+        iso_progress_report(progress, "verify", (double)(i + 1) / steps);
+    }
+    if (p->best.levels)
+        return ISO_OK;
+    if (memory > 0)
+        return iso_fail(err, ISO_E_RANGE, "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
+                        memory, least);
+    return try_rmse(p, 0, INFINITY, &p->best, err); /* level 0 everywhere, without what does not show */
+}

@@ -1,0 +1,53 @@
+/* planner.h - a plan (plan/plan.h) that is verified by rendering, as commands use it. */
+#ifndef ISO_PLANNER_H
+#define ISO_PLANNER_H
+
+#include "plan/planned.h"
+#include "compare/metrics.h"
+#include "render/gl/bricks_gl.h"
+#include "plan/plan.h"
+
+/* Scalar in 16 bits and a direction of three or four times 16: what bricks_gl.h's cache holds a node. */
+enum { ISO_BYTES_A_NODE = 10 };
+
+/* A choice of levels with what it renders to. */
+typedef struct iso_plan_trial {
+    double predicted_rmse;
+    iso_metrics measured;    /* of the view in which the RMSE is the largest */
+    uint8_t *levels, *drawn; /* owned; one byte a brick */
+    size_t drawn_count, node_count;
+    iso_image image;         /* of the first view */
+} iso_plan_trial;
+
+typedef struct iso_planner {
+    iso_gl *gl;
+    const iso_node_levels *nodes; /* rounded */
+    const iso_view *views;
+    size_t view_count;
+    iso_brick_faces faces;
+    iso_plan plan;
+    uint8_t *wanted;      /* bricks that a view sees */
+    iso_image *full;      /* a view each, all bricks at level 0 */
+    double blank_rmse;    /* of the background alone, in the view where it is the least */
+    size_t full_node_count;
+    iso_plan_trial best;
+    int render_count;
+} iso_planner;
+
+/* views and nodes are kept, not copied. threads 0: all. */
+iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_view *views, size_t view_count,
+                              iso_brick_faces faces, int threads, const iso_progress *progress, iso_error *err);
+/* memory 0: the least model whose measured RMSE is at most `error` in every view. Else the model of the least RMSE in
+ * at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what is needed. */
+iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err);
+void iso_planner_destroy(iso_planner *p); /* accepts empty */
+
+static inline double iso_plan_trial_bytes(const iso_plan_trial *t) { return ISO_BYTES_A_NODE * (double)t->node_count; }
+
+/* Scenes by name, "A.scene.json,B.scene.json", each from `turns` sides: turned round its "up" by 360 / turns degrees.
+ * *views is to be released with iso_planner_destroy_views(). */
+iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size, iso_view **views,
+                                  size_t *count, iso_error *err);
+void iso_planner_destroy_views(iso_view *views, size_t count);
+
+#endif

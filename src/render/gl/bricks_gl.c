@@ -1,0 +1,310 @@
+#include "render/gl/bricks_gl.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "brick/occupancy.h"
+#include "brick/pack.h"
+#include "render/gl/gl_context.h"
+#include "render/gl/gl_uniforms.h"
+
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_PAGES };
+enum { MORE_PAGES = ISO_BRICK_MAX_PAGES - 1 };
+
+/* Of page k: the first has the units of an unpaged cache. */
+static GLenum unit_of_scalar(size_t k) { return (GLenum)(k == 0 ? UNIT_SCALAR : UNIT_PAGES + k - 1); }
+static GLenum unit_of_directions(size_t k) { return (GLenum)(k == 0 ? UNIT_DIRECTIONS : UNIT_PAGES + MORE_PAGES + k - 1); }
+
+typedef struct brick_textures {
+    GLuint scalar[ISO_BRICK_MAX_PAGES], directions[ISO_BRICK_MAX_PAGES], tf, occupancy, layout;
+    bool skip_empty;
+} brick_textures;
+
+iso_gl_brick_options iso_gl_brick_defaults(void)
+{
+    return (iso_gl_brick_options){.shaded = true, .cache_bits = 16, .repeats = 1};
+}
+
+static void destroy_textures(brick_textures *t)
+{
+    const GLuint names[3] = {t->tf, t->occupancy, t->layout};
+    glDeleteTextures(3, names);
+    glDeleteTextures(ISO_BRICK_MAX_PAGES, t->scalar);
+    glDeleteTextures(ISO_BRICK_MAX_PAGES, t->directions);
+}
+
+static double bytes_of(const brick_textures *t)
+{
+    double bytes = iso_gl_texture_bytes(GL_TEXTURE_2D, t->tf) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->occupancy) +
+                   iso_gl_texture_bytes(GL_TEXTURE_3D, t->layout);
+    for (size_t k = 0; k < ISO_BRICK_MAX_PAGES; ++k)
+        bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, t->scalar[k]) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->directions[k]);
+    return bytes;
+}
+
+/* ---- the cache ---------------------------------------------------------------- */
+
+typedef struct staging { /* one brick on its way */
+    float *baked, *vectors;
+    void *scalars;
+    int16_t *vectors16;
+} staging;
+
+static void free_staging(staging *s)
+{
+    free(s->baked);
+    free(s->vectors);
+    free(s->scalars);
+    free(s->vectors16);
+}
+
+/* Values become parts of the range, directions stay; in 16 bits or in floats. */
+static void convert(const iso_node_levels *n, int bits, size_t count, staging *s)
+{
+    double scale = n->max > n->min ? 1 / (n->max - n->min) : 0;
+    uint16_t *codes = s->scalars;
+    float *parts = s->scalars;
+    for (size_t i = 0; i < count; ++i) {
+        const float *node = s->baked + ISO_NODE_CHANNELS * i;
+        double part = ((double)node[0] - n->min) * scale;
+        if (bits == 16)
+            codes[i] = (uint16_t)lrint(65535 * fmin(fmax(part, 0), 1));
+        else
+            parts[i] = (float)part;
+        for (size_t a = 0; a < 3; ++a) {
+            s->vectors[3 * i + a] = node[1 + a];
+            s->vectors16[3 * i + a] = (int16_t)lrintf(32767 * fminf(fmaxf(node[1 + a], -1), 1));
+        }
+    }
+}
+
+static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i, const iso_gl_brick_options *opt,
+                         staging *s)
+{
+    const iso_node_levels *n = f->nodes;
+    const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+    size_t side = iso_brick_side(n, f->levels[i]);
+    const float *at = pack->layout + 4 * i;
+    const size_t page = (size_t)at[2] / pack->size[2];
+    const GLint x = (GLint)at[0], y = (GLint)at[1], z = (GLint)((size_t)at[2] % pack->size[2]);
+    GLsizei m = (GLsizei)side;
+    iso_brick_bake(f, brick, s->baked);
+    convert(n, opt->cache_bits, side * side * side, s);
+    glActiveTexture(GL_TEXTURE0 + unit_of_scalar(page));
+    glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RED, opt->cache_bits == 16 ? GL_UNSIGNED_SHORT : GL_FLOAT,
+                    s->scalars);
+    if (!opt->shaded)
+        return;
+    glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
+    if (opt->cache_bits == 16)
+        glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGB, GL_SHORT, s->vectors16);
+    else
+        glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGB, GL_FLOAT, s->vectors);
+}
+
+static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const iso_brick_pack *pack,
+                             const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
+{
+    bool small = opt->cache_bits == 16;
+    size_t side = f->nodes->brick_voxels + 1, count = side * side * side;
+    staging s = {malloc(count * ISO_NODE_CHANNELS * sizeof(float)), malloc(3 * count * sizeof(float)),
+                 malloc(count * sizeof(float)), malloc(3 * count * sizeof(int16_t))};
+    iso_status status = ISO_OK;
+    if (!s.baked || !s.vectors || !s.scalars || !s.vectors16)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a brick of %zu nodes", count);
+    for (size_t k = 0; k < pack->page_count; ++k) {
+        glActiveTexture(GL_TEXTURE0 + unit_of_scalar(k));
+        if (status == ISO_OK)
+            status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k], err);
+        glActiveTexture(GL_TEXTURE0 + unit_of_directions(k));
+        if (status == ISO_OK && opt->shaded)
+            status = iso_gl_create_texture_3d(gl, small ? GL_RGBA16_SNORM : GL_RGB32F, pack->size,
+                                              "a brick cache of directions", &t->directions[k], err);
+    }
+    for (size_t i = 0; status == ISO_OK && i < iso_brick_count(f->nodes); ++i)
+        if (pack->layout[4 * i + 3] > 0)
+            upload_brick(f, pack, i, opt, &s);
+    free_staging(&s);
+    return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
+}
+
+/* Offsets become texture coordinates of node centres. */
+static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, const iso_brick_pack *pack,
+                                brick_textures *t, iso_error *err)
+{
+    size_t count = iso_brick_count(n);
+    float *texels = malloc(4 * count * sizeof *texels);
+    if (!texels)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for the layout of %zu bricks", count);
+    for (size_t i = 0; i < 4 * count; ++i)
+        texels[i] = i % 4 == 3 ? pack->layout[i] : (float)(((double)pack->layout[i] + 0.5) / (double)pack->size[i % 4]);
+    glActiveTexture(GL_TEXTURE0 + UNIT_LAYOUT);
+    iso_status status = iso_gl_create_texture_3d(gl, GL_RGBA32F, n->count, "a brick layout", &t->layout, err);
+    if (status == ISO_OK) {
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)n->count[0], (GLsizei)n->count[1], (GLsizei)n->count[2],
+                        GL_RGBA, GL_FLOAT, texels);
+        status = iso_gl_check("uploading the brick layout", err);
+    }
+    free(texels);
+    return status;
+}
+
+/* visible[b] becomes the distance to the nearest brick that shows. */
+static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, uint8_t *visible, double shown,
+                                   const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
+{
+    t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
+    if (!t->skip_empty)
+        return ISO_OK;
+    for (size_t i = 0; i < iso_brick_count(n); ++i)
+        visible[i] = visible[i] ? 0 : 255;
+    iso_occupancy_distance(n->count, visible);
+    glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
+    return iso_gl_create_occupancy(gl, n->count, visible, &t->occupancy, err);
+}
+
+/* The clip planes leave some of it: a brick's box, that of outer ones to the volume's faces. */
+static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
+{
+    const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
+    double lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = (double)(brick[a] * n->brick_voxels) + (brick[a] > 0 ? 0.5 : 0);
+        hi[a] = brick[a] + 1 < n->count[a] ? (double)((brick[a] + 1) * n->brick_voxels) + 0.5 : n->geometry.box_index[a];
+    }
+    return iso_view_keeps(view, &n->geometry, lo, hi);
+}
+
+static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_view *view,
+                         const iso_gl_brick_options *opt, brick_textures *t, iso_brick_pack *pack,
+                         iso_gl_brick_stats *stats, iso_error *err)
+{
+    const iso_node_levels *n = f->nodes;
+    size_t count = iso_brick_count(n);
+    uint8_t *visible = malloc(count);
+    *t = (brick_textures){0};
+    if (!visible)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
+    float entries[12];
+    iso_tf_table surface = opt->surface ? iso_gl_surface_tf(opt->surface, n->min, n->max, entries) : view->tf;
+    double shown = iso_brick_cull(f, &surface, 0, visible);
+    for (size_t i = 0; i < count; ++i)
+        visible[i] = visible[i] && (!opt->wanted || opt->wanted[i]) && is_kept(n, view, i);
+    size_t largest = (size_t)gl->max_texture_3d_size, page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
+    iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible, page_side,
+                                              opt->max_slots, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &t->tf, err);
+    if (status == ISO_OK)
+        status = fill_cache(gl, f, pack, opt, t, err);
+    if (status == ISO_OK)
+        status = upload_layout(gl, n, pack, t, err);
+    if (status == ISO_OK)
+        status = upload_occupancy(gl, n, visible, shown, opt, t, err);
+    *stats = (iso_gl_brick_stats){.brick_count = count, .shown_count = pack->brick_count,
+                                  .slot_count = pack->slot_count, .slot_side = pack->slot_side,
+                                  .texel_count = pack->page_count * pack->size[0] * pack->size[1] * pack->size[2],
+                                  .page_count = pack->page_count,
+                                  .node_count = pack->node_count};
+    free(visible);
+    if (status != ISO_OK)
+        destroy_textures(t);
+    return status;
+}
+
+/* ---- drawing ------------------------------------------------------------------ */
+
+static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_brick_pack *pack, const iso_view *view,
+                         double step_voxels, const iso_surface *surface)
+{
+    const iso_node_levels *n = f->nodes;
+    const iso_geometry *g = &n->geometry;
+    double side = (double)n->brick_voxels;
+    iso_gl_set_camera(program, g, view, step_voxels * iso_geometry_min_spacing_mm(g));
+    iso_gl_set_coordinates(program, iso_v3(1 / side, 1 / side, 1 / side), iso_v3(-0.5 / side, -0.5 / side, -0.5 / side));
+    iso_gl_set_int(program, "scalar", UNIT_SCALAR);
+    iso_gl_set_int(program, "tf", UNIT_TF);
+    iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
+    iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
+    iso_gl_set_int(program, "layout_of_bricks", UNIT_LAYOUT);
+    for (size_t k = 1; k < pack->page_count; ++k) {
+        char name[48];
+        snprintf(name, sizeof name, "scalar_pages[%zu]", k - 1);
+        iso_gl_set_int(program, name, (int)unit_of_scalar(k));
+        snprintf(name, sizeof name, "direction_pages[%zu]", k - 1);
+        iso_gl_set_int(program, name, (int)unit_of_directions(k));
+    }
+    iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));
+    iso_gl_set_vec3(program, "brick_in_cache", iso_v3(side / (double)pack->size[0], side / (double)pack->size[1],
+                                                      side / (double)pack->size[2]));
+    iso_gl_set_vec3(program, "last_node", iso_v3((double)(g->size[0] - 1) / side, (double)(g->size[1] - 1) / side,
+                                                 (double)(g->size[2] - 1) / side));
+    iso_gl_set_tf(program, &view->tf, n->min, n->max - n->min);
+    if (surface)
+        iso_gl_set_surface(program, surface, iso_v3(side, side, side), 0, n->min, n->max - n->min);
+    iso_gl_set_light(program, view);
+}
+
+static iso_status get_program(iso_gl *gl, const iso_view *view, const iso_gl_brick_options *opt, bool skip_empty,
+                              size_t page_count, GLuint *program, iso_error *err)
+{
+    char defines[256];
+    snprintf(defines, sizeof defines,
+             "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
+             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define FIRST_HIT %d\n#define PAGES %zu\n",
+             opt->shaded ? view->light_count : 0, opt->shaded && view->shading.specular > 0, skip_empty,
+             opt->surface ? (int)opt->surface->output + 1 : 0, page_count);
+    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+}
+
+static iso_status draw(iso_gl *gl, const iso_brick_field *f, const iso_brick_pack *pack, const iso_view *view,
+                       const iso_gl_brick_options *opt, const brick_textures *t, double step_voxels, iso_image *image,
+                       iso_gl_brick_stats *stats, iso_error *err)
+{
+    GLuint program;
+    iso_status status = get_program(gl, view, opt, t->skip_empty, pack->page_count, &program, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, view->width, view->height, err);
+    if (status != ISO_OK)
+        return status;
+    glUseProgram(program);
+    set_uniforms(program, f, pack, view, step_voxels, opt->surface);
+    status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &stats->seconds, &stats->gl, err);
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
+}
+
+iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_view *view,
+                                const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
+                                iso_error *err)
+{
+    double step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
+    iso_brick_pack pack = {0};
+    brick_textures textures;
+    iso_gl_brick_stats own;
+    stats = stats ? stats : &own;
+    *image = (iso_image){0};
+    if (!(step_voxels > 0 && isfinite(step_voxels)) || (opt->cache_bits != 16 && opt->cache_bits != 32))
+        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels must be above 0, cache of %d bits 16 or 32", step_voxels,
+                        opt->cache_bits);
+    if (view->classes || view->focus)
+        return iso_fail(err, ISO_E_RANGE, "gl: bricks have neither classes nor a region of interest");
+    iso_status status = iso_gl_bind(gl, err);
+    if (status == ISO_OK)
+        status = upload(gl, f, view, opt, &textures, &pack, stats, err);
+    if (status == ISO_OK) {
+        glFinish();
+        stats->gl.texture_bytes = bytes_of(&textures);
+        stats->bake_seconds = stats->gl.upload_seconds = iso_clock_seconds() - start;
+        status = draw(gl, f, &pack, view, opt, &textures, step_voxels, image, stats, err);
+        destroy_textures(&textures);
+    }
+    iso_brick_pack_destroy(&pack);
+    return status;
+}

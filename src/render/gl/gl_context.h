@@ -1,0 +1,71 @@
+/* gl_context.h - a headless OpenGL context, its programs and its textures.
+ *
+ * The context comes from EGL through libepoxy: each EGL device that is no
+ * software renderer first, then Mesa without a surface (llvmpipe). Core profile,
+ * 4.3 or newer. Nothing here knows about volumes.
+ *
+ * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
+#ifndef ISO_GL_CONTEXT_H
+#define ISO_GL_CONTEXT_H
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+#include <stddef.h>
+
+#include "render/gl/raycaster.h"
+
+#define ISO_GL_MAX_PROGRAMS 64
+
+struct iso_gl {
+    EGLDisplay display;
+    EGLContext context;
+    iso_gl_info info;
+    char *shader_dir; /* or NULL: the embedded shaders */
+    GLint max_texture_size, max_texture_3d_size;
+    GLuint vertex_array;
+    bool times_processor; /* iso_gl_time_processor() */
+    size_t program_count;
+    struct iso_gl_program {
+        char *key; /* fragment file and defines */
+        GLuint name;
+    } programs[ISO_GL_MAX_PROGRAMS];
+};
+
+/* Makes the context current on this thread. */
+iso_status iso_gl_bind(iso_gl *gl, iso_error *err);
+
+/* The program that draws a triangle over the whole target with the fragment
+ * shader `fragment` (a name under shaders/, such as "raycast.glsl"), preceded by
+ * the direction decoders and by `defines` (lines "#define NAME VALUE\n").
+ * Compiled once, kept by the context. ISO_E_PROGRAM with the compiler's log. */
+iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defines, GLuint *program, iso_error *err);
+
+/* A 3D texture, linear, clamped to the edge, storage only. ISO_E_RANGE with
+ * size and limit when it is too large for this GL, ISO_E_MEMORY. */
+iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
+                                    GLuint *texture, iso_error *err);
+/* One texel a brick, nearest: its distance to the nearest occupied one (brick/occupancy.h). */
+iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
+                                   iso_error *err);
+/* A 2D texture, nearest, from floats in RGBA. */
+iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
+                                         GLuint *texture, iso_error *err);
+
+/* Draws the program over a width x height float target and reads it back, first
+ * row first; *seconds (may be NULL) is the drawing alone. Textures and uniforms
+ * are the caller's. */
+iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
+                       iso_error *err);
+
+/* Draws `repeats` times (0: once) while they have taken less than repeat_seconds (0: all; else after a draw of one pixel);
+ * adds the draws to the stats. *least may be NULL. */
+iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, size_t repeats, double repeat_seconds, iso_image *image,
+                                  double *least, iso_gl_stats *stats, iso_error *err);
+
+/* Bytes of a texture by the bits that GL says its format has; 0 for the name 0. */
+double iso_gl_texture_bytes(GLenum target, GLuint texture);
+
+/* ISO_E_PROGRAM or ISO_E_MEMORY when GL has an error pending; `what` was done. */
+iso_status iso_gl_check(const char *what, iso_error *err);
+
+#endif

@@ -1,0 +1,30 @@
+/* gl_uniforms.h - what every ray casting program is told: camera, step, lights.
+ *
+ * raycast.glsl walks in its own coordinates p = scale * index + offset: texture
+ * coordinates of one volume, or bricks. */
+#ifndef ISO_GL_UNIFORMS_H
+#define ISO_GL_UNIFORMS_H
+
+#include "render/gl/gl_context.h"
+
+void iso_gl_set_float(GLuint program, const char *name, double value);
+void iso_gl_set_int(GLuint program, const char *name, int value);
+void iso_gl_set_vec3(GLuint program, const char *name, iso_vec3 v);
+/* Column-major, as GL has it. */
+void iso_gl_matrix_columns(iso_mat3 m, double columns[9]);
+
+void iso_gl_set_camera(GLuint program, const iso_geometry *g, const iso_view *view, double step_mm);
+void iso_gl_set_coordinates(GLuint program, iso_vec3 scale, iso_vec3 offset);
+void iso_gl_set_light(GLuint program, const iso_view *view);
+/* Texel t of the scalar is the value zero + t * per_texel. */
+void iso_gl_set_tf(GLuint program, const iso_tf_table *tf, double zero, double per_texel);
+
+
+/* A first-hit surface: samples of level 0 lie where samples_per_p * p - first_sample is whole. zero and per_texel as
+ * above. */
+void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 samples_per_p, double first_sample,
+                        double zero, double per_texel);
+/* A table that shows the values of a surface and what lies behind it: for culling. On the caller's entries. */
+iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12]);
+
+#endif

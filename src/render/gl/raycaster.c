@@ -1,0 +1,445 @@
+#include "render/gl/raycaster.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "brick/occupancy.h"
+#include "scene/roi.h"
+#include "render/gl/gl_palette.h"
+#include "render/gl/gl_context.h"
+#include "render/gl/gl_uniforms.h"
+#include "render/sampler.h"
+#include "tf/integral.h"
+
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS, UNIT_FOCUS_SCALAR, UNIT_FOCUS_TF, UNIT_FOCUS_DIRECTIONS };
+
+/* A level on the GPU, and how its texels become values and lattice vectors. */
+typedef struct level_textures {
+    GLuint scalar, directions, tf, tf_sums, occupancy, palette, classes; /* directions: the indices, with a palette */
+    bool skip_empty;
+    double value_per_texel; /* value = min + texel * value_per_texel */
+    double direction_scale, direction_offset;
+} level_textures;
+
+iso_gl_options iso_gl_defaults(void)
+{
+    return (iso_gl_options){.source = ISO_FROM_CODES, .brick_voxels = 8, .repeats = 1};
+}
+
+/* ---- upload ----------------------------------------------------------------- */
+
+static bool is_small_integer(iso_type type)
+{
+    return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
+}
+
+/* Integers of at most 16 bits are exact in R16: texel = (value - min) * m with the largest integer m that fits, so
+ * that a signed type needs no special case and few digits are lost to an offset. All else becomes (value - min) /
+ * (max - min) in float. Plane by plane: no second copy of the volume. */
+static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_textures *t, iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = size[0] * size[1];
+    double range = level->max - level->min;
+    bool integers = is_small_integer(level->stored_type) && range <= 65535 &&
+                    gl->info.filter_bits_unorm16 >= gl->info.filter_bits_float - 1;
+    double multiple = range > 0 ? floor(65535 / range) : 1;
+    iso_status status =
+        iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar, err);
+    if (status != ISO_OK)
+        return status;
+    void *plane = malloc(plane_count * (integers ? sizeof(uint16_t) : sizeof(float)));
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu voxels", plane_count);
+    uint16_t *codes = plane;
+    float *parts = plane;
+    for (size_t z = 0; z < size[2]; ++z) {
+        const float *from = level->scalar + z * plane_count;
+        for (size_t i = 0; i < plane_count; ++i)
+            if (integers)
+                codes[i] = (uint16_t)lrint(((double)from[i] - level->min) * multiple);
+            else
+                parts[i] = range > 0 ? (float)(((double)from[i] - level->min) / range) : 0;
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
+                        integers ? GL_UNSIGNED_SHORT : GL_FLOAT, plane);
+    }
+    free(plane);
+    t->value_per_texel = integers ? 65535 / multiple : range;
+    return iso_gl_check("uploading the scalar", err);
+}
+
+/* Bytes where they are filtered as finely as floats, else the same lattice in 16 bits: a multiple of the byte, so that
+ * nothing is rounded. */
+static iso_status upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, level_textures *t,
+                               iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = 3 * size[0] * size[1];
+    bool is_signed = iso_code_describe(code)->is_signed;
+    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
+                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
+    GLenum format = is_signed ? (wide ? GL_RGBA16_SNORM : GL_RGBA8_SNORM) : (wide ? GL_RGBA16 : GL_RGBA8);
+    GLenum type = is_signed ? (wide ? GL_SHORT : GL_BYTE) : (wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE);
+    t->direction_scale = is_signed ? (wide ? 32767.0 / (127 * 258) : 1) : 2;
+    t->direction_offset = is_signed ? 0 : -1;
+    iso_status status = iso_gl_create_texture_3d(gl, format, size, "direction codes", &t->directions, err);
+    if (status != ISO_OK)
+        return status;
+    int16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
+    if (wide && !plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
+    for (size_t z = 0; z < size[2]; ++z) {
+        const uint8_t *bytes = level->codes + z * plane_count;
+        for (size_t i = 0; wide && i < plane_count; ++i) {
+            int byte = (int8_t)bytes[i] < -127 ? -127 : (int8_t)bytes[i];
+            plane[i] = is_signed ? (int16_t)(byte * 258) : (int16_t)(uint16_t)(bytes[i] * 257);
+        }
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, type,
+                        wide ? (const void *)plane : bytes);
+    }
+    free(plane);
+    return iso_gl_check("uploading direction codes", err);
+}
+
+static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
+                                 level_textures *t, iso_error *err)
+{
+    const size_t *size = level->geometry.size;
+    size_t plane_count = size[0] * size[1];
+    if (source == ISO_FROM_FLOAT && !level->directions)
+        return iso_fail(err, ISO_E_RANGE, "gl: the level holds no float directions; build with --keep-float");
+    iso_status status = iso_gl_create_texture_3d(gl, GL_RGB32F, size, "float directions", &t->directions, err);
+    if (status != ISO_OK)
+        return status;
+    float *plane = malloc(3 * plane_count * sizeof *plane);
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);
+    for (size_t z = 0; z < size[2]; ++z) {
+        if (source != ISO_FROM_FLOAT)
+            iso_code_decode_all(code, level->codes + 3 * z * plane_count, plane, plane_count);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, GL_FLOAT,
+                        source != ISO_FROM_FLOAT ? plane : level->directions + 3 * z * plane_count);
+    }
+    free(plane);
+    t->direction_scale = 1;
+    return iso_gl_check("uploading float directions", err);
+}
+
+static void destroy_textures(level_textures *t)
+{
+    const GLuint names[] = {t->scalar, t->directions, t->tf, t->tf_sums, t->occupancy, t->palette, t->classes};
+    glDeleteTextures(sizeof names / sizeof *names, names);
+}
+
+static double bytes_of(const level_textures *t)
+{
+    const GLuint solid[] = {t->scalar, t->directions, t->occupancy, t->classes}, flat[] = {t->tf, t->tf_sums, t->palette};
+    double bytes = 0;
+    for (size_t i = 0; i < sizeof solid / sizeof *solid; ++i)
+        bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, solid[i]);
+    for (size_t i = 0; i < sizeof flat / sizeof *flat; ++i)
+        bytes += iso_gl_texture_bytes(GL_TEXTURE_2D, flat[i]);
+    return bytes;
+}
+
+/* The TF's sums as floats, and what the floats leave of them: their differences then keep a float's digits. */
+static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_textures *t, iso_error *err)
+{
+    iso_tf_integral integral;
+    iso_status status = iso_tf_integral_create(&integral, tf, err);
+    const size_t count = 4 * tf->count;
+    float *rows = malloc(2 * count * sizeof *rows);
+    if (status == ISO_OK && !rows)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for the integral of %zu entries", tf->count);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        rows[i] = (float)integral.sums[i];
+        rows[count + i] = (float)(integral.sums[i] - (double)rows[i]);
+    }
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err);
+    free(rows);
+    iso_tf_integral_destroy(&integral);
+    return status;
+}
+
+/* Decides whether empty bricks are skipped, and uploads their distances if so. */
+static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
+                                   const iso_tf_table *tf, level_textures *t, iso_error *err)
+{
+    if (opt->skip == ISO_GL_SKIP_NEVER)
+        return ISO_OK;
+    iso_brick_ranges r;
+    iso_status status = iso_brick_ranges_create(&r, level->scalar, &level->geometry, opt->brick_voxels, err);
+    if (status != ISO_OK)
+        return status;
+    uint8_t *distance = malloc(iso_brick_ranges_count(&r));
+    if (!distance) {
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", iso_brick_ranges_count(&r));
+    } else {
+        double occupied = iso_occupancy_compute(&r, tf, distance);
+        t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || occupied <= ISO_GL_SKIP_OCCUPIED;
+    }
+    /* A segment whose middle is in one brick may begin and end this many further. */
+    const size_t reach = opt->preintegrated ? (size_t)ceil(0.5 * opt->step_voxels / (double)opt->brick_voxels) : 0;
+    for (size_t i = 0; status == ISO_OK && reach > 0 && i < iso_brick_ranges_count(&r); ++i)
+        distance[i] = (uint8_t)(distance[i] > reach ? distance[i] - reach : 0);
+    if (status == ISO_OK && t->skip_empty)
+        status = iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err);
+    free(distance);
+    iso_brick_ranges_destroy(&r);
+    return status;
+}
+
+/* Bytes where they are filtered as finely as floats, else the same in 16 bits. */
+static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t, iso_error *err)
+{
+    const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
+    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
+                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
+    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "classes", &t->classes, err);
+    uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
+    if (status == ISO_OK && wide && !plane)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu classes", plane_count);
+    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z) {
+        for (size_t i = 0; wide && i < plane_count; ++i)
+            plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
+                        wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE, wide ? (const void *)plane : bytes + z * plane_count);
+    }
+    free(plane);
+    return status;
+}
+
+/* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
+static iso_status upload_classes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
+                                 const iso_class_tables *classes, level_textures *t, iso_error *err)
+{
+    const iso_tf_table *tables = classes->tables;
+    size_t row = 4 * tables[0].count;
+    iso_tf_table envelope = {0};
+    float *rows = malloc(ISO_CLASSES * row * sizeof *rows);
+    iso_status status = rows ? iso_class_envelope(classes, &envelope, err)
+                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_CLASSES, tables[0].count);
+    for (size_t c = 0; c < ISO_CLASSES && status == ISO_OK; ++c)
+        memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_CLASSES, rows, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_CLASSES);
+    if (status == ISO_OK)
+        status = upload_class_bytes(gl, level, classes->bytes, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
+    if (status == ISO_OK)
+        status = upload_occupancy(gl, level, opt, &envelope, t, err);
+    free(rows);
+    iso_tf_table_destroy(&envelope);
+    return status == ISO_OK ? iso_gl_check("uploading classes", err) : status;
+}
+
+static bool is_from_palette(iso_direction_source source)
+{
+    return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
+}
+
+/* The finer level of a region of interest. */
+static iso_status upload_focus(const iso_gl *gl, const iso_focus *f, iso_code code, iso_direction_source source, level_textures *t,
+                               iso_error *err)
+{
+    *t = (level_textures){0};
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_SCALAR);
+    iso_status status = upload_scalar(gl, &f->level, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_TF);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_DIRECTIONS);
+    if (status == ISO_OK)
+        status = source == ISO_FROM_CODES ? upload_codes(gl, &f->level, code, t, err)
+                                          : upload_vectors(gl, &f->level, code, source, t, err);
+    if (status != ISO_OK)
+        destroy_textures(t);
+    return status;
+}
+
+static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, const iso_gl_options *opt,
+                         const iso_view *view, level_textures *t, iso_error *err)
+{
+    const iso_tf_table *tf = &view->tf;
+    iso_direction_source source = opt->source;
+    *t = (level_textures){0};
+    glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
+    iso_status status = upload_scalar(gl, level, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF);
+    if (status == ISO_OK && view->classes)
+        status = upload_classes(gl, level, opt, view->classes, t, err);
+    else if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_TF_SUMS);
+    if (status == ISO_OK && opt->preintegrated)
+        status = upload_sums(gl, tf, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
+    if (status == ISO_OK && source == ISO_FROM_CODES)
+        status = upload_codes(gl, level, code, t, err);
+    else if (status == ISO_OK && is_from_palette(source))
+        status = iso_gl_upload_indices(gl, level, &t->directions, err);
+    else if (status == ISO_OK && source != ISO_FROM_ON_THE_FLY)
+        status = upload_vectors(gl, level, code, source, t, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_PALETTE);
+    if (status == ISO_OK && is_from_palette(source))
+        status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
+    float entries[12];
+    iso_tf_table below = opt->surface ? iso_gl_surface_tf(opt->surface, level->min, level->max, entries) : *tf;
+    if (status == ISO_OK && !view->classes)
+        status = upload_occupancy(gl, level, opt, &below, t, err);
+    if (status != ISO_OK)
+        destroy_textures(t);
+    return status;
+}
+
+/* ---- uniforms --------------------------------------------------------------- */
+
+static void set_field(GLuint program, const iso_level *level, const level_textures *t, const iso_gl_options *opt,
+                      const iso_tf_table *tf)
+{
+    const iso_geometry *g = &level->geometry;
+    iso_gl_set_int(program, "scalar", UNIT_SCALAR);
+    iso_gl_set_int(program, "tf", UNIT_TF);
+    iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
+    iso_gl_set_int(program, "palette", UNIT_PALETTE);
+    iso_gl_set_int(program, "class_part", UNIT_CLASSES);
+    iso_gl_set_int(program, "tf_sums", UNIT_TF_SUMS);
+    iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
+    iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
+    iso_gl_set_vec3(program, "voxel", voxel);
+    iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
+    double n = (double)opt->brick_voxels;
+    iso_gl_set_vec3(program, "bricks_per_volume",
+             iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
+    double min_spacing_mm = iso_geometry_min_spacing_mm(g);
+    iso_gl_set_tf(program, tf, level->min, t->value_per_texel);
+    if (opt->surface)
+        iso_gl_set_surface(program, opt->surface, iso_v3((double)g->size[0], (double)g->size[1], (double)g->size[2]), 0.5,
+                           level->min, t->value_per_texel);
+    iso_gl_set_float(program, "direction_scale", t->direction_scale);
+    iso_gl_set_float(program, "direction_offset", t->direction_offset);
+    /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
+    double range = level->max - level->min;
+    iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(g),
+                                range > 0 ? 0.5 * t->value_per_texel * min_spacing_mm / range : 0);
+    double columns[9];
+    float float_columns[9];
+    iso_gl_matrix_columns(m, columns);
+    for (int i = 0; i < 9; ++i)
+        float_columns[i] = (float)columns[i];
+    glUniformMatrix3fv(glGetUniformLocation(program, "gradient_to_world"), 1, GL_FALSE, float_columns);
+    iso_gl_set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
+}
+
+static void set_focus(GLuint program, const iso_focus *f, const iso_geometry *around, const level_textures *t)
+{
+    const size_t *size = around->size, *own = f->level.geometry.size;
+    double scale[3], offset[3];
+    for (int a = 0; a < 3; ++a) {
+        scale[a] = f->scale * (double)size[a] / (double)own[a];
+        offset[a] = -f->offset[a] / (double)own[a];
+    }
+    iso_gl_set_int(program, "focus_scalar", UNIT_FOCUS_SCALAR);
+    iso_gl_set_int(program, "focus_tf", UNIT_FOCUS_TF);
+    iso_gl_set_int(program, "focus_directions", UNIT_FOCUS_DIRECTIONS);
+    double entries = (double)(f->tf.count - 1) / (f->tf.hi - f->tf.lo);
+    iso_gl_set_float(program, "focus_tf_scale", t->value_per_texel * entries);
+    iso_gl_set_float(program, "focus_tf_offset", (f->level.min - f->tf.lo) * entries);
+    iso_gl_set_int(program, "focus_tf_count", (int)f->tf.count);
+    iso_gl_set_vec3(program, "focus_place_scale", iso_v3(scale[0], scale[1], scale[2]));
+    iso_gl_set_vec3(program, "focus_place_offset", iso_v3(offset[0], offset[1], offset[2]));
+    iso_gl_set_vec3(program, "focus_lo", iso_v3(f->lo[0], f->lo[1], f->lo[2]));
+    iso_gl_set_vec3(program, "focus_hi", iso_v3(f->hi[0], f->hi[1], f->hi[2]));
+    iso_gl_set_float(program, "focus_band", f->band);
+    iso_gl_set_vec3(program, "index_per_p", iso_v3((double)size[0], (double)size[1], (double)size[2]));
+}
+
+/* ---- rendering -------------------------------------------------------------- */
+
+static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
+                              bool skip_empty, GLuint *program, iso_error *err)
+{
+    static const int shader_sources[ISO_SOURCE_COUNT] = {
+        [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
+        [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4, [ISO_FROM_FLIPPED] = 5};
+    char defines[420];
+    snprintf(defines, sizeof defines,
+             "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
+             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
+             "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define FOCUS %d\n",
+             shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
+             opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
+             view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated,
+             opt->exact_lookups,
+             opt->surface ? (int)opt->surface->output + 1 : 0, view->focus != NULL);
+    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+}
+
+iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
+                         const iso_gl_options *options, iso_image *image, double *seconds, iso_error *err)
+{
+    iso_gl_options with_step = *options, *opt = &with_step;
+    /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
+    const double step_voxels = opt->step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    *image = (iso_image){0};
+    if (opt->surface && (view->classes || !isfinite(opt->surface->iso)))
+        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no deviation classes");
+    if (!(step_voxels > 0 && isfinite(step_voxels)))
+        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
+    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->focus))
+        return iso_fail(err, ISO_E_USAGE, "gl: exact lookups are for the integral by midpoints, without a region of interest");
+    if (view->classes && opt->preintegrated)
+        return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
+    if (view->focus && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
+        return iso_fail(err, ISO_E_USAGE, "gl: a region of interest takes codes, decoded or float directions, and no surface or "
+                                          "pre-integration");
+    GLuint program;
+    level_textures textures, focus_textures = {0};
+    iso_gl_stats stats = {0};
+    const double start = iso_clock_seconds();
+    if (view->focus)
+        with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
+    iso_status status = iso_gl_bind(gl, err);
+    if (status == ISO_OK)
+        status = upload(gl, level, code, opt, view, &textures, err);
+    if (status != ISO_OK)
+        return status;
+    if (view->focus)
+        status = upload_focus(gl, view->focus, code, opt->source, &focus_textures, err);
+    if (status == ISO_OK)
+        status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, view->width, view->height, err);
+    if (status == ISO_OK) {
+        glUseProgram(program);
+        iso_gl_set_camera(program, &level->geometry, view,
+                          step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry)));
+        set_field(program, level, &textures, opt, view->classes ? &view->classes->tables[0] : &view->tf);
+        iso_gl_set_light(program, view);
+        if (view->focus)
+            set_focus(program, view->focus, &level->geometry, &focus_textures);
+    }
+    double least = INFINITY;
+    if (status == ISO_OK) {
+        glFinish();
+        stats.texture_bytes = bytes_of(&textures) + bytes_of(&focus_textures);
+        stats.upload_seconds = iso_clock_seconds() - start;
+        status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &least, &stats, err);
+    }
+    if (opt->stats)
+        *opt->stats = stats;
+    if (seconds)
+        *seconds = least;
+    destroy_textures(&textures);
+    destroy_textures(&focus_textures);
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
+}

@@ -1,0 +1,78 @@
+/* raycaster.h - the OpenGL ray caster: headless, by EGL, on a GPU or in software.
+ *
+ * Quadrature: segments [k ds, (k+1) ds] of each ray clipped to the box, one
+ * sample in the middle, 1 - exp(-sigma length); or pre-integrated, the TF's means
+ * between the values at both ends (tf/integral.h); or the first hit of a value, by
+ * the reference's definition (reference.h). Textures: scalar R16 where the
+ * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
+ * from floats, or on the fly. At start the texture filter is probed: where
+ * 8-bit textures are filtered in 8 bits (llvmpipe), codes travel in 16 bits. */
+#ifndef ISO_GL_RAYCASTER_H
+#define ISO_GL_RAYCASTER_H
+
+#include "image/image.h"
+#include "scene/field.h"
+#include "scene/scene.h"
+
+typedef struct iso_gl iso_gl; /* a context with its programs */
+
+typedef struct iso_gl_info {
+    char vendor[128], renderer[128], version[128];
+    int filter_bits_unorm8;  /* bits that linear filtering of the format keeps, as probed */
+    int filter_bits_unorm16;
+    int filter_bits_float;
+} iso_gl_info;
+
+/* shader_dir: read the shaders there instead of the embedded ones; or NULL.
+ * ISO_E_MISSING when EGL gives no context, with what was tried. The context is
+ * current on the calling thread only. */
+iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
+void iso_gl_destroy(iso_gl *gl);
+iso_gl_info iso_gl_describe(const iso_gl *gl);
+/* From now on times are the process's processor time over all cores instead of the wall clock's: for software GL on a
+ * machine that has other work. */
+void iso_gl_time_processor(iso_gl *gl, bool processor);
+
+/* Leaving out bricks that the TF does not show changes no pixel by more than
+ * rounding; it pays on sparse TFs and costs a little on dense ones. */
+typedef enum iso_gl_skip {
+    ISO_GL_SKIP_AUTO, /* where at most ISO_GL_SKIP_OCCUPIED of the bricks are occupied */
+    ISO_GL_SKIP_NEVER,
+    ISO_GL_SKIP_ALWAYS
+} iso_gl_skip;
+#define ISO_GL_SKIP_OCCUPIED 0.5
+
+/* What an image took. */
+#define ISO_GL_MAX_DRAWS 16
+typedef struct iso_gl_stats {
+    double upload_seconds; /* until the first draw: textures made and filled, shaders compiled */
+    double texture_bytes;  /* of all textures that a draw reads, by the bits that GL has for their formats */
+    size_t draw_count;     /* how many of draw_seconds are filled */
+    double draw_seconds[ISO_GL_MAX_DRAWS];
+} iso_gl_stats;
+
+typedef struct iso_gl_options {
+    iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
+    double step_voxels;          /* 0: the view's */
+    iso_gl_skip skip;
+    size_t brick_voxels;         /* of the skipped bricks */
+    size_t repeats;              /* draws; the time is that of the fastest */
+    double repeat_seconds;       /* above 0: no further draw begins once they took so long; and a draw of one pixel goes
+                                  * before them, because drivers compile in the first one */
+    iso_gl_stats *stats;         /* filled; or NULL */
+    bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
+                                  * lights, with one direction to the viewer; exact for orthographic cameras and the
+                                  * nearest entry, else shades are filtered instead of directions */
+    bool preintegrated;          /* not with classes */
+    bool exact_lookups;          /* textures are filtered in the shader, at positions in double precision, instead of by the
+                                  * texture unit, whose coordinates are floats, and so is the table's entry found: slow,
+                                  * for certifying; not with a surface, pre-integration or a region of interest */
+    const iso_surface *surface;  /* its first hit instead of the integral, or NULL; exact in each cell: no step */
+} iso_gl_options;
+iso_gl_options iso_gl_defaults(void);
+
+/* Uploads a level and renders it; *seconds (may be NULL) is the drawing alone. */
+iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
+                         const iso_gl_options *opt, iso_image *image, double *seconds, iso_error *err);
+
+#endif

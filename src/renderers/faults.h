@@ -1,0 +1,86 @@
+/* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
+ * `isoshade bench power` can show that each is rejected, by which check, and from which amount on. */
+#ifndef ISO_RENDERERS_FAULTS_H
+#define ISO_RENDERERS_FAULTS_H
+
+#include "image/image.h"
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+
+/* enum, name, the check of calibrate.h that is made for it */
+#define ISO_FAULT_LIST(X)                                                                    \
+    X(ISO_FAULT_HALF_VOXEL, "the volume stands half a voxel off", "placement")               \
+    X(ISO_FAULT_MIRRORED, "the direction matrix is mirrored along x", "placement")           \
+    X(ISO_FAULT_STALE, "the volume is an older one", "placement")                            \
+    X(ISO_FAULT_UNIT, "extinction is for 10 % more length", "slab")                          \
+    X(ISO_FAULT_PREMULTIPLIED, "colour is multiplied by alpha twice", "slab")                \
+    X(ISO_FAULT_SRGB, "the TF's colours are taken for sRGB", "transfer function")            \
+    X(ISO_FAULT_RANGE, "the TF's range is off by one entry", "transfer function")            \
+    X(ISO_FAULT_LEVEL, "the level is off by one", "transfer function")                       \
+    X(ISO_FAULT_AXIS_SWAP, "x and y of the directions are exchanged", "light")               \
+    X(ISO_FAULT_NOT_INVERSE_TRANSPOSE, "gradients go to the world by the matrix itself", "light") \
+    X(ISO_FAULT_LIGHT, "the light comes from the mirrored side", "light")                    \
+    X(ISO_FAULT_ONE_SIDED, "the light is one-sided", "light")                                \
+    X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")
+
+typedef enum iso_fault {
+    ISO_FAULT_NONE,
+#define ISO_FAULT_ENUM(name, text, check) name,
+    ISO_FAULT_LIST(ISO_FAULT_ENUM)
+#undef ISO_FAULT_ENUM
+    ISO_FAULT_COUNT
+} iso_fault;
+
+const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
+const char *iso_fault_check(iso_fault fault); /* NULL for it */
+
+/* Faults of any amount, for the smallest that is rejected: enum, name, unit of the amount, an amount that nobody could
+ * miss, the check. A percentage of 1 makes a length, an exponent ... 1.01 times what it was. */
+#define ISO_DEVIATION_LIST(X)                                                                      \
+    X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
+    X(ISO_DEVIATION_SPACING, "voxels are longer along x", "percent", 20.0, "placement")            \
+    X(ISO_DEVIATION_CAMERA, "the camera sees more", "percent", 20.0, "placement")                  \
+    X(ISO_DEVIATION_UNIT, "extinction is for more length", "percent", 20.0, "slab")                \
+    X(ISO_DEVIATION_GAIN, "radiance is too bright", "percent", 20.0, "slab")                       \
+    X(ISO_DEVIATION_PIXEL, "the middle pixel is too bright", "of 1", 1.0, "slab")                  \
+    X(ISO_DEVIATION_GAMMA, "the TF's colours have a gamma", "percent", 120.0, "transfer function") \
+    X(ISO_DEVIATION_RANGE, "the TF's range ends too late", "entry", 2.0, "transfer function")      \
+    X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")              \
+    X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                       \
+    X(ISO_DEVIATION_EXPONENT, "the highlight's exponent is larger", "percent", 100.0, "light")
+
+typedef enum iso_deviation {
+    ISO_DEVIATION_NONE,
+#define ISO_DEVIATION_ENUM(name, text, unit, most, check) name,
+    ISO_DEVIATION_LIST(ISO_DEVIATION_ENUM)
+#undef ISO_DEVIATION_ENUM
+    ISO_DEVIATION_COUNT
+} iso_deviation;
+
+const char *iso_deviation_name(iso_deviation d);  /* "nothing" for ISO_DEVIATION_NONE */
+const char *iso_deviation_unit(iso_deviation d);  /* NULL for it */
+const char *iso_deviation_check(iso_deviation d); /* NULL for it */
+double iso_deviation_most(iso_deviation d);
+
+/* What is planted: a fault, a deviation of an amount, or, zeroed, nothing. */
+typedef struct iso_planted {
+    iso_fault fault;
+    iso_deviation deviation;
+    double amount;
+} iso_planted;
+
+/* The deviation that undoes one: if the renderer's scene is the reference's with `planted`, the reference's is the
+ * renderer's with this. Exact but for the codes of directions. */
+iso_planted iso_planted_inverse(const iso_planted *planted);
+
+/* Spoils what a renderer is given: level `level` of p, and the view. planted NULL: nothing. */
+void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
+/* The level that is rendered instead of `level`. */
+size_t iso_planted_level(const iso_planted *planted, size_t level);
+/* Faults of the picture itself. */
+void iso_planted_spoil(const iso_planted *planted, iso_image *image);
+
+/* iso_plant() of a fault alone. */
+void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
+
+#endif

@@ -1,0 +1,210 @@
+#include "report/baseline.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report/report.h"
+
+static const char schema[] = "isoshade.accepted/2";
+
+static const char *string_of(const json_t *object, const char *key)
+{
+    const char *s = json_string_value(json_object_get(object, key));
+    return s ? s : "";
+}
+
+/* Four digits say more than a figure repeats. */
+static json_t *rounded(double value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.4g", value);
+    return json_real(strtod(text, NULL));
+}
+
+/* The verdict, and what was measured: a refused row has nulls, which are left out, and miss later. */
+static iso_status take_row(json_t *rows, const json_t *row, const char *name, const char *const keys[], size_t *figures, iso_error *err)
+{
+    if (json_object_get(rows, name))
+        return iso_fail(err, ISO_E_RANGE, "baseline: the report has two rows \"%s\"", name);
+    json_t *kept = json_object();
+    if (string_of(row, "verdict")[0])
+        json_object_set_new(kept, "verdict", json_string(string_of(row, "verdict")));
+    for (int i = 0; keys[i]; ++i) {
+        const json_t *value = json_object_get(row, keys[i]);
+        if (!json_is_number(value))
+            continue;
+        json_object_set_new(kept, keys[i], rounded(json_number_value(value)));
+        ++*figures;
+    }
+    json_object_set_new(rows, name, kept);
+    return ISO_OK;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* The same rows in the order of their names; takes the reference. NULL when memory ends. */
+static json_t *sorted(json_t *rows)
+{
+    const char **names = calloc(json_object_size(rows) + 1, sizeof *names), *name;
+    json_t *out = json_object(), *row;
+    size_t count = 0;
+    json_object_foreach(rows, name, row)
+        if (names)
+            names[count++] = name;
+    if (names)
+        qsort(names, count, sizeof *names, by_name);
+    for (size_t i = 0; i < count; ++i)
+        json_object_set(out, names[i], json_object_get(rows, names[i]));
+    json_decref(rows);
+    free(names);
+    if (names)
+        return out;
+    json_decref(out);
+    return NULL;
+}
+
+iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso_error *err)
+{
+    static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", NULL};
+    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", NULL};
+    *baseline = NULL;
+    if (strcmp(string_of(report, "schema"), "isoshade.validate/1") != 0)
+        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted isoshade.validate/1", string_of(report, "schema"));
+    json_t *rows = json_object(), *row;
+    size_t i, figures = 0;
+    char name[700];
+    iso_status status = ISO_OK;
+    json_array_foreach(json_object_get(report, "agreement"), i, row) {
+        snprintf(name, sizeof name, "agreement/%s/level %lld/%s/%s/%s", string_of(row, "scene"),
+                 (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), string_of(row, "b"),
+                 string_of(row, "tier"));
+        if (status == ISO_OK)
+            status = take_row(rows, row, name, agreement_keys, &figures, err);
+    }
+    json_array_foreach(json_object_get(report, "consistency"), i, row) {
+        char method[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, method);
+        snprintf(name, sizeof name, "consistency/%s/level %lld", method,
+                 (long long)json_integer_value(json_object_get(row, "level")));
+        if (status == ISO_OK)
+            status = take_row(rows, row, name, consistency_keys, &figures, err);
+    }
+    if (status == ISO_OK && figures == 0)
+        status = iso_fail(err, ISO_E_RANGE, "baseline: the report holds no figure");
+    if (status == ISO_OK && !(rows = sorted(rows)))
+        status = iso_fail(err, ISO_E_MEMORY, "baseline: out of memory");
+    if (status != ISO_OK) {
+        json_decref(rows);
+        return status;
+    }
+    *baseline = json_pack("{s:s, s:s, s:O*, s:O*, s:o}", "schema", schema, "command", string_of(report, "command"), "options",
+                          json_object_get(report, "options"), "versions", json_object_get(report, "versions"), "rows", rows);
+    return ISO_OK;
+}
+
+static void note(iso_baseline_result *r, const char *row, const char *key, const json_t *accepted, const json_t *now, const char *change)
+{
+    char figure[800];
+    snprintf(figure, sizeof figure, "%s/%s", row, key);
+    json_t *o = json_pack("{s:s, s:O, s:O, s:s}", "figure", figure, "accepted", accepted ? accepted : json_null(), "now",
+                          now ? now : json_null(), "change", change);
+    if (strcmp(change, "worse") == 0 || strcmp(change, "missing") == 0)
+        json_array_insert_new(r->changes, 0, o);
+    else
+        json_array_append_new(r->changes, o);
+}
+
+/* "differ" is worse than "agree", and not to have been compared is no better; "reported" has no gate. */
+static int badness(const json_t *verdict)
+{
+    const char *word = json_string_value(verdict);
+    return !word ? 2 : strcmp(word, "differ") == 0 || strcmp(word, "refused") == 0 ? 1 : 0;
+}
+
+static void compare_figure(const char *row, const char *key, const json_t *before, const json_t *after, double factor, double floor,
+                           iso_baseline_result *r)
+{
+    int step; /* above 0: worse */
+    if (json_is_string(before)) {
+        step = badness(after) - badness(before);
+    } else {
+        double old = json_number_value(before), new = json_number_value(after);
+        step = !(new <= factor * old + floor) ? 1 : new < old / factor - floor ? -1 : 0;
+    }
+    if (!after || json_typeof(before) != json_typeof(after)) {
+        ++r->missing;
+        note(r, row, key, before, NULL, "missing");
+    } else if (step > 0) {
+        ++r->worse;
+        note(r, row, key, before, after, "worse");
+    } else if (step < 0) {
+        ++r->better;
+        note(r, row, key, before, after, "better");
+    } else {
+        ++r->same;
+    }
+}
+
+static void compare_rows(const json_t *now, const json_t *accepted, double factor, double floor, iso_baseline_result *r)
+{
+    const char *name, *key;
+    json_t *row, *value;
+    json_object_foreach((json_t *)now, name, row)
+        json_object_foreach(row, key, value)
+            if (!json_object_get(json_object_get(accepted, name), key)) {
+                ++r->added;
+                note(r, name, key, NULL, value, "new");
+            }
+    json_object_foreach((json_t *)accepted, name, row)
+        json_object_foreach(row, key, value)
+            compare_figure(name, key, value, json_object_get(json_object_get(now, name), key), factor, floor, r);
+}
+
+static void compare_facts(const json_t *now, const json_t *accepted, const char *section, iso_baseline_result *r)
+{
+    const json_t *new = json_object_get(now, section), *old = json_object_get(accepted, section);
+    json_t *both = json_object(), *unused;
+    const char *key;
+    if (old)
+        json_object_update(both, (json_t *)old);
+    if (new)
+        json_object_update(both, (json_t *)new);
+    json_object_foreach(both, key, unused) {
+        json_t *before = json_object_get(old, key), *after = json_object_get(new, key);
+        char fact[300];
+        if (before && after && json_equal(before, after))
+            continue;
+        snprintf(fact, sizeof fact, "%s/%s", section, key);
+        json_array_append_new(r->facts, json_pack("{s:s, s:O, s:O}", "fact", fact, "accepted", before ? before : json_null(), "now",
+                                                  after ? after : json_null()));
+    }
+    json_decref(both);
+}
+
+iso_status iso_baseline_compare(const json_t *now, const json_t *accepted, double factor, double floor,
+                                iso_baseline_result *result, iso_error *err)
+{
+    *result = (iso_baseline_result){0};
+    if (strcmp(string_of(accepted, "schema"), schema) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted %s", string_of(accepted, "schema"), schema);
+    if (!(factor >= 1 && factor <= 1e6) || !(floor >= 0 && floor <= 1))
+        return iso_fail(err, ISO_E_RANGE, "baseline: factor %g, must be 1 to 1e6; floor %g, must be 0 to 1", factor, floor);
+    result->changes = json_array();
+    result->facts = json_array();
+    compare_rows(json_object_get(now, "rows"), json_object_get(accepted, "rows"), factor, floor, result);
+    compare_facts(now, accepted, "versions", result);
+    compare_facts(now, accepted, "options", result);
+    return ISO_OK;
+}
+
+void iso_baseline_result_destroy(iso_baseline_result *r)
+{
+    json_decref(r->changes);
+    json_decref(r->facts);
+    *r = (iso_baseline_result){0};
+}

@@ -1,0 +1,418 @@
+#define _GNU_SOURCE
+#include "report/figure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "report/figure_draw.h"
+#include "compare/metrics.h"
+#include "report/report.h"
+
+static const char *const kind_names[ISO_FIGURE_COUNT] = {"levels", "renderers"};
+enum { max_panels = 256 };
+
+typedef iso_figure_panel panel;
+
+typedef struct figure {
+    const iso_figure_options *opt;
+    const char *report_dir;
+    json_t *report;
+    panel *panels;
+    size_t count, rows, columns;
+    bool in_logs;
+    double low, high; /* of the difference maps; log10 when in_logs */
+    FILE *caption;
+} figure;
+
+const char *iso_figure_name(iso_figure_kind kind)
+{
+    return kind_names[kind];
+}
+
+iso_status iso_figure_from_name(const char *name, iso_figure_kind *kind, iso_error *err)
+{
+    for (int i = 0; i < ISO_FIGURE_COUNT; ++i)
+        if (strcmp(kind_names[i], name) == 0) {
+            *kind = (iso_figure_kind)i;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "no figure is called \"%s\"; wanted levels or renderers", name);
+}
+
+iso_figure_options iso_figure_defaults(void)
+{
+    return (iso_figure_options){.kind = ISO_FIGURE_LEVELS, .width_mm = 178, .height_mm = 230, .dpi = 300};
+}
+
+static const char *string_of(const json_t *object, const char *key)
+{
+    const char *s = json_string_value(json_object_get(object, key));
+    return s ? s : "";
+}
+
+static double number_of(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+/* A caption names the file, not where it lies. */
+static const char *file_name_of(const json_t *report, const char *key)
+{
+    return iso_path_base(string_of(report, key));
+}
+
+static iso_status load_image(const figure *f, const char *name, iso_image *image, iso_error *err)
+{
+    char *path = NULL;
+    if (asprintf(&path, "%s/images/%s.exr", f->report_dir, name) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    iso_status status = iso_image_load_exr(path, image, err);
+    free(path);
+    return status;
+}
+
+static iso_status add_panel(figure *f, panel p, iso_error *err)
+{
+    if (f->count == max_panels)
+        return iso_fail(err, ISO_E_RANGE, "figure: more than %d panels", (int)max_panels);
+    p.mm_per_pixel = number_of(json_object_get(json_object_get(f->report, "images"), p.image), "mm_per_pixel");
+    if (!(p.mm_per_pixel > 0))
+        p.mm_per_pixel = 0;
+    iso_status status = load_image(f, p.image, &p.a, err);
+    if (status == ISO_OK && p.against)
+        status = load_image(f, p.against, &p.b, err);
+    if (status == ISO_OK && p.against)
+        status = iso_metrics_measure(&p.a, &p.b, &p.metrics, err);
+    if (status != ISO_OK) {
+        iso_image_destroy(&p.a);
+        iso_image_destroy(&p.b);
+        return status;
+    }
+    f->rows = p.row + 1 > f->rows ? p.row + 1 : f->rows;
+    f->columns = p.column + 1 > f->columns ? p.column + 1 : f->columns;
+    f->panels[f->count++] = p;
+    return ISO_OK;
+}
+
+/* ---- levels ----------------------------------------------------------------- */
+
+static bool is_in_list(const char *list, const char *word)
+{
+    size_t n = strlen(word);
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
+        if (strncmp(at, word, n) == 0 && (at[n] == 0 || at[n] == ','))
+            return true;
+    return false;
+}
+
+static bool is_adapted(const json_t *row)
+{
+    return strcmp(string_of(row, "tf"), "adapted") == 0;
+}
+
+/* The methods of the report that have pictures, each under each TF, in its order: iso_report_consistency_name() as keys
+ * of an object, and whether the TF is adapted. */
+static json_t *pictured_methods(const json_t *rows)
+{
+    json_t *methods = json_object(), *row;
+    size_t i;
+    json_array_foreach(rows, i, row) {
+        char name[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, name);
+        if (string_of(row, "image")[0] && string_of(row, "reference_image")[0])
+            json_object_set_new(methods, name, json_boolean(is_adapted(row)));
+    }
+    return methods;
+}
+
+static iso_status check_methods(json_t *methods, const char *list, iso_error *err)
+{
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        char word[ISO_CONSISTENCY_NAME_BYTES], known[400] = "";
+        const char *method;
+        json_t *adapted;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
+        if (json_object_get(methods, word))
+            continue;
+        json_object_foreach(methods, method, adapted)
+            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", known[0] ? ", " : "", method);
+        return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\", but of %s", word, known);
+    }
+    return ISO_OK;
+}
+
+/* Those of a list; without one the first and the last under the original TF. */
+static json_t *chosen_methods(json_t *methods, const char *list)
+{
+    json_t *chosen = json_object(), *adapted;
+    const char *method, *first = NULL, *last = NULL;
+    json_object_foreach(methods, method, adapted) {
+        if (list && is_in_list(list, method))
+            json_object_set(chosen, method, adapted);
+        if (!json_is_true(adapted))
+            first = first ? first : method, last = method;
+    }
+    if (!list && last) {
+        json_object_set_new(chosen, first, json_false());
+        json_object_set_new(chosen, last, json_false());
+    }
+    return chosen;
+}
+
+static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *err)
+{
+    size_t level = (size_t)json_integer_value(json_object_get(row, "level"));
+    panel p = {.row = 2 * at, .column = level, .image = string_of(row, "image")};
+    if (at == 0)
+        snprintf(p.title, sizeof p.title, "level %zu", level);
+    iso_status status = add_panel(f, p, err);
+    if (status != ISO_OK)
+        return status;
+    p = (panel){.row = 2 * at + 1, .column = level, .image = p.image, .against = string_of(row, "reference_image")};
+    status = add_panel(f, p, err);
+    if (status != ISO_OK)
+        return status;
+    panel *added = &f->panels[f->count - 1];
+    snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
+             1 - added->metrics.ssim, added->metrics.flip_mean);
+    fprintf(f->caption, " %s%s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees", string_of(row, "method"),
+            is_adapted(row) ? " with the adapted transfer function" : "", level, number_of(row, "ssim_dissimilarity_mean"),
+            number_of(row, "flip_mean"), number_of(row, "gradient_angle_mean_deg"));
+    fputs(string_of(row, "original_kept")[0] ? " (adapting refused, the original kept)." : ".", f->caption);
+    return ISO_OK;
+}
+
+/* The levels of one method under one TF. */
+static iso_status add_levels(figure *f, const json_t *rows, const char *method, size_t at, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    bool first = true;
+    json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row) {
+        char name[ISO_CONSISTENCY_NAME_BYTES];
+        iso_report_consistency_name(row, name);
+        if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
+            continue;
+        if (first) { /* level 0 stands before each row of pictures */
+            panel p = {.row = 2 * at, .image = string_of(row, "reference_image"), .scale_bar = at == 0};
+            snprintf(p.side, sizeof p.side, "%.60s%s", string_of(row, "method"), is_adapted(row) ? " (adapted TF)" : "");
+            if (at == 0)
+                snprintf(p.title, sizeof p.title, "level 0");
+            status = add_panel(f, p, err);
+        }
+        first = false;
+        if (status == ISO_OK)
+            status = add_level(f, row, at, err);
+    }
+    return status;
+}
+
+static iso_status plan_levels(figure *f, iso_error *err)
+{
+    const json_t *rows = json_object_get(f->report, "consistency");
+    json_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->opt->methods), *adapted;
+    const char *method;
+    size_t shown = 0;
+    iso_status status = ISO_OK;
+    if (json_object_size(f->opt->methods ? methods : chosen) == 0)
+        status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
+    if (status == ISO_OK)
+        status = check_methods(methods, f->opt->methods, err);
+    fprintf(f->caption, "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
+                        "channels, on a linear scale. Figures below a map are of this view; means over all views:",
+            file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
+    json_object_foreach(chosen, method, adapted)
+        if (status == ISO_OK)
+            status = add_levels(f, rows, method, shown++, err);
+    json_decref(chosen);
+    json_decref(methods);
+    return status;
+}
+
+/* ---- renderers -------------------------------------------------------------- */
+
+static iso_status add_comparison(figure *f, const json_t *row, size_t column, iso_error *err)
+{
+    const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b");
+    panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
+    panel middle = {.row = 1, .column = column, .image = b}, bottom = {.row = 2, .column = column, .image = b, .against = a};
+    snprintf(top.title, sizeof top.title, "%.60s%s", string_of(row, "b"), strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
+    if (column == 0) {
+        snprintf(top.side, sizeof top.side, "reference");
+        snprintf(middle.side, sizeof middle.side, "renderer");
+        snprintf(bottom.side, sizeof bottom.side, "difference");
+    }
+    iso_status status = add_panel(f, top, err);
+    if (status == ISO_OK)
+        status = add_panel(f, middle, err);
+    if (status == ISO_OK)
+        status = add_panel(f, bottom, err);
+    if (status != ISO_OK)
+        return status;
+    panel *added = &f->panels[f->count - 1];
+    snprintf(added->note, sizeof added->note, "RMSE %.2g|max %.2g", added->metrics.rmse, added->metrics.max_abs);
+    fprintf(f->caption, " %s against %s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", string_of(row, "b"),
+            string_of(row, "a"), added->metrics.rmse, added->metrics.max_abs, added->metrics.flip_mean,
+            string_of(row, "verdict"));
+    return ISO_OK;
+}
+
+/* The renderers themselves, or those whose name says the variant. Names are "gl", "gl, limit", "gl, naive, adapted TF". */
+static bool is_shown(const json_t *row, const iso_figure_options *opt)
+{
+    const char *name = string_of(row, "b"), *rest = strchr(name, ',');
+    if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level || strcmp(string_of(row, "verdict"), "refused") == 0)
+        return false;
+    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] || (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
+        return false;
+    return opt->variant ? strstr(name, opt->variant) != NULL : !rest || strcmp(rest, ", limit") == 0;
+}
+
+/* Renderers stand together, whatever order the report has. */
+static int by_renderer(const void *a, const void *b)
+{
+    const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
+    int order = strcmp(string_of(x, "b"), string_of(y, "b"));
+    return order ? order : strcmp(string_of(x, "tier"), string_of(y, "tier"));
+}
+
+/* A figure is of one scene; a suite has many. */
+static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error *err)
+{
+    json_t *scenes = json_object();
+    const char *name;
+    json_t *value;
+    char names[400] = "";
+    for (size_t i = 0; i < count; ++i)
+        json_object_set_new(scenes, string_of(shown[i], "scene"), json_true());
+    json_object_foreach(scenes, name, value)
+        snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", names[0] ? ", " : "", name);
+    size_t scene_count = json_object_size(scenes);
+    json_decref(scenes);
+    return scene_count <= 1 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "the report has %zu scenes, --scene chooses one: %s", scene_count, names);
+}
+
+static iso_status plan_renderers(figure *f, iso_error *err)
+{
+    const json_t *rows = json_object_get(f->report, "agreement");
+    json_t *row, **shown = calloc(json_array_size(rows) + 1, sizeof *shown);
+    size_t i, count = 0;
+    if (!shown)
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    json_array_foreach(rows, i, row)
+        if (is_shown(row, f->opt))
+            shown[count++] = row;
+    qsort(shown, count, sizeof *shown, by_renderer);
+    const char *volume = file_name_of(f->report, "volume"); /* a suite has one a scene */
+    fprintf(f->caption, "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
+                        "channels on a log scale.", f->opt->level, volume, *volume ? " (" : "the scene ",
+            f->opt->scene ? f->opt->scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
+    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu%s%s",
+                                                      f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
+                                                      f->opt->variant ? f->opt->variant : "");
+    if (status == ISO_OK)
+        status = check_one_scene(shown, count, err);
+    for (i = 0; i < count && status == ISO_OK; ++i)
+        status = add_comparison(f, shown[i], i, err);
+    free(shown);
+    return status;
+}
+
+/* ---- drawing ---------------------------------------------------------------- */
+
+/* Linear up to the largest p99 of the maps; logs over the decades that the page uses. */
+static void choose_scale(figure *f)
+{
+    f->in_logs = f->opt->kind == ISO_FIGURE_RENDERERS;
+    f->low = f->in_logs ? -8 : 0;
+    f->high = 0;
+    for (size_t i = 0; i < f->count && !f->in_logs; ++i)
+        if (f->panels[i].against)
+            f->high = fmax(f->high, f->panels[i].metrics.p99_abs);
+    if (!f->in_logs && !(f->high > 0))
+        f->high = 1;
+}
+
+/* What the drawing adds: the scale bar and the colours. */
+static void describe_drawing(const figure *f)
+{
+    for (size_t i = 0; i < f->count; ++i)
+        if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
+            fprintf(f->caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
+                    iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
+    fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.\n",
+            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
+            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
+}
+
+static iso_status make(figure *f, const char *dir, iso_error *err)
+{
+    char *caption = NULL, *path = iso_path_join(dir, "caption.txt");
+    size_t size = 0;
+    f->caption = open_memstream(&caption, &size);
+    f->panels = calloc(max_panels, sizeof *f->panels);
+    iso_status status = path && f->caption && f->panels ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    if (status == ISO_OK)
+        status = f->opt->kind == ISO_FIGURE_LEVELS ? plan_levels(f, err) : plan_renderers(f, err);
+    if (status == ISO_OK) {
+        choose_scale(f);
+        describe_drawing(f);
+        const iso_figure_sheet sheet = {.panels = f->panels, .count = f->count, .rows = f->rows, .columns = f->columns,
+                                        .rows_a_side = f->opt->kind == ISO_FIGURE_LEVELS ? 2 : 1, .in_logs = f->in_logs,
+                                        .low = f->low, .high = f->high, .width_mm = f->opt->width_mm,
+                                        .height_mm = f->opt->height_mm, .dpi = f->opt->dpi};
+        status = iso_figure_draw(&sheet, dir, err);
+    }
+    if (f->caption)
+        fclose(f->caption);
+    if (status == ISO_OK)
+        status = iso_file_write(path, caption, size, err);
+    for (size_t i = 0; i < f->count; ++i) {
+        iso_image_destroy(&f->panels[i].a);
+        iso_image_destroy(&f->panels[i].b);
+    }
+    free(f->panels);
+    free(caption);
+    free(path);
+    return status;
+}
+
+static iso_status check(const iso_figure_options *opt, iso_error *err)
+{
+    if (!(opt->width_mm >= 40 && opt->width_mm <= 1000))
+        return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", opt->width_mm);
+    if (!(opt->height_mm >= 40 && opt->height_mm <= 1000))
+        return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", opt->height_mm);
+    if (!(opt->dpi >= 36 && opt->dpi <= 1200))
+        return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", opt->dpi);
+    return ISO_OK;
+}
+
+iso_status iso_figure_make(const char *report_dir, const iso_figure_options *opt, const char *out_dir, iso_error *err)
+{
+    figure f = {.opt = opt, .report_dir = report_dir};
+    iso_output out = {0};
+    char *path = iso_path_join(report_dir, "report.json");
+    iso_status status = path ? check(opt, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    if (status == ISO_OK)
+        status = iso_json_load(path, &f.report, err);
+    if (status == ISO_OK && strcmp(string_of(f.report, "schema"), "isoshade.validate/1") != 0)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", path,
+                          string_of(f.report, "schema"));
+    if (status == ISO_OK)
+        status = iso_output_begin_dir(&out, out_dir, "figure.gp", err);
+    if (status == ISO_OK)
+        status = make(&f, out.temp_path, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    json_decref(f.report);
+    free(path);
+    return status;
+}

@@ -1,0 +1,37 @@
+/* figure_draw.h - panels on a page. Private to figure.c, which decides what they show. */
+#ifndef ISO_REPORT_FIGURE_DRAW_H
+#define ISO_REPORT_FIGURE_DRAW_H
+
+#include "report/figure.h"
+#include "compare/metrics.h"
+#include "image/image.h"
+
+/* One picture, or one difference map (against set). A '|' in a text breaks the line where it does not fit in one. */
+typedef struct iso_figure_panel {
+    size_t row, column;
+    const char *image, *against; /* names in the report; borrowed from it */
+    char title[96], note[96], side[96]; /* above, below, and on the left, upright */
+    iso_image a, b;
+    iso_metrics metrics; /* of a difference */
+    double mm_per_pixel; /* 0: unknown */
+    bool scale_bar;
+} iso_figure_panel;
+
+typedef struct iso_figure_sheet {
+    const iso_figure_panel *panels;
+    size_t count, rows, columns;
+    size_t rows_a_side; /* rows that share the text on the left, which stands in the first of them */
+    bool in_logs;
+    double low, high; /* of the difference maps; log10 when in_logs */
+    double width_mm, height_mm; /* at most */
+    double dpi;
+} iso_figure_sheet;
+
+/* figure.pdf, figure.svg, figure.csv, figure.gp, style.gp and the panels' pixels. ISO_E_RANGE: the panels do not
+ * fit with texts that can be read. */
+iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_error *err);
+
+/* 1, 2 or 5 times a power of ten, at most a third of the width. */
+double iso_figure_bar_mm(double width_mm);
+
+#endif

@@ -1,0 +1,19 @@
+/* gnuplot.h - charts by gnuplot, so that each can be restyled and drawn again by hand.
+ *
+ * A chart NAME leaves in its folder NAME.csv (the data), NAME.gp (how it is
+ * drawn), style.gp (what all charts share: terminal, fonts, colours) and the
+ * picture. To restyle, edit style.gp and run "gnuplot NAME.gp" in the folder. */
+#ifndef ISO_REPORT_GNUPLOT_H
+#define ISO_REPORT_GNUPLOT_H
+
+#include "base/status.h"
+
+/* format: "svg" or "pdf" (vector text, fonts embedded). A style.gp that is in the folder stays.
+ * ISO_E_MISSING without gnuplot, ISO_E_PROGRAM when it fails. */
+iso_status iso_chart_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
+                          iso_error *err);
+
+/* gnuplot does not notice a full disk: a whole picture ends as its format, "svg", "pdf" or "png", does. ISO_E_IO. */
+iso_status iso_chart_check_whole(const char *picture, const char *format, iso_error *err);
+
+#endif

@@ -1,0 +1,446 @@
+#define _GNU_SOURCE
+#include "report/report.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "base/file.h"
+#include "base/machine.h"
+#include "base/parallel.h"
+#include "report/report_files.h"
+
+struct iso_report {
+    iso_output out;
+    pthread_mutex_t lock; /* of what is below */
+    json_t *root;    /* report.json */
+    json_t *inlined; /* what only the page needs: pictures as text, differences of the agreement's rows */
+    size_t *orders;  /* of the agreement's rows */
+    double start_seconds;
+    bool finished;
+};
+
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *text(const char *value)
+{
+    return value ? json_string(value) : json_null();
+}
+
+static iso_status no_memory(iso_error *err)
+{
+    return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+}
+
+iso_status iso_report_create(iso_report **report, const char *dir, const iso_report_about *about, iso_error *err)
+{
+    *report = NULL;
+    iso_report *r = calloc(1, sizeof *r);
+    if (!r)
+        return no_memory(err);
+    pthread_mutex_init(&r->lock, NULL);
+    iso_status status = iso_output_begin_dir(&r->out, dir, "report.json", err);
+    if (status == ISO_OK)
+        status = iso_report_files_begin(r->out.temp_path, err);
+    if (status != ISO_OK) {
+        iso_report_destroy(r);
+        return status;
+    }
+    char stamp[32];
+    time_t now = time(NULL);
+    struct tm utc;
+    strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    r->start_seconds = iso_clock_seconds();
+    r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
+    r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
+                        "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title),
+                        "volume", text(about->volume), "scene", text(about->scene), "made", stamp, "verdict", "",
+                        "sentence", "", "agreement", "consistency", "calibration", "images", "machine", "versions",
+                        "seconds");
+    if (!r->root || !r->inlined) {
+        iso_report_destroy(r);
+        return no_memory(err);
+    }
+    *report = r;
+    return ISO_OK;
+}
+
+void iso_report_destroy(iso_report *r)
+{
+    if (!r)
+        return;
+    iso_output_abandon(&r->out);
+    json_decref(r->root);
+    json_decref(r->inlined);
+    pthread_mutex_destroy(&r->lock);
+    free(r->orders);
+    free(r);
+}
+
+const char *iso_report_path(const iso_report *r)
+{
+    return r->out.final_path;
+}
+
+const char *iso_report_dir(const iso_report *r)
+{
+    return r->out.temp_path;
+}
+
+const json_t *iso_report_json(const iso_report *r)
+{
+    return r->root;
+}
+
+void iso_report_put(iso_report *r, const char *section, const char *key, json_t *value)
+{
+    pthread_mutex_lock(&r->lock);
+    json_t *object = json_object_get(r->root, section);
+    if (!object) {
+        object = json_object();
+        json_object_set_new(r->root, section, object);
+    }
+    json_object_set_new(object, key, value);
+    pthread_mutex_unlock(&r->lock);
+}
+
+void iso_report_describe_machine(iso_report *r)
+{
+    json_object_set_new(r->root, "machine", iso_machine_describe());
+}
+
+iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image *image, const char *caption,
+                                const iso_image_note *notes, iso_error *err)
+{
+    const char *good = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+    if (!name[0] || name[0] == '.' || strspn(name, good) != strlen(name))
+        return iso_fail(err, ISO_E_RANGE, "report: \"%s\" is no name of an image: letters, digits, - _ . only", name);
+    json_t *images = json_object_get(r->root, "images"), *about;
+    about = json_pack("{s:o, s:I, s:I}", "caption", text(caption), "width", (json_int_t)image->width, "height",
+                      (json_int_t)image->height);
+    pthread_mutex_lock(&r->lock);
+    const bool taken = json_object_get(images, name);
+    if (!taken) /* nobody else may take the name while its files are written */
+        json_object_set(images, name, about);
+    pthread_mutex_unlock(&r->lock);
+    json_decref(about);
+    if (taken)
+        return iso_fail(err, ISO_E_RANGE, "report: an image \"%s\" is there already", name);
+    char *uri = NULL;
+    iso_status status = iso_report_files_image(r->out.temp_path, name, image, notes, &uri, err);
+    pthread_mutex_lock(&r->lock);
+    if (status == ISO_OK)
+        json_object_set_new(json_object_get(r->inlined, "images"), name, json_string(uri));
+    else
+        json_object_del(images, name);
+    pthread_mutex_unlock(&r->lock);
+    free(uri);
+    return status;
+}
+
+void iso_report_set_scale(iso_report *r, const char *name, double mm_per_pixel)
+{
+    pthread_mutex_lock(&r->lock);
+    json_t *image = json_object_get(json_object_get(r->root, "images"), name);
+    if (image && mm_per_pixel > 0 && isfinite(mm_per_pixel))
+        json_object_set_new(image, "mm_per_pixel", json_real(mm_per_pixel));
+    pthread_mutex_unlock(&r->lock);
+}
+
+/* The largest metric over its limit. Infinite where nothing can be measured. */
+static double severity(const iso_report_agreement *row)
+{
+    const iso_metrics *m = &row->metrics;
+    if (row->refused || m->nonfinite_count > 0 || !isfinite(m->max_abs))
+        return INFINITY;
+    const double pairs[][2] = {
+        {m->rmse, row->limits.rmse},           {m->max_abs, row->limits.max_abs},
+        {m->p99_abs, row->limits.p99_abs},     {1 - m->ssim, row->limits.ssim_dissimilarity},
+        {m->flip_mean, row->limits.flip_mean},
+    };
+    double worst = 0;
+    bool asked = false;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; ++i)
+        if (pairs[i][1] > 0) {
+            asked = true;
+            worst = pairs[i][0] / pairs[i][1] <= worst ? worst : pairs[i][0] / pairs[i][1];
+        }
+    if (!asked && row->gate_count == 0)
+        return m->max_abs > 0 ? INFINITY : 0;
+    for (size_t i = 0; i < row->gate_count; ++i) {
+        const iso_report_gate *g = &row->gates[i];
+        double ratio = g->limit > 0 ? g->value / g->limit : g->value <= 0 ? 0 : INFINITY;
+        if (isnan(ratio))
+            return INFINITY;
+        worst = fmax(worst, ratio);
+    }
+    return isnan(worst) ? INFINITY : worst;
+}
+
+static bool gates_hold(const iso_report_agreement *row)
+{
+    for (size_t i = 0; i < row->gate_count; ++i)
+        if (!(row->gates[i].value <= row->gates[i].limit))
+            return false;
+    return true;
+}
+
+static bool has_limits(const iso_limits *l)
+{
+    return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
+}
+
+const char *iso_report_verdict(const iso_report_agreement *row)
+{
+    if (row->refused)
+        return "refused";
+    if (row->informative && row->metrics.nonfinite_count == 0)
+        return "reported";
+    bool metrics = row->gate_count > 0 && !has_limits(&row->limits) ? row->metrics.nonfinite_count == 0
+                                                                    : iso_metrics_within(&row->metrics, &row->limits);
+    return metrics && gates_hold(row) ? "agree" : "differ";
+}
+
+static json_t *gates_json(const iso_report_agreement *row)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; !row->refused && i < row->gate_count; ++i)
+        json_array_append_new(list, json_pack("{s:s, s:o, s:f}", "name", row->gates[i].name, "value",
+                                              number(row->gates[i].value), "limit", row->gates[i].limit));
+    return list;
+}
+
+static json_t *limits_json(const iso_limits *l)
+{
+    const struct { const char *key; double value; } all[] = {
+        {"rmse", l->rmse},
+        {"max_abs", l->max_abs},
+        {"p99_abs", l->p99_abs},
+        {"ssim_dissimilarity", l->ssim_dissimilarity},
+        {"flip_mean", l->flip_mean},
+    };
+    json_t *object = json_object();
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        if (all[i].value > 0)
+            json_object_set_new(object, all[i].key, json_real(all[i].value));
+    return object;
+}
+
+static iso_status check_image_name(iso_report *r, const char *name, iso_error *err)
+{
+    pthread_mutex_lock(&r->lock);
+    const bool known = !name || json_object_get(json_object_get(r->root, "images"), name);
+    pthread_mutex_unlock(&r->lock);
+    if (!known)
+        return iso_fail(err, ISO_E_RANGE, "report: no image \"%s\" was added", name);
+    return ISO_OK;
+}
+
+/* Behind all rows of the same order. Takes the references to row and difference. */
+static iso_status insert_row(iso_report *r, size_t order, json_t *row, json_t *difference, iso_error *err)
+{
+    pthread_mutex_lock(&r->lock);
+    json_t *rows = json_object_get(r->root, "agreement"), *differences = json_object_get(r->inlined, "differences");
+    const size_t count = json_array_size(rows);
+    size_t *orders = realloc(r->orders, (count + 1) * sizeof *orders), at = count;
+    if (orders) {
+        r->orders = orders;
+        for (; at > 0 && orders[at - 1] > order; --at)
+            orders[at] = orders[at - 1];
+        orders[at] = order;
+    }
+    bool good = orders && json_array_insert(rows, at, row) == 0 && json_array_insert(differences, at, difference) == 0;
+    pthread_mutex_unlock(&r->lock);
+    json_decref(row);
+    json_decref(difference);
+    return good ? ISO_OK : no_memory(err);
+}
+
+iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *row, iso_error *err)
+{
+    iso_status status = check_image_name(r, row->image_a, err);
+    if (status == ISO_OK)
+        status = check_image_name(r, row->image_b, err);
+    if (status != ISO_OK)
+        return status;
+    double worst = severity(row);
+    json_t *o = json_pack("{s:I, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "scene", text(row->scene), "a",
+                          text(row->a), "b", text(row->b), "tier", text(row->tier));
+    if (row->refused) {
+        const iso_metrics none = {NAN, NAN, NAN, NAN, NAN, NAN, 0, {0, 0}};
+        json_object_update_new(o, iso_metrics_to_json(&none));
+    } else {
+        json_object_update_new(o, iso_metrics_to_json(&row->metrics));
+    }
+    json_object_set_new(o, "error_bar", number(row->error_bar));
+    json_object_set_new(o, "verdict", json_string(iso_report_verdict(row)));
+    json_object_set_new(o, "severity", number(worst));
+    json_object_set_new(o, "limits", limits_json(&row->limits));
+    json_object_set_new(o, "gates", gates_json(row));
+    if (row->statistics)
+        json_object_set(o, "statistics", row->statistics);
+    json_object_set_new(o, "seconds", row->seconds > 0 ? json_real(row->seconds) : json_null());
+    json_object_set_new(o, "why", text(row->refused ? row->refused : row->why));
+    json_object_set_new(o, "command", text(row->command));
+    json_object_set_new(o, "image_a", text(row->image_a));
+    json_object_set_new(o, "image_b", text(row->image_b));
+    char *difference = NULL;
+    if (row->image_a && row->image_b)
+        status = iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &difference, err);
+    if (status == ISO_OK)
+        status = insert_row(r, row->order, o, text(difference), err);
+    else
+        json_decref(o);
+    free(difference);
+    return status;
+}
+
+iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistency *row, iso_error *err)
+{
+    iso_status status = check_image_name(r, row->image, err);
+    if (status == ISO_OK)
+        status = check_image_name(r, row->reference_image, err);
+    if (status != ISO_OK)
+        return status;
+    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "method",
+                          text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
+                          text(row->original_kept), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
+                          number(row->ssim_dissimilarity_mean), "flip_mean", number(row->flip_mean),
+                          "gradient_angle_mean_deg", number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
+                          number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
+                          text(row->reference_image));
+    return json_array_append_new(json_object_get(r->root, "consistency"), o) == 0 ? ISO_OK : no_memory(err);
+}
+
+void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES])
+{
+    const char *method = json_string_value(json_object_get(row, "method")), *tf = json_string_value(json_object_get(row, "tf"));
+    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "", tf && strcmp(tf, "adapted") == 0 ? "+adapted" : "");
+}
+
+iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)
+{
+    bool pass = fabs(row->value) <= row->limit; /* NaN fails */
+    json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
+                          text(row->check), "value", number(row->value), "limit", number(row->limit), "unit",
+                          text(row->unit), "verdict", pass ? "pass" : "fail", "detail", text(row->detail));
+    return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
+}
+
+static size_t count_verdicts(const iso_report *r, const char *list, const char *verdict)
+{
+    size_t i, count = 0;
+    json_t *row;
+    json_array_foreach(json_object_get(r->root, list), i, row)
+        count += strcmp(json_string_value(json_object_get(row, "verdict")), verdict) == 0;
+    return count;
+}
+
+iso_report_summary iso_report_summarise(const iso_report *r)
+{
+    iso_report_summary s = {
+        .agreed = count_verdicts(r, "agreement", "agree"),
+        .differed = count_verdicts(r, "agreement", "differ"),
+        .refused = count_verdicts(r, "agreement", "refused"),
+        .reported = count_verdicts(r, "agreement", "reported"),
+        .calibrations_passed = count_verdicts(r, "calibration", "pass"),
+        .calibrations_failed = count_verdicts(r, "calibration", "fail"),
+    };
+    size_t judged = s.agreed + s.differed + s.refused;
+    s.good = s.agreed > 0 && s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0;
+    if (judged == 0)
+        snprintf(s.sentence, sizeof s.sentence, "Nothing was compared, so nothing is shown to agree.");
+    else if (s.good)
+        snprintf(s.sentence, sizeof s.sentence, "The renderers agree: %s %zu comparison%s within %s limits.",
+                 judged == 1 ? "the" : "all", judged, judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
+    else if (s.differed == 0 && s.refused > 0)
+        snprintf(s.sentence, sizeof s.sentence,
+                 "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration.", s.agreed,
+                 s.agreed == 1 ? "" : "s", s.agreed == 1 ? "s" : "", s.refused);
+    else if (s.differed == 0)
+        snprintf(s.sentence, sizeof s.sentence, "%zu of %zu calibrations failed, though all %zu comparisons agree.",
+                 s.calibrations_failed, s.calibrations_failed + s.calibrations_passed, judged);
+    else if (s.refused == 0)
+        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s.", judged,
+                 judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "");
+    else
+        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s, %zu %s refused.",
+                 judged, judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "", s.refused,
+                 s.refused == 1 ? "was" : "were");
+    return s;
+}
+
+static double sort_key(const json_t *row)
+{
+    const char *verdict = json_string_value(json_object_get(row, "verdict"));
+    const json_t *value = json_object_get(row, "severity");
+    double worst = json_is_number(value) ? fmin(json_number_value(value), 1e300) : 1e300;
+    int group = strcmp(verdict, "differ") == 0    ? 3
+                : strcmp(verdict, "refused") == 0 ? 2
+                : strcmp(verdict, "agree") == 0  ? 1
+                                                 : 0;
+    return group * 1000 + log10(fmax(worst, 1e-300));
+}
+
+static int worst_first(const void *a, const void *b)
+{
+    json_t *const *x = a, *const *y = b;
+    double kx = sort_key(*x), ky = sort_key(*y);
+    return (kx < ky) - (kx > ky);
+}
+
+/* Rows carry their number, since pictures of differences are kept under it. */
+static iso_status sort_rows(iso_report *r, iso_error *err)
+{
+    json_t *rows = json_object_get(r->root, "agreement");
+    size_t count = json_array_size(rows), i;
+    json_t **order = calloc(count + 1, sizeof *order), *row, *sorted = json_array();
+    if (!order || !sorted) {
+        free(order);
+        json_decref(sorted);
+        return no_memory(err);
+    }
+    json_array_foreach(rows, i, row) {
+        order[i] = row;
+        json_object_set_new(row, "number", json_integer((json_int_t)i));
+    }
+    qsort(order, count, sizeof *order, worst_first);
+    for (i = 0; i < count; ++i)
+        json_array_append(sorted, order[i]);
+    json_object_set_new(r->root, "agreement", sorted);
+    free(order);
+    return ISO_OK;
+}
+
+iso_status iso_report_finish(iso_report *r, iso_error *err)
+{
+    if (r->finished)
+        return iso_fail(err, ISO_E_RANGE, "report: is finished already");
+    iso_status status = sort_rows(r, err);
+    if (status != ISO_OK)
+        return status;
+    iso_report_summary summary = iso_report_summarise(r);
+    json_object_set_new(r->root, "verdict", json_string(summary.good ? "agree" : "differ"));
+    json_object_set_new(r->root, "sentence", json_string(summary.sentence));
+    if (!json_object_get(json_object_get(r->root, "seconds"), "total"))
+        iso_report_put(r, "seconds", "total", json_real(iso_clock_seconds() - r->start_seconds));
+    iso_error missing = {""};
+    status = iso_report_files_charts(r->out.temp_path, r->root, json_object_get(r->inlined, "charts"), &missing);
+    if (status == ISO_E_MISSING) {
+        json_object_set_new(r->root, "charts_missing", json_string(missing.text));
+        status = ISO_OK;
+    } else if (status != ISO_OK) {
+        return iso_fail(err, status, "%s", missing.text);
+    }
+    status = iso_report_files_page(r->out.temp_path, r->root, r->inlined, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&r->out, err);
+    r->finished = status == ISO_OK;
+    return status;
+}

@@ -1,0 +1,329 @@
+#define _GNU_SOURCE
+#include "report/report_files.h"
+
+#include <errno.h>
+#include <math.h>
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "report/gnuplot.h"
+#include "report/report.h"
+
+ISO_EMBED(report_html, "src/report/report.html");
+ISO_EMBED(report_css, "src/report/report.css");
+ISO_EMBED(report_js, "src/report/report.js");
+ISO_EMBED(report_agreement_gp, "src/report/agreement.gp");
+ISO_EMBED(report_consistency_gp, "src/report/consistency.gp");
+
+static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *out = malloc(strlen(type) + 32 + (size + 2) / 3 * 4);
+    if (!out)
+        return NULL;
+    char *at = out + sprintf(out, "data:%s;base64,", type);
+    for (size_t i = 0; i < size; i += 3) {
+        unsigned n = (unsigned)bytes[i] << 16 | (i + 1 < size ? (unsigned)bytes[i + 1] << 8 : 0) |
+                     (i + 2 < size ? bytes[i + 2] : 0);
+        *at++ = digits[n >> 18];
+        *at++ = digits[n >> 12 & 63];
+        *at++ = i + 1 < size ? digits[n >> 6 & 63] : '=';
+        *at++ = i + 2 < size ? digits[n & 63] : '=';
+    }
+    *at = 0;
+    return out;
+}
+
+static iso_status file_uri(const char *path, const char *type, char **uri, iso_error *err)
+{
+    char *bytes;
+    size_t size;
+    iso_status status = iso_file_read(path, &bytes, &size, err);
+    if (status != ISO_OK)
+        return status;
+    *uri = data_uri(type, (unsigned char *)bytes, size);
+    free(bytes);
+    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+}
+
+iso_status iso_report_files_begin(const char *dir, iso_error *err)
+{
+    const char *const names[] = {"images", "charts"};
+    for (int i = 0; i < 2; ++i) {
+        char *path = iso_path_join(dir, names[i]);
+        bool good = path && mkdir(path, 0777) == 0;
+        free(path);
+        if (!good)
+            return iso_fail(err, ISO_E_IO, "%s/%s: cannot be created: %s", dir, names[i], strerror(errno));
+    }
+    return ISO_OK;
+}
+
+iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image, const iso_image_note *notes,
+                                  char **uri, iso_error *err)
+{
+    char *exr = NULL, *png = NULL;
+    if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0)
+        exr = NULL;
+    if (asprintf(&png, "%s/images/%s.png", dir, name) < 0)
+        png = NULL;
+    iso_status status = exr && png ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    if (status == ISO_OK)
+        status = iso_image_save_exr(image, exr, notes, err);
+    if (status == ISO_OK)
+        status = iso_image_save_png(image, png, 1, err);
+    if (status == ISO_OK)
+        status = file_uri(png, "image/png", uri, err);
+    free(exr);
+    free(png);
+    return status;
+}
+
+static unsigned difference_code(const float *a, const float *b)
+{
+    double d = 0;
+    for (int c = 0; c < 4; ++c) {
+        if (!isfinite(a[c]) || !isfinite(b[c]))
+            return 65535;
+        d = fmax(d, fabs((double)a[c] - (double)b[c]));
+    }
+    if (d == 0)
+        return 0;
+    double code = round(1 + 65533 * log10(d / 1e-9) / 11);
+    return (unsigned)fmin(fmax(code, 1), 65534);
+}
+
+static iso_status encode_difference(const iso_image *a, const iso_image *b, char **uri, iso_error *err)
+{
+    size_t count = a->width * a->height;
+    unsigned char *rgb = calloc(count, 3), *png = NULL;
+    png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
+    info.width = (png_uint_32)a->width;
+    info.height = (png_uint_32)a->height;
+    for (size_t i = 0; rgb && i < count; ++i) {
+        unsigned code = difference_code(a->rgba + 4 * i, b->rgba + 4 * i);
+        rgb[3 * i] = (unsigned char)(code >> 8);
+        rgb[3 * i + 1] = (unsigned char)(code & 255);
+    }
+    png_alloc_size_t size = 0;
+    if (rgb && png_image_write_to_memory(&info, NULL, &size, 0, rgb, 0, NULL))
+        png = malloc(size);
+    if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
+        *uri = data_uri("image/png", png, size);
+    png_image_free(&info);
+    free(rgb);
+    free(png);
+    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: no memory for a picture of %zu pixels", count);
+}
+
+iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err)
+{
+    const char *const names[2] = {a, b};
+    iso_image images[2] = {{0}};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+        char *path = NULL;
+        if (asprintf(&path, "%s/images/%s.exr", dir, names[i]) < 0)
+            status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+        else
+            status = iso_image_load_exr(path, &images[i], err);
+        free(path);
+    }
+    if (status == ISO_OK && (images[0].width != images[1].width || images[0].height != images[1].height))
+        status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
+                          images[0].width, images[0].height, images[1].width, images[1].height);
+    if (status == ISO_OK)
+        status = encode_difference(&images[0], &images[1], uri, err);
+    iso_image_destroy(&images[0]);
+    iso_image_destroy(&images[1]);
+    return status;
+}
+
+const char *iso_row_text(const json_t *row, const char *key)
+{
+    const char *s = json_string_value(json_object_get(row, key));
+    return s ? s : "";
+}
+
+double iso_row_number(const json_t *row, const char *key)
+{
+    const json_t *value = json_object_get(row, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+/* A comma becomes a semicolon and a quote an apostrophe: gnuplot's strcol() reads no quoted commas. */
+static void put_field(FILE *f, const char *s)
+{
+    for (; *s; ++s)
+        fputc(*s == ',' ? ';' : *s == '"' ? '\'' : *s, f);
+}
+
+static void put_agreement_csv(FILE *f, const json_t *rows)
+{
+    size_t i;
+    json_t *row;
+    fputs("case,rmse,rmse_limit,max_abs,max_abs_limit,error_bar,verdict\n", f);
+    json_array_foreach(rows, i, row) {
+        const json_t *limits = json_object_get(row, "limits");
+        char label[256];
+        snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"),
+                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"), iso_row_text(row, "b"));
+        put_field(f, label);
+        fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", iso_row_number(row, "rmse"), iso_row_number(limits, "rmse"),
+                iso_row_number(row, "max_abs"), iso_row_number(limits, "max_abs"), iso_row_number(row, "error_bar"),
+                iso_row_text(row, "verdict"));
+    }
+}
+
+static void put_consistency_line(FILE *f, const json_t *row)
+{
+    const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
+    put_field(f, iso_row_text(row, "method"));
+    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d\n", (long long)json_integer_value(json_object_get(row, "level")),
+            (long long)json_integer_value(json_object_get(row, "views")), iso_row_number(row, "ssim_dissimilarity_mean"),
+            iso_row_number(row, "flip_mean"), iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
+            adapted ? "adapted" : "original", iso_row_text(row, "original_kept")[0] != 0);
+}
+
+/* One block a method and TF, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
+static void put_consistency_csv(FILE *f, const json_t *rows)
+{
+    json_t *seen = json_object(), *row, *other;
+    size_t i, j;
+    char name[ISO_CONSISTENCY_NAME_BYTES], other_name[ISO_CONSISTENCY_NAME_BYTES];
+    fputs("method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept\n", f);
+    json_array_foreach(rows, i, row) {
+        iso_report_consistency_name(row, name);
+        if (json_object_get(seen, name))
+            continue;
+        if (json_object_size(seen) > 0)
+            fputs("\n\n", f);
+        json_object_set_new(seen, name, json_true());
+        json_array_foreach(rows, j, other) {
+            iso_report_consistency_name(other, other_name);
+            if (strcmp(name, other_name) == 0)
+                put_consistency_line(f, other);
+        }
+    }
+    json_decref(seen);
+}
+
+typedef struct chart_kind {
+    const char *name, *rows, *script;
+    void (*put_csv)(FILE *f, const json_t *rows);
+} chart_kind;
+
+static iso_status make_chart(const char *charts, const chart_kind *kind, const json_t *rows, json_t *inlined,
+                             iso_error *err)
+{
+    char *csv = NULL, *svg = NULL, *uri = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&csv, &size);
+    if (!f)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    kind->put_csv(f, rows);
+    fclose(f);
+    iso_status status = iso_chart_draw(charts, kind->name, csv, kind->script, "svg", err);
+    free(csv);
+    if (status != ISO_OK)
+        return status;
+    if (asprintf(&svg, "%s/%s.svg", charts, kind->name) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    status = file_uri(svg, "image/svg+xml", &uri, err);
+    if (status == ISO_OK)
+        json_object_set_new(inlined, kind->name, json_string(uri));
+    free(uri);
+    free(svg);
+    return status;
+}
+
+iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *inlined, iso_error *err)
+{
+    const chart_kind kinds[] = {
+        {"agreement", "agreement", report_agreement_gp, put_agreement_csv},
+        {"consistency", "consistency", report_consistency_gp, put_consistency_csv},
+    };
+    iso_status status = ISO_OK;
+    char *charts = iso_path_join(dir, "charts");
+    if (!charts)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0] && status == ISO_OK; ++i) {
+        const json_t *rows = json_object_get(root, kinds[i].rows);
+        if (json_array_size(rows) > 0)
+            status = make_chart(charts, &kinds[i], rows, inlined, err);
+    }
+    free(charts);
+    return status;
+}
+
+/* JSON inside <script>: "<" is written as an escape, so that no text ends the element. */
+static void put_json(FILE *f, const json_t *value)
+{
+    char *s = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    for (const char *c = s; c && *c; ++c)
+        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
+    free(s);
+}
+
+static void put_html(FILE *f, const char *s)
+{
+    for (; *s; ++s)
+        *s == '<' ? fputs("&lt;", f) : *s == '&' ? fputs("&amp;", f) : fputc(*s, f);
+}
+
+/* The template with its marks @NAME@ filled in. */
+static void put_page(FILE *f, const json_t *root, const json_t *inlined)
+{
+    for (const char *at = report_html; *at;) {
+        const char *mark = strchr(at, '@');
+        const char *end = mark ? strchr(mark + 1, '@') : NULL;
+        if (!end) {
+            fputs(at, f);
+            return;
+        }
+        fwrite(at, 1, (size_t)(mark - at), f);
+        size_t length = (size_t)(end - mark) + 1;
+        at = end + 1;
+        if (strncmp(mark, "@STYLE@", length) == 0)
+            fputs(report_css, f);
+        else if (strncmp(mark, "@SCRIPT@", length) == 0)
+            fputs(report_js, f);
+        else if (strncmp(mark, "@DATA@", length) == 0)
+            put_json(f, root);
+        else if (strncmp(mark, "@INLINED@", length) == 0)
+            put_json(f, inlined);
+        else if (strncmp(mark, "@SENTENCE@", length) == 0)
+            put_html(f, iso_row_text(root, "sentence"));
+        else if (strncmp(mark, "@TITLE@", length) == 0)
+            put_html(f, iso_row_text(root, "title"));
+        else
+            fputc('@', f), at = mark + 1; /* no mark of ours */
+    }
+}
+
+iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err)
+{
+    char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html"), *html = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&html, &size);
+    iso_status status = ISO_OK;
+    if (!data || !page || !f)
+        status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    if (f) {
+        put_page(f, root, inlined);
+        if (fclose(f) != 0)
+            status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    }
+    if (status == ISO_OK)
+        status = iso_json_save(data, root, err);
+    if (status == ISO_OK)
+        status = iso_file_write(page, html, size, err);
+    free(html);
+    free(data);
+    free(page);
+    return status;
+}

@@ -1,0 +1,204 @@
+/* report_junit.c - the rows as JUnit's XML. Its form is what the schemas of Apache Ant and of Jenkins both accept, so that the
+ * root carries no sums: a reader adds those of the suites. What makes
+ * `isoshade validate` end with another exit code than 0 is a failure or an error here (but for a report that compares nothing). */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "report/report.h"
+#include "report/report_files.h"
+
+static void put_xml(FILE *f, const char *s)
+{
+    for (; s && *s; ++s) {
+        if (*s == '&')
+            fputs("&amp;", f);
+        else if (*s == '<')
+            fputs("&lt;", f);
+        else if (*s == '>')
+            fputs("&gt;", f);
+        else if (*s == '"')
+            fputs("&quot;", f);
+        else
+            fputc((unsigned char)*s < 0x20 ? ' ' : *s, f);
+    }
+}
+
+static bool has_verdict(const json_t *row, const char *verdict)
+{
+    return strcmp(iso_row_text(row, "verdict"), verdict) == 0;
+}
+
+/* name="..." and time="..."; the element is left open. */
+static void put_case(FILE *f, const char *class, const char *of, const json_t *row)
+{
+    double seconds = iso_row_number(row, "seconds");
+    fprintf(f, "    <testcase classname=\"%s.", class);
+    put_xml(f, of);
+    fprintf(f, "\" time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
+}
+
+/* `NAME 0.02, at most 0.01; ` of what is not held; a value that is no number is never held. */
+static void put_unheld(FILE *f, const char *name, double value, double limit)
+{
+    if (value <= limit)
+        return;
+    put_xml(f, name);
+    if (isnan(value))
+        fprintf(f, " is no number, at most %.4g; ", limit);
+    else
+        fprintf(f, " %.4g, at most %.4g; ", value, limit);
+}
+
+static void put_why_it_differs(FILE *f, const json_t *row)
+{
+    const json_t *limits = json_object_get(row, "limits"), *gates = json_object_get(row, "gates");
+    const char *key;
+    json_t *limit, *gate;
+    size_t i;
+    if (json_integer_value(json_object_get(row, "nonfinite_count")) > 0)
+        fprintf(f, "%lld pixels are not finite; ", (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
+    json_object_foreach((json_t *)limits, key, limit) {
+        const bool ssim = strcmp(key, "ssim_dissimilarity") == 0;
+        put_unheld(f, key, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, key), json_number_value(limit));
+    }
+    json_array_foreach(gates, i, gate)
+        put_unheld(f, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
+    if (json_object_size(limits) == 0 && json_array_size(gates) == 0)
+        fprintf(f, "max_abs %.4g, without limits only equal images agree; ", iso_row_number(row, "max_abs"));
+    put_xml(f, iso_row_text(row, "why"));
+}
+
+static void put_agreement_case(FILE *f, const json_t *row)
+{
+    put_case(f, "agreement", iso_row_text(row, "scene"), row);
+    fprintf(f, "level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
+    put_xml(f, iso_row_text(row, "a"));
+    fputs(" against ", f);
+    put_xml(f, iso_row_text(row, "b"));
+    if (iso_row_text(row, "tier")[0]) {
+        fputs(", ", f);
+        put_xml(f, iso_row_text(row, "tier"));
+    }
+    if (has_verdict(row, "agree")) {
+        fputs("\"/>\n", f);
+        return;
+    }
+    if (has_verdict(row, "differ")) {
+        fputs("\">\n      <failure type=\"differ\" message=\"", f);
+        put_why_it_differs(f, row);
+        fputs("\">", f);
+        put_xml(f, iso_row_text(row, "command"));
+        fputs("</failure>\n    </testcase>\n", f);
+        return;
+    }
+    fprintf(f, "\">\n      <skipped message=\"%s: ", iso_row_text(row, "verdict"));
+    put_xml(f, iso_row_text(row, "why"));
+    fputs("\"/>\n    </testcase>\n", f);
+}
+
+/* A renderer that is not there is an error; its rows are skipped. */
+static void put_calibration_case(FILE *f, const json_t *row)
+{
+    const bool measured = json_is_number(json_object_get(row, "value"));
+    put_case(f, "calibration", iso_row_text(row, "renderer"), row);
+    put_xml(f, iso_row_text(row, "check"));
+    if (has_verdict(row, "pass")) {
+        fputs("\"/>\n", f);
+        return;
+    }
+    if (measured)
+        fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">", iso_row_number(row, "value"),
+                iso_row_text(row, "unit"), iso_row_number(row, "limit"));
+    else
+        fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
+    put_xml(f, iso_row_text(row, "detail"));
+    fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
+}
+
+static void put_property(FILE *f, const char *name, const char *value)
+{
+    if (!name[0] || !value)
+        return;
+    fputs("      <property name=\"", f);
+    put_xml(f, name);
+    fputs("\" value=\"", f);
+    put_xml(f, value);
+    fputs("\"/>\n", f);
+}
+
+/* Nothing is asked of how far a level is from level 0: facts, not cases that cannot fail. */
+static void put_consistency_facts(FILE *f, const json_t *row)
+{
+    static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", "original_kept"};
+    char of[ISO_CONSISTENCY_NAME_BYTES], name[ISO_CONSISTENCY_NAME_BYTES + 64], figure[32];
+    iso_report_consistency_name(row, of);
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        const json_t *value = json_object_get(row, keys[i]);
+        snprintf(name, sizeof name, "level %lld: %s: %s", (long long)json_integer_value(json_object_get(row, "level")), of, keys[i]);
+        snprintf(figure, sizeof figure, "%.6g", json_number_value(value));
+        put_property(f, name, json_is_number(value) ? figure : json_string_value(value));
+    }
+}
+
+typedef struct suite {
+    const char *name, *rows;
+    void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
+} suite;
+
+static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
+{
+    const json_t *root = iso_report_json(r), *rows = json_object_get(root, s->rows);
+    size_t i, failures = 0, errors = 0, skipped = 0;
+    double seconds = 0;
+    char host[256] = "";
+    const char *key;
+    json_t *row, *version;
+    json_array_foreach(rows, i, row) {
+        const bool failed = has_verdict(row, "differ") || has_verdict(row, "fail"), nothing = json_is_null(json_object_get(row, "value"));
+        failures += failed && !nothing;
+        errors += failed && nothing;
+        skipped += has_verdict(row, "refused") || has_verdict(row, "reported");
+        seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
+    }
+    gethostname(host, sizeof host - 1);
+    fprintf(f, "  <testsuite id=\"%d\" package=\"isoshade\" name=\"%s\" timestamp=\"%.19s\" hostname=\"", id, s->name,
+            iso_row_text(root, "made"));
+    put_xml(f, host[0] ? host : "localhost");
+    fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
+            s->put_case ? json_array_size(rows) : 0, failures, errors, skipped, seconds);
+    put_property(f, "command", json_string_value(json_object_get(root, "command")));
+    json_object_foreach(json_object_get(root, "versions"), key, version)
+        put_property(f, key, json_string_value(version));
+    json_array_foreach(rows, i, row)
+        if (s->put_facts)
+            s->put_facts(f, row);
+    fputs("    </properties>\n", f);
+    json_array_foreach(rows, i, row)
+        if (s->put_case)
+            s->put_case(f, row);
+    fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
+}
+
+iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_error *err)
+{
+    const suite suites[] = {{"calibration", "calibration", put_calibration_case, NULL},
+                            {"agreement", "agreement", put_agreement_case, NULL},
+                            {"consistency", "consistency", NULL, put_consistency_facts}};
+    char *xml = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&xml, &size);
+    if (!f)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", f);
+    for (int i = 0; i < 3; ++i)
+        if (suites[i].put_case || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
+            put_suite(f, r, i, &suites[i]);
+    fputs("</testsuites>\n", f);
+    iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err) : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    free(xml);
+    return status;
+}

@@ -1,0 +1,33 @@
+/* field.h - one level as a renderer sees it, and where its directions come from. */
+#ifndef ISO_SCENE_FIELD_H
+#define ISO_SCENE_FIELD_H
+
+#include "pyramid/pyramid.h"
+
+typedef enum iso_direction_source {
+    ISO_FROM_CODES,      /* fetch codes, filter, decode: what a GPU does */
+    ISO_FROM_DECODED,    /* decode at the voxels, then filter: what exports carry; the same for linear codes */
+    ISO_FROM_FLOAT,      /* iso_level.directions */
+    ISO_FROM_FLIPPED,    /* decode at the voxels, turn them to one side (code_decode.h), then filter */
+    ISO_FROM_ON_THE_FLY, /* central differences of the filtered scalar, one voxel apart */
+    ISO_FROM_PALETTE,         /* iso_level.palette: the eight voxels' entries, filtered */
+    ISO_FROM_PALETTE_NEAREST, /* the entry of the voxel that holds the point */
+    ISO_SOURCE_COUNT
+} iso_direction_source;
+
+const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, flipped, on-the-fly, palette, palette-nearest */
+iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
+
+/* What an image of a first-hit isosurface shows. */
+typedef enum iso_surface_output {
+    ISO_SURFACE_COLOR,    /* c(iso) shade(d) */
+    ISO_SURFACE_POSITION, /* of the hit, index coordinates of the level; alpha 0: no hit */
+    ISO_SURFACE_NORMAL    /* n of the hit; alpha 0: no hit */
+} iso_surface_output;
+
+typedef struct iso_surface {
+    double iso; /* opaque from this value on */
+    iso_surface_output output;
+} iso_surface;
+
+#endif

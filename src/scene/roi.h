@@ -1,0 +1,60 @@
+/* roi.h - a region of interest: a finer level inside a box, the level that is
+ * rendered around it, and no seam between them.
+ *
+ * Paper: adaptive-tf-2016, Figure 11, which sets full resolution into a coarse
+ * level whose transfer function (TF) is adapted, and relies on the two looking
+ * alike. Here what the two levels emit and absorb is blended as well. With w the
+ * weight of the finer level at a point,
+ *
+ *     sigma         = (1 - w) sigma_k           + w sigma_j
+ *     sigma c shade = (1 - w) sigma_k c_k shade + w sigma_j c_j shade
+ *
+ * each level with its own scalar, directions and TF: two media in one place, which
+ * every renderer can have. w is 1 in the box, and falls to 0 over a band around it:
+ *
+ *     u = 1 - d / band,  w = u^2 (3 - 2 u),  d: how far outside the box the point
+ *                                            is, the largest of the three axes
+ *
+ * w has a continuous slope across the box's and the band's faces, so the image
+ * has neither a step nor a kink there. Inside the box nothing but the finer level
+ * is looked up. d and the band are counted in voxels of the level around it. */
+#ifndef ISO_SCENE_ROI_H
+#define ISO_SCENE_ROI_H
+
+#include "pyramid/pyramid.h"
+#include "tf/tf.h"
+
+#define ISO_FOCUS_BAND 2.0 /* voxels of the level around it */
+
+typedef struct iso_focus {
+    iso_level level; /* owned: scalar, codes and directions of the finer level in the box and its band, and two voxels more */
+    size_t number;   /* of that level */
+    iso_tf_table tf; /* owned: of that level */
+    double scale, offset[3]; /* index in `level` = scale * index in the level around it - offset */
+    double lo[3], hi[3];     /* the box, in the index of the level around it */
+    double band;
+} iso_focus;
+
+/* What to make: the box in voxels of level 0, the level inside, the band (0: none, a hard switch). */
+typedef struct iso_focus_options {
+    double lo[3], hi[3];
+    size_t level;
+    double band;
+} iso_focus_options;
+iso_focus_options iso_focus_defaults(void);
+
+/* around: the level that is rendered outside. tf is copied. ISO_E_RANGE: a box that
+ * is empty or outside the volume, a level that is not finer; ISO_E_MEMORY. */
+iso_status iso_focus_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_focus_options *opt,
+                            iso_focus *focus, iso_error *err);
+void iso_focus_destroy(iso_focus *focus); /* accepts empty and NULL */
+
+/* Of the finer level, at an index of the level around it. */
+double iso_focus_weight(const iso_focus *focus, iso_vec3 index);
+
+static inline iso_vec3 iso_focus_inside(const iso_focus *f, iso_vec3 index)
+{
+    return iso_v3(f->scale * index.x - f->offset[0], f->scale * index.y - f->offset[1], f->scale * index.z - f->offset[2]);
+}
+
+#endif

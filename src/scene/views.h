@@ -1,0 +1,21 @@
+/* views.h - where benchmarks look from: sets of directions that are evenly spread, none along an axis of the grid. */
+#ifndef ISO_SCENE_VIEWS_H
+#define ISO_SCENE_VIEWS_H
+
+#include "base/linalg.h"
+
+/* Through the centres of an icosahedron's faces, i below 20: the views of adaptive-tf-2016 sec. 5. Eight of them are the
+ * cube's diagonals. */
+enum { ISO_FACE_VIEWS = 20 };
+iso_vec3 iso_view_through_face(int i);
+/* Fewer than twenty, spread over them: view i of `count`. */
+iso_vec3 iso_view_of_faces(int i, int count);
+
+/* Along the six diagonals of an icosahedron. */
+enum { ISO_DIAGONAL_VIEWS = 6 };
+iso_vec3 iso_view_along_diagonal(int i);
+
+/* An up vector that is far from the direction. */
+iso_vec3 iso_view_up(iso_vec3 direction);
+
+#endif

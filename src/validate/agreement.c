@@ -1,0 +1,411 @@
+/* agreement.c - every renderer against the closed form or the reference, level by level. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "validate/closed_form.h"
+#include "validate/limits.h"
+#include "validate/validate.h"
+#include "povray/povray.h"
+
+/* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
+static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
+/* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
+ * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
+ * little worse. */
+static const double smooth_left = 0.354, sharp_left = 0.6;
+/* Of all pixels and channels: none of fewer than 70 x 70 pixels, 5 values of 160 x 160. */
+static const double grazing_part = 5e-5;
+
+/* Of lit scenes: below what a person sees when the images alternate. */
+static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
+
+/* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighbouring
+ * entries differ by most of an opacity, that becomes some 1e-5.
+ * POV-Ray writes 16 bits a channel, which round by 7.6e-6 of the brightest that there can be. */
+iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp)
+{
+    if (renderer == ISO_WITH_POVRAY)
+        return (iso_limits){.max_abs = sharp ? 2e-4 : fmax(2e-5, 1e-5 * iso_povray_peak(view))};
+    return sharp ? (iso_limits){.rmse = 5e-6, .max_abs = 2e-4} : (iso_limits){.rmse = 1e-6, .max_abs = 2e-5};
+}
+
+/* Floats of texels, colours and a ray's sums: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999
+ * (doc/validation.md). */
+iso_limits iso_validate_exact_lock_step(void)
+{
+    return (iso_limits){.rmse = 5e-7, .max_abs = 1e-5};
+}
+
+double iso_validate_error_bar(const iso_scene_agreement *asked) { return asked->sharp ? sharp_bar : smooth_bar; }
+
+/* What a level is compared with, rendered once. */
+typedef struct truth {
+    const char *name;     /* "closed form", "reference" */
+    char image_name[96];
+    iso_image image;
+} truth;
+
+typedef struct level_truths {
+    truth main;     /* closed form, or the reference from the codes */
+    truth exported; /* the reference from decoded directions, where that is another image */
+    bool differ;
+} level_truths;
+
+/* The exports carry decoded directions, so the reference takes the same; for linear codes nothing changes. */
+static iso_direction_source exported_source(const iso_validation *v)
+{
+    return iso_code_describe(v->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;
+}
+
+static void name_image(const iso_validation *v, size_t level, const char *what, char name[96])
+{
+    snprintf(name, 96, "%.50slevel-%zu-%.30s", v->image_prefix, level, what);
+}
+
+static iso_status add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption, iso_error *err)
+{
+    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
+    if (status == ISO_OK)
+        iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
+    return status;
+}
+
+/* What a row begins with: its name for the progress, and its clock. */
+static void begin_row(iso_validation *v, size_t level, const char *what)
+{
+    char stage[160];
+    snprintf(stage, sizeof stage, "%s%slevel %zu: %s", v->variant, v->variant[0] ? ", " : "", level, what);
+    iso_progress_report(v->progress, stage, 0);
+    v->row_start = iso_clock_seconds();
+}
+
+static bool shows_nothing(const iso_image *image)
+{
+    for (size_t i = 0; i < image->width * image->height; ++i)
+        if (image->rgba[4 * i + 3] != 0)
+            return false;
+    return true;
+}
+
+/* A row, its image b and what they have in common; *row has names, limits and gates. */
+static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a, const char *what,
+                          const iso_image *b, iso_renderer renderer, const char *options, iso_error *err)
+{
+    char name[96], b_name[128];
+    name_image(v, level, what, name);
+    snprintf(b_name, sizeof b_name, "%s%s%s", row->b, v->variant[0] ? ", " : "", v->variant);
+    row->b = b_name;
+    row->level = level;
+    row->order = v->order;
+    row->scene = v->scene_name;
+    row->a = row->a ? row->a : a->name;
+    row->image_a = a->image_name;
+    row->image_b = name;
+    iso_status status = add_image(v, name, b, row->b, err);
+    if (status == ISO_OK)
+        status = iso_metrics_measure(&a->image, b, &row->metrics, err);
+    /* Two empty images prove nothing, unless emptiness is the scene's point. */
+    if (v->scene->agreement.tier != ISO_TIER_CLOSED_FORM && shows_nothing(&a->image) && shows_nothing(b)) {
+        row->informative = true;
+        row->why = "the transfer function shows nothing of this level";
+    }
+    char *command = iso_validate_reproduce(v, level, renderer, options, a->image_name, &row->limits);
+    row->command = command;
+    row->seconds = iso_clock_seconds() - v->row_start;
+    if (status == ISO_OK)
+        status = iso_report_add_agreement(v->report, row, err);
+    free(command);
+    return status;
+}
+
+static iso_status add_refusal(iso_validation *v, size_t level, const char *a, iso_renderer renderer, const char *tier,
+                              iso_error *err)
+{
+    char b_name[128];
+    snprintf(b_name, sizeof b_name, "%s%s%s", iso_renderer_name(renderer), v->variant[0] ? ", " : "", v->variant);
+    const iso_report_agreement row = {.level = level, .order = v->order, .scene = v->scene_name, .a = a, .b = b_name,
+                                      .tier = tier, .error_bar = NAN, .refused = v->refused[renderer]};
+    return iso_report_add_agreement(v->report, &row, err);
+}
+
+/* ---- truths ---- */
+
+static iso_status render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, iso_direction_source source,
+                                   iso_image *image, iso_error *err)
+{
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    opt.quadrature = quadrature;
+    opt.source = source;
+    opt.intervals = ISO_VALIDATE_POVRAY_INTERVALS;
+    opt.threads = v->threads;
+    return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
+}
+
+/* The arbiter itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
+static iso_status check_reference(iso_validation *v, size_t level, const truth *formula, iso_error *err)
+{
+    iso_image image = {0};
+    iso_report_agreement row = {.b = "reference", .tier = iso_tier_name(ISO_TIER_CLOSED_FORM), .error_bar = NAN,
+                                .limits = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
+    iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &image, err);
+    if (status == ISO_OK)
+        status = add_row(v, level, &row, formula, "reference", &image, ISO_WITH_REFERENCE, "", err);
+    iso_image_destroy(&image);
+    return status;
+}
+
+static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, iso_error *err)
+{
+    const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
+    iso_status status;
+    *t = (level_truths){.main = {.name = formula ? "closed form" : "reference"}, .exported = {.name = "reference, decoded"}};
+    t->differ = !formula && exported_source(v) != ISO_FROM_CODES;
+    begin_row(v, level, t->main.name);
+    name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
+    name_image(v, level, "reference-decoded", t->exported.image_name);
+    if (formula)
+        status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image, err);
+    else
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &t->main.image, err);
+    if (status == ISO_OK)
+        status = add_image(v, t->main.image_name, &t->main.image, t->main.name, err);
+    if (status == ISO_OK && t->differ)
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_DECODED, &t->exported.image, err);
+    if (status == ISO_OK && t->differ)
+        status = add_image(v, t->exported.image_name, &t->exported.image, t->exported.name, err);
+    return status == ISO_OK && formula ? check_reference(v, level, &t->main, err) : status;
+}
+
+/* ---- lock-step: the same samples ---- */
+
+/* Where the TF is steep, the ray caster is compared once more without what a texture coordinate rounds: what is left then
+ * is the rest of the shader, and that is held to narrower limits than smooth TFs are. */
+static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt, iso_error *err)
+{
+    iso_image image = {0};
+    iso_report_agreement row = {.b = "gl, exact lookups", .tier = "lock-step", .error_bar = NAN,
+                                .limits = iso_validate_exact_lock_step(),
+                                .why = "the same samples, filtered and classified in double: floats of texels, colours and sums are left"};
+    begin_row(v, level, "gl-lockstep-exact");
+    opt.exact_lookups = true;
+    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+    if (status == ISO_OK)
+        status = add_row(v, level, &row, same, "gl-lockstep-exact", &image, ISO_WITH_GL, " --exact-lookups", err);
+    iso_image_destroy(&image);
+    return status;
+}
+
+static iso_status lock_step(iso_validation *v, size_t level, iso_renderer renderer, iso_error *err)
+{
+    const bool gl = renderer == ISO_WITH_GL;
+    const char *what = gl ? "gl-lockstep" : "povray-lockstep";
+    truth same = {.name = "reference, same samples"};
+    iso_image image = {0};
+    iso_render_options opt = iso_render_defaults(renderer);
+    iso_report_agreement row = {.b = iso_renderer_name(renderer), .tier = "lock-step", .error_bar = NAN,
+                                .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp),
+                                .why = gl ? "the same samples at texture coordinates in float, 3e-8 of the volume off"
+                                          : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)"};
+    if (v->refused[renderer][0])
+        return add_refusal(v, level, same.name, renderer, row.tier, err);
+    begin_row(v, level, what);
+    opt.threads = v->threads;
+    opt.source = gl ? v->source : ISO_FROM_CODES;
+    opt.intervals = gl ? 0 : ISO_VALIDATE_POVRAY_INTERVALS;
+    snprintf(same.image_name, sizeof same.image_name, "%.50slevel-%zu-reference-%s", v->image_prefix, level, what);
+    iso_status status = render_reference(v, level, gl ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_POVRAY,
+                                         gl ? v->source : exported_source(v), &same.image, err);
+    if (status == ISO_OK)
+        status = add_image(v, same.image_name, &same.image, same.name, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+    if (status == ISO_OK)
+        status = add_row(v, level, &row, &same, what, &image, renderer, gl ? "" : " --intervals 128", err);
+    if (status == ISO_OK && gl && v->scene->agreement.sharp)
+        status = exact_lock_step(v, level, &same, opt, err);
+    iso_image_destroy(&same.image);
+    iso_image_destroy(&image);
+    return status;
+}
+
+/* ---- limits ---- */
+
+static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *limit_to_json(const iso_limit *l)
+{
+    json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
+                          number(l->coarse_rmse), "rmse_at_the_step", number(l->fine_rmse), "order", number(l->order),
+                          "step_bar", number(l->step_bar), "seeds", (json_int_t)l->seeds);
+    if (l->seeds < 2)
+        return o;
+    const iso_noise_test *n = &l->noise;
+    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar", number(l->noise_bar),
+                                        "pixels_tested", (json_int_t)n->tests, "pixels_beyond_chance",
+                                        (json_int_t)n->rejected, "smallest_p", number(n->smallest_p), "sidak_significance",
+                                        number(n->pixel_significance), "signed_bias", number(n->bias),
+                                        "standard_error_of_bias", number(n->bias_error), "mean_local_error",
+                                        number(n->mean_abs)));
+    return o;
+}
+
+static void add_gate(iso_report_agreement *row, const char *name, double value, double limit)
+{
+    row->gates[row->gate_count++] = (iso_report_gate){name, value, limit};
+}
+
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l, iso_report_agreement *row)
+{
+    row->error_bar = l->bar;
+    row->limits = (iso_limits){.rmse = l->allowed};
+    add_gate(row, "error bar", l->bar, iso_validate_error_bar(asked));
+    add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
+    if (l->seeds > 1) {
+        /* A ray along an edge of an opaque box changes its pixel by 3.6e-4 when it is put 1e-5 mm aside, which is one bit of
+         * single precision at the eye's distance: few values may. The RMSE is held to its bar all the same. */
+        add_gate(row, "pixels beyond chance", (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
+        add_gate(row, "bias beyond chance", l->noise.biased, 0);
+    }
+    if (asked->tier == ISO_TIER_LIT) {
+        row->limits.flip_mean = lit_flip;
+        row->limits.ssim_dissimilarity = lit_ssim_dissimilarity;
+    }
+}
+
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads)
+{
+    iso_limit_options o = iso_limit_defaults();
+    o.seeds = seeds;
+    o.threads = threads;
+    o.wanted_left = asked->sharp ? sharp_left : smooth_left;
+    o.factor = asked->sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
+    o.wanted_bar = iso_validate_error_bar(asked);
+    if (asked->tier == ISO_TIER_LIT) { /* SSIM sees a shell's last bends before RMSE does */
+        o.wanted_flip = lit_flip;
+        o.wanted_ssim_dissimilarity = lit_ssim_dissimilarity;
+    }
+    if (asked->sharp) /* the first pair would seldom do */
+        o.step_voxels = 1.0 / 8;
+    if (renderer == ISO_WITH_GL) /* costs nothing */
+        o.step_voxels = 1.0 / 16;
+    return o;
+}
+
+static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer renderer, const level_truths *t, iso_error *err)
+{
+    const truth *a = t->differ && renderer != ISO_WITH_GL ? &t->exported : &t->main;
+    const iso_scene_agreement *asked = &v->scene->agreement;
+    char what[32], options[64], b[64];
+    iso_limit limit = {0};
+    iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
+                                .why = asked->why};
+    snprintf(b, sizeof b, "%s, limit", iso_renderer_name(renderer));
+    if (v->refused[renderer][0])
+        return add_refusal(v, level, a->name, renderer, row.tier, err);
+    snprintf(what, sizeof what, "%s-limit", iso_renderer_name(renderer));
+    begin_row(v, level, what);
+    iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
+    iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
+                                       v->progress, err);
+    if (status == ISO_OK) {
+        if (limit.intervals)
+            snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
+        else if (limit.seeds > 1)
+            snprintf(options, sizeof options, " --limit --step %g --seeds %zu", limit.step_voxels, limit.seeds);
+        else
+            snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
+        iso_validate_limit_row(asked, &limit, &row);
+        row.statistics = limit_to_json(&limit);
+        status = add_row(v, level, &row, a, what, &limit.image, renderer, options, err);
+    }
+    json_decref(row.statistics);
+    iso_limit_destroy(&limit);
+    return status;
+}
+
+/* ---- first hits ---- */
+
+static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
+{
+    const iso_level *l0 = &v->pyramid->levels[0];
+    truth a = {.name = "reference, first hit"};
+    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    char options[64];
+    opt.isosurface = true;
+    opt.iso = l0->min + v->scene->suite_isosurface * (l0->max - l0->min);
+    opt.threads = v->threads;
+    opt.source = exported_source(v);
+    name_image(v, level, "reference", a.image_name);
+    begin_row(v, level, a.name);
+    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress, err);
+    if (status == ISO_OK)
+        status = add_image(v, a.image_name, &a.image, a.name, err);
+    snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
+    for (int i = 0; i < ISO_RENDERER_COUNT && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
+        iso_report_agreement row = {.b = iso_renderer_name((iso_renderer)i), .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
+                                    .error_bar = NAN, .limits = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
+        opt.renderer = (iso_renderer)i;
+        if (!iso_renderer_has_isosurfaces(opt.renderer) || i == ISO_WITH_REFERENCE || !v->wanted[i])
+            continue;
+        if (v->refused[i][0]) {
+            status = add_refusal(v, level, a.name, opt.renderer, row.tier, err);
+            continue;
+        }
+        begin_row(v, level, row.b);
+        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+        if (status == ISO_OK)
+            status = add_row(v, level, &row, &a, row.b, &image, opt.renderer, options, err);
+        iso_image_destroy(&image);
+    }
+    iso_image_destroy(&a.image);
+    return status;
+}
+
+static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
+{
+    (void)unused;
+    static const iso_renderer limited[] = {ISO_WITH_GL, ISO_WITH_POVRAY, ISO_WITH_CYCLES};
+    level_truths t = {.differ = false};
+    if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
+        return first_hits(v, level, err);
+    iso_status status = find_truths(v, level, &t, err);
+    if (status == ISO_OK && v->wanted[ISO_WITH_GL])
+        status = lock_step(v, level, ISO_WITH_GL, err);
+    if (status == ISO_OK && v->wanted[ISO_WITH_POVRAY])
+        status = lock_step(v, level, ISO_WITH_POVRAY, err);
+    for (size_t i = 0; i < sizeof limited / sizeof *limited && status == ISO_OK; ++i)
+        if (v->wanted[limited[i]])
+            status = compare_limit(v, level, limited[i], &t, err);
+    iso_image_destroy(&t.main.image);
+    iso_image_destroy(&t.exported.image);
+    return status;
+}
+
+iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
+{
+    /* At level 0 all filters store the same directions. */
+    const bool exported = v->source == ISO_FROM_CODES && level > 0 && !v->quick;
+    level_truths t = {.differ = false};
+    iso_status status = v->wanted[ISO_WITH_GL] ? lock_step(v, level, ISO_WITH_GL, err) : ISO_OK;
+    if (status == ISO_OK && exported && v->wanted[ISO_WITH_POVRAY])
+        status = lock_step(v, level, ISO_WITH_POVRAY, err);
+    if (status == ISO_OK && exported && v->wanted[ISO_WITH_CYCLES]) {
+        status = find_truths(v, level, &t, err);
+        if (status == ISO_OK)
+            status = compare_limit(v, level, ISO_WITH_CYCLES, &t, err);
+    }
+    iso_image_destroy(&t.main.image);
+    iso_image_destroy(&t.exported.image);
+    return status;
+}
+
+iso_status iso_validate_agreement(iso_validation *v, iso_error *err)
+{
+    return iso_validate_each(v, v->pyramid->level_count, agree_at, NULL, err);
+}

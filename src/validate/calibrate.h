@@ -1,0 +1,41 @@
+/* calibrate.h - may a renderer be trusted? Four tiny volumes whose images are
+ * known in closed form, so that no renderer is measured by another.
+ *
+ *   placement          a small blob off the centre of a rotated, anisotropic grid: the
+ *                      centroid of the optical depth is the projection of the centroid
+ *                      of the voxels. Half a voxel is about one pixel.
+ *   slab               a constant volume, rotated, in perspective: 1 - exp(-sigma chord)
+ *                      in every pixel.
+ *   transfer function  a ramp seen from the side: every column shows one value, so the
+ *                      colours and extinctions of the table stand side by side.
+ *   light              a linear field has one gradient everywhere: one shade, by the
+ *                      inverse transpose of the rotated, anisotropic matrix, from
+ *                      behind, with a highlight above 1. */
+#ifndef ISO_VALIDATE_CALIBRATE_H
+#define ISO_VALIDATE_CALIBRATE_H
+
+#include "renderers/faults.h"
+#include "renderers/renderers.h"
+
+enum { ISO_CALIBRATION_COUNT = 4 };
+
+typedef struct iso_calibration {
+    const char *check;
+    const char *unit;
+    double value, limit; /* trusted while value <= limit */
+    const char *why;     /* the cause of the limit */
+    bool passed;
+} iso_calibration;
+
+/* ISO_OK when all checks could be made, passed or not. planted: spoils the renderer; NULL: nothing. */
+iso_status iso_calibrate(iso_renderers *r, iso_renderer which, const iso_planted *planted,
+                         iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err);
+
+/* The place of a check in the list above. */
+int iso_calibration_number(const char *check);
+
+/* One check alone, by its place. */
+iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_planted *planted, int check,
+                               iso_calibration *out, iso_error *err);
+
+#endif

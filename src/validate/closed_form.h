@@ -1,0 +1,18 @@
+/* closed_form.h - images that a formula gives, so that no renderer is measured by another.
+ *
+ * Where the voxels are linear in the index (a constant counts) and the TF has one
+ * colour, shading is one number a ray and only the optical depth is left:
+ *     C = c shade (1 - exp(-tau)) + exp(-tau) background,   tau = integral of sigma(s(t)) dt
+ * s is linear along the ray but where a coordinate is clamped to the edge, and
+ * sigma is piecewise linear in s: each piece is integrated by its antiderivative. */
+#ifndef ISO_VALIDATE_CLOSED_FORM_H
+#define ISO_VALIDATE_CLOSED_FORM_H
+
+#include "image/image.h"
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+
+/* Creates *image. ISO_E_RANGE: the voxels are not linear, or the TF has several colours where it shows something. */
+iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image, iso_error *err);
+
+#endif

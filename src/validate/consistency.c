@@ -1,0 +1,219 @@
+/* consistency.c - is a coarse level shaded as the finest one is? Each way to make directions, under the original
+ * TF and under the one adapted to the level, over several views, against level 0 under the original TF. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validate/validate.h"
+#include "scene/views.h"
+#include "render/sampler.h"
+
+const iso_method iso_methods[] = {
+    {"on-the-fly", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY},
+    {"naive", ISO_DIRECTION_NAIVE, ISO_FROM_CODES},
+    {"eq1", ISO_DIRECTION_EQ1, ISO_FROM_CODES},
+    {"moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES},
+};
+const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
+enum { max_views = ISO_DIAGONAL_VIEWS };
+
+static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    iso_scene scene = *v->scene; /* borrowed, but for the camera and the size */
+    scene.camera_fit = true;
+    scene.camera_direction = iso_view_along_diagonal((int)i);
+    scene.camera_up = iso_view_up(scene.camera_direction);
+    scene.width = scene.height = v->consistency_size;
+    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+}
+
+/* adapted: under the level's own TF. */
+static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source, bool adapted,
+                              size_t i, iso_image *image, iso_error *err)
+{
+    iso_view view = {0};
+    iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
+    opt.source = source;
+    iso_status status = make_view(v, i, &view, err);
+    iso_view shown = view; /* borrowed */
+    if (adapted)
+        shown.tf = v->level_tfs[level].table;
+    if (status == ISO_OK)
+        status = iso_render_with(&v->renderers, p, level, &shown, &opt, image, NULL, NULL, err);
+    iso_view_destroy(&view);
+    return status;
+}
+
+/* A picture of the first view. */
+static iso_status add_picture(const iso_validation *v, const char *name, const iso_image *image, const char *caption,
+                              iso_error *err)
+{
+    iso_view view;
+    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
+    if (status == ISO_OK)
+        status = make_view(v, 0, &view, err);
+    if (status != ISO_OK)
+        return status;
+    iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
+    iso_view_destroy(&view);
+    return ISO_OK;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The angle between a level's normals and level 0's, at fine voxels that the TF
+ * shows and that have a direction; at most about 1e5 of them, evenly strided. */
+static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
+                                 double *mean, double *p95, iso_error *err)
+{
+    enum { wanted = 100000 };
+    iso_sampler fine, coarse = {0};
+    const iso_geometry *g = &v->pyramid->levels[0].geometry;
+    size_t count = 0, total = iso_geometry_voxel_count(g), stride = total / wanted | 1;
+    double *angles = malloc((total / stride + 1) * sizeof *angles), sum = 0;
+    *mean = *p95 = NAN;
+    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES, err);
+    if (status == ISO_OK)
+        status = iso_sampler_create(&coarse, &p->levels[level], p->options.code, source, err);
+    if (status == ISO_OK && !angles)
+        status = iso_fail(err, ISO_E_MEMORY, "no memory for the angles of %zu voxels", total / stride);
+    for (size_t i = 0; i < total && status == ISO_OK; i += stride) {
+        iso_vec3 at = {(double)(i % g->size[0]) + 0.5, (double)(i / g->size[0] % g->size[1]) + 0.5,
+                       (double)(i / (g->size[0] * g->size[1])) + 0.5};
+        double rgbs[4];
+        iso_tf_lookup(&v->view->tf, (double)v->pyramid->levels[0].scalar[i], rgbs);
+        iso_vec3 a = iso_sample_normal(&fine, at);
+        if (rgbs[3] <= 0 || iso_norm(a) < 0.5)
+            continue;
+        iso_vec3 b = iso_normalize(iso_sample_normal(&coarse, iso_scale(at, 1 / (double)((size_t)1 << level))));
+        /* No direction at all counts as a right angle. */
+        double angle = acos(fmin(fmax(iso_dot(iso_normalize(a), b), -1), 1)) * (180 / 3.14159265358979323846);
+        angles[count++] = angle;
+        sum += angle;
+    }
+    if (count > 0) {
+        qsort(angles, count, sizeof *angles, compare_doubles);
+        *mean = sum / (double)count;
+        *p95 = angles[(size_t)(0.95 * (double)(count - 1))];
+    }
+    free(angles);
+    iso_sampler_destroy(&fine);
+    iso_sampler_destroy(&coarse);
+    return status;
+}
+
+/* The figures of all views, and the picture row->image of the first. */
+static iso_status measure_images(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
+                                 iso_report_consistency *row, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    row->ssim_dissimilarity_mean = row->flip_mean = 0;
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        iso_metrics metrics;
+        status = render_view(v, p, row->level, m->source, row->adapted, i, &image, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&finest[i], &image, &metrics, err);
+        if (status == ISO_OK && i == 0)
+            status = add_picture(v, row->image, &image, row->adapted ? "adapted TF" : m->name, err);
+        if (status == ISO_OK) {
+            row->ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
+            row->flip_mean += metrics.flip_mean / (double)v->consistency_views;
+        }
+        iso_image_destroy(&image);
+    }
+    return status;
+}
+
+/* The row of the level's own TF after that of the original one: directions are the same, and where adapting is refused
+ * the images are as well. */
+static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
+                                  iso_report_consistency row, iso_error *err)
+{
+    const iso_adapt_judgement *judgement = &v->level_tfs[row.level].judgement;
+    char name[64], why[160];
+    iso_status status = ISO_OK;
+    row.adapted = true;
+    if (judgement->use_original) {
+        snprintf(why, sizeof why, "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",
+                 judgement->rms_adapted, judgement->rms_original);
+        row.original_kept = why;
+    } else {
+        snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", m->name, row.level);
+        row.image = name;
+        status = measure_images(v, p, m, finest, &row, err);
+    }
+    return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
+}
+
+static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m, const iso_image *finest,
+                                iso_error *err)
+{
+    char name[64];
+    iso_report_consistency row = {.level = level, .views = v->consistency_views, .method = m->name, .image = name,
+                                  .reference_image = "consistency-level-0"};
+    snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
+    iso_status status = measure_images(v, p, m, finest, &row, err);
+    if (status == ISO_OK)
+        status = measure_angles(v, p, level, m->source, &row.gradient_angle_mean_deg, &row.gradient_angle_p95_deg, err);
+    if (status == ISO_OK)
+        status = iso_report_add_consistency(v->report, &row, err);
+    return status == ISO_OK ? measure_adapted(v, p, m, finest, row, err) : status;
+}
+
+iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    const iso_volume borrowed = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
+    iso_pyramid_options opt = v->pyramid->options;
+    opt.direction_filter = filter;
+    opt.level_count = v->pyramid->level_count;
+    opt.keep_float = opt.keep_magnitude = false;
+    opt.threads = v->threads;
+    iso_status status = iso_pyramid_build(&borrowed, v->pyramid->source, &opt, p, NULL, err);
+    if (status == ISO_OK) /* so that renderers keep the same texture of it */
+        p->levels[0].stored_type = level0->stored_type;
+    return status;
+}
+
+static iso_status measure_method(iso_validation *v, const iso_method *m, const iso_image *finest, iso_error *err)
+{
+    iso_pyramid own = {0};
+    const iso_pyramid *p = v->pyramid;
+    iso_status status = ISO_OK;
+    if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
+        status = iso_validate_build_with(v, m->filter, &own, err);
+        p = &own;
+    }
+    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
+        char stage[64];
+        snprintf(stage, sizeof stage, "consistency: %s, level %zu", m->name, level);
+        iso_progress_report(v->progress, stage, 0);
+        status = measure_level(v, p, level, m, finest, err);
+    }
+    iso_pyramid_destroy(&own);
+    return status;
+}
+
+iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
+{
+    iso_image finest[max_views] = {{0}};
+    iso_status status = ISO_OK;
+    if (v->refused[ISO_WITH_GL][0] || !v->wanted[ISO_WITH_GL])
+        return ISO_OK; /* the views are the ray caster's */
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
+        status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, false, i, &finest[i], err);
+    if (status == ISO_OK)
+        status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
+    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
+        status = measure_method(v, &iso_methods[i], finest, err);
+    for (size_t i = 0; i < max_views; ++i)
+        iso_image_destroy(&finest[i]);
+    return status;
+}

@@ -1,0 +1,135 @@
+/* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
+ *
+ * Every level with each way to make directions, under the original TF and under the one adapted to the level where
+ * adapting changes it; with the pyramid's own directions also under the tables over two values. The ray caster and
+ * POV-Ray by the same samples, Cycles by its limit; exports carry directions, so gradients on the fly are the ray
+ * caster's alone. The quick run keeps to the ray caster. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "validate/validate.h"
+
+enum { most_pixels = 64 }; /* there are many, and what they would show is arithmetic */
+
+/* The view with fewer pixels; borrowed, so not to be destroyed. */
+static iso_view small_view(const iso_view *view)
+{
+    size_t larger = view->width > view->height ? view->width : view->height;
+    iso_view out = *view;
+    if (larger > most_pixels) {
+        out.width = (view->width * most_pixels + larger - 1) / larger;
+        out.height = (view->height * most_pixels + larger - 1) / larger;
+    }
+    return out;
+}
+
+iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_status status = ISO_OK;
+    opt.threads = v->threads;
+    opt.fall_back = true;
+    v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
+    if (!v->level_tfs)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels", v->pyramid->level_count);
+    for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
+        iso_level_tf *own = &v->level_tfs[level];
+        status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgement, err);
+    }
+    return status;
+}
+
+void iso_validate_forget_tfs(iso_validation *v)
+{
+    for (size_t level = 0; v->level_tfs && level < v->pyramid->level_count; ++level)
+        iso_tf_table_destroy(&v->level_tfs[level].table);
+    free(v->level_tfs);
+    v->level_tfs = NULL;
+}
+
+/* Which transfer function a row is under: its name in the row, in files, and on the command line. */
+typedef struct used_tf {
+    const char *name, *file, *options;
+} used_tf;
+static const used_tf original_tf = {"", "", ""}, adapted_tf = {", adapted TF", "adapted-", " --adapt"},
+                     deviation_tf = {", TF over value and deviation", "deviation-", " --adapt --table deviation"},
+                     gradient_tf = {", TF over value and gradient", "gradient-", " --adapt --table gradient"};
+
+/* The validation of one row's kind: copy of v with another pyramid, view and name. */
+static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
+                          const used_tf *tf, iso_error *err)
+{
+    char variant[64], prefix[96], build[64] = "", render[96];
+    const bool own = m->filter == v->pyramid->options.direction_filter || m->source != ISO_FROM_CODES;
+    iso_validation w = *v;
+    snprintf(variant, sizeof variant, "%s%s", m->name, tf->name);
+    snprintf(prefix, sizeof prefix, "%.50s%s-%s", v->image_prefix, m->name, tf->file);
+    if (!own)
+        snprintf(build, sizeof build, "--direction-filter %s", iso_direction_filter_name(m->filter));
+    snprintf(render, sizeof render, "%s%s", m->source == ISO_FROM_ON_THE_FLY ? " --gradients on-the-fly" : "",
+             tf->options);
+    w.pyramid = p, w.view = view, w.source = m->source;
+    w.variant = variant, w.image_prefix = prefix, w.build_options = build, w.render_options = render;
+    iso_status status = iso_validate_variant(&w, level, err);
+    v->renderers = w.renderers; /* the context is made at first use */
+    return status;
+}
+
+/* The same of a table over two values. */
+static iso_status compare_table(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
+                                iso_joint_split split, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_class_tables classes, *own = view->classes;
+    opt.threads = v->threads;
+    iso_status status = iso_adapt_classes(p, NULL, level, split, &v->view->tf, &opt, &classes, err);
+    if (status != ISO_OK)
+        return status;
+    view->classes = &classes;
+    status = compare(v, p, m, level, view, split == ISO_SPLIT_GRADIENT ? &gradient_tf : &deviation_tf, err);
+    view->classes = own;
+    iso_class_tables_destroy(&classes);
+    return status;
+}
+
+/* A way to make directions, and the pyramid that was made so. */
+typedef struct made_pyramid {
+    const iso_method *method;
+    const iso_pyramid *pyramid;
+} made_pyramid;
+
+static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error *err)
+{
+    const made_pyramid *made = user;
+    const iso_pyramid *p = made->pyramid;
+    const iso_method *m = made->method;
+    const bool covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
+    iso_view view = small_view(v->view);
+    iso_status status = ISO_OK;
+    if (!covered)
+        status = compare(v, p, m, level, &view, &original_tf, err);
+    view.tf = v->level_tfs[level].table;
+    if (status == ISO_OK && !v->level_tfs[level].judgement.use_original)
+        status = compare(v, p, m, level, &view, &adapted_tf, err);
+    for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
+        status = compare_table(v, p, m, level, &view, (iso_joint_split)split, err);
+    return status;
+}
+
+iso_status iso_validate_methods(iso_validation *v, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i) {
+        const iso_method *m = &iso_methods[i];
+        iso_pyramid own = {0};
+        const iso_pyramid *p = v->pyramid;
+        if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
+            status = iso_validate_build_with(v, m->filter, &own, err);
+            p = &own;
+        }
+        if (status == ISO_OK)
+            status = iso_validate_each(v, p->level_count, all_tfs, &(made_pyramid){m, p}, err);
+        iso_pyramid_destroy(&own);
+    }
+    return status;
+}

@@ -1,0 +1,150 @@
+/* suite.c - a folder of scenes that say how their volumes are made: the scenes that break renderers. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "options/cli.h"
+#include "scene/subject.h"
+#include "validate/validate.h"
+
+extern const iso_command iso_command_make;
+
+static int is_scene(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.' && iso_path_ends_with(entry->d_name, ".scene.json");
+}
+
+/* `isoshade make MAKE -o path -q`, by the command itself. */
+static iso_status make_volume(const char *make, const char *path, iso_error *err)
+{
+    int argc;
+    const char **words;
+    if (poptParseArgvString(make, &argc, &words) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
+    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
+    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        argv[0] = "make";
+        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
+        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
+        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
+    }
+    free(argv);
+    free(words);
+    return status;
+}
+
+enum { most_levels = 16 }; /* whose rows come in a row */
+
+/* What the scenes share. */
+typedef struct suite_run {
+    const iso_suite_options *options;
+    const char *scratch;
+    struct dirent **entries;
+} suite_run;
+
+static char *scene_name(const char *file)
+{
+    return strndup(file, strlen(file) - strlen(".scene.json"));
+}
+
+static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt, iso_scene *scene, const char *volume,
+                                 iso_error *err)
+{
+    const iso_cli_input plain = {0};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid pyramid = {0};
+    iso_view view = {0};
+    char prefix[64], *file = NULL;
+    snprintf(prefix, sizeof prefix, "%.48s-", v->scene_name);
+    build.level_count = opt->level_count;
+    build.code = opt->code;
+    build.threads = v->threads;
+    if (opt->width)
+        scene->width = opt->width, scene->height = opt->height;
+    iso_status status = make_volume(scene->suite_make, volume, err);
+    if (status == ISO_OK)
+        status = iso_cli_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
+    if (status == ISO_OK)
+        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, pyramid.levels[0].min, pyramid.levels[0].max, &view, err);
+    if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        v->pyramid = &pyramid, v->scene = scene, v->view = &view;
+        v->make = scene->suite_make, v->volume_path = file, v->image_prefix = prefix;
+        status = iso_validate_agreement(v, err);
+    }
+    v->pyramid = NULL, v->scene = NULL, v->view = NULL, v->make = v->volume_path = NULL, v->image_prefix = "";
+    free(file);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+static iso_status load_and_validate(iso_validation *v, const suite_run *run, size_t i, iso_error *err)
+{
+    iso_scene scene = {0};
+    const char *file = run->entries[i]->d_name;
+    char *name = scene_name(file), *path = iso_path_join(run->options->folder, file), *volume = NULL;
+    double start = iso_clock_seconds();
+    if (asprintf(&volume, "%s/volume-%zu.nrrd", run->scratch, i) < 0)
+        volume = NULL;
+    iso_status status = name && path && volume ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_scene_load(path, &scene, err);
+    if (status == ISO_OK && !scene.suite_make)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
+    v->scene_name = name, v->scene_path = path;
+    if (status == ISO_OK && (status = validate_scene(v, run->options, &scene, volume, err)) != ISO_OK)
+        status = iso_fail_in(err, status, "%s", path);
+    if (status == ISO_OK)
+        iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
+    v->scene_name = v->scene_path = NULL;
+    iso_scene_destroy(&scene);
+    free(volume);
+    free(path);
+    free(name);
+    return status;
+}
+
+static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
+{
+    const suite_run *run = user;
+    const char *name = run->entries[i]->d_name;
+    char stage[100];
+    snprintf(stage, sizeof stage, "scene %.*s", (int)(strlen(name) - strlen(".scene.json")), name);
+    iso_progress_report(mine->progress, stage, 0);
+    mine->progress = NULL; /* one line a scene is enough */
+    mine->order = i * most_levels;
+    return load_and_validate(mine, run, i, err);
+}
+
+iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
+{
+    suite_run run = {.options = opt};
+    int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
+    if (count < 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
+    char *scratch = iso_make_temp_dir();
+    iso_status status = ISO_OK;
+    run.scratch = scratch;
+    if (count == 0)
+        status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
+    else if (!scratch)
+        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    if (status == ISO_OK)
+        status = iso_validate_each(v, (size_t)count, one_scene, &run, err);
+    for (int i = 0; i < count; ++i)
+        free(run.entries[i]);
+    free(run.entries);
+    if (scratch)
+        iso_remove_tree(scratch);
+    free(scratch);
+    return status;
+}

@@ -1,0 +1,98 @@
+/* team.c - independent parts of a validation side by side. */
+#include <stdio.h>
+
+#include "base/parallel.h"
+#include "validate/validate.h"
+
+/* What the workers share; what is in a critical section alone touches what changes. */
+typedef struct team {
+    const iso_progress *outer;
+    iso_progress progress; /* of every worker */
+    size_t count, done;
+    double start;
+    iso_status status;     /* the first failure: nothing more is begun */
+    iso_error error;
+} team;
+
+/* Adds how many parts are done and, at the pace so far, the time that is left. */
+static void report(void *user, const char *stage, double fraction)
+{
+    team *t = user;
+    char text[240];
+    (void)fraction; /* of one part among several */
+    #pragma omp critical (iso_validate_progress)
+    {
+        const double elapsed = iso_clock_seconds() - t->start;
+        const double left = elapsed / (double)t->done * (double)(t->count - t->done);
+        int n = snprintf(text, sizeof text, "%.120s", stage);
+        if (t->count > 1)
+            n += snprintf(text + n, sizeof text - (size_t)n, " (%zu of %zu done", t->done, t->count);
+        if (t->count > 1 && t->done > 0)
+            n += snprintf(text + n, sizeof text - (size_t)n, left < 90 ? ", about %.0f s left" : ", about %.1f min left",
+                          left < 90 ? left : left / 60);
+        if (t->count > 1)
+            snprintf(text + n, sizeof text - (size_t)n, ")");
+        iso_progress_report(t->outer, text, (double)t->done / (double)t->count);
+    }
+}
+
+static bool may_begin(const team *t)
+{
+    bool good;
+    #pragma omp critical (iso_validate_progress)
+    good = t->status == ISO_OK;
+    return good;
+}
+
+static void end_part(team *t, iso_status status, const iso_error *err)
+{
+    #pragma omp critical (iso_validate_progress)
+    {
+        t->done++;
+        if (status != ISO_OK && t->status == ISO_OK)
+            t->status = status, t->error = *err;
+    }
+}
+
+static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_validation_part part, void *user)
+{
+    iso_error err = {""};
+    mine->order = first + i;
+    mine->progress = t->outer ? &t->progress : NULL;
+    if (may_begin(t))
+        end_part(t, part(mine, i, user, &err), &err);
+}
+
+/* A share of the parts, one after the other. A context of OpenGL belongs to a thread, so each has its own. */
+static void work(team *t, const iso_validation *v, int threads, iso_validation_part part, void *user)
+{
+    iso_validation mine = *v;
+    mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir};
+    mine.threads = threads;
+    #pragma omp for schedule(dynamic, 1)
+    for (size_t i = 0; i < t->count; ++i)
+        run_part(t, &mine, v->order, i, part, user);
+    iso_renderers_end(&mine.renderers);
+}
+
+iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err)
+{
+    enum { most_workers = 16 }; /* each may hold a volume in a program of its own */
+    /* POV-Ray sleeps half a second a run, Blender waits for files: twice as many workers as cores. */
+    const size_t cores = (size_t)iso_threads(v->threads), wanted = cores > 1 ? 2 * cores : 1;
+    const size_t most = wanted < most_workers ? wanted : most_workers, workers = count < most ? count : most;
+    const size_t first = v->order;
+    team t = {.outer = v->progress, .progress = {report, &t}, .count = count, .start = iso_clock_seconds()};
+    if (workers > 1 && !iso_is_in_parallel()) {
+        /* When one worker is left, its programs are not held to a single core. */
+        const int threads = (int)(4 * cores / workers < cores ? 4 * cores / workers : cores);
+        #pragma omp parallel num_threads((int)workers)
+        work(&t, v, threads, part, user);
+    } else {
+        for (size_t i = 0; i < count; ++i)
+            run_part(&t, v, first, i, part, user);
+        v->progress = t.outer;
+    }
+    v->order = first + count;
+    return t.status == ISO_OK ? ISO_OK : iso_fail(err, t.status, "%s", t.error.text);
+}

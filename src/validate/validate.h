@@ -1,0 +1,115 @@
+/* validate.h - the parts of `isoshade validate`, the main job.
+ *
+ *   calibrate      each renderer on volumes whose images are known (calibrate.h)
+ *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
+ *                  samples and by the limits of halved steps (limits.h), as the scene's tier has it
+ *   adaptation     the TF of each level, or why the original is kept
+ *   methods        agreement again, for each way to make directions, and for adapted TFs
+ *   consistency    each level, each way to make directions, and either TF, against level 0
+ *
+ * All of it goes into one report (report/report.h). */
+#ifndef ISO_VALIDATE_H
+#define ISO_VALIDATE_H
+
+#include "validate/limits.h"
+#include "renderers/renderers.h"
+#include "report/report.h"
+#include "tf/adapt.h"
+
+/* What a level is shown with when the TF is to be adapted to it. Pyramids that differ in their directions alone share it. */
+typedef struct iso_level_tf {
+    iso_tf_table table;            /* of the level; the original where that is kept */
+    iso_adapt_judgement judgement; /* use_original: adapting was refused; so at level 0 */
+} iso_level_tf;
+
+typedef struct iso_validation {
+    const iso_pyramid *pyramid;
+    const iso_scene *scene;
+    const iso_view *view;
+    const char *volume_path, *scene_path, *scene_name;
+    const char *make;         /* of a scene of a suite: what `isoshade make` makes the volume of; or NULL */
+    const char *image_prefix; /* of the report's images: "" or "NAME-" */
+    /* What sets rows of other directions or TFs apart; "" and ISO_FROM_CODES for the pyramid's own. */
+    const char *variant, *build_options, *render_options;
+    const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
+    iso_direction_source source;
+    bool quick;
+    size_t seeds;             /* of Cycles */
+    size_t order;             /* of the rows among those of other parts */
+    double row_start;         /* when what a row compares began */
+    bool wanted[ISO_RENDERER_COUNT];
+    char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
+    size_t consistency_size, consistency_views;
+    iso_level_tf *level_tfs;  /* one a level; by iso_validate_adapt() */
+    int threads;
+    iso_renderers renderers;
+    iso_report *report;
+    const iso_progress *progress;
+} iso_validation;
+
+/* Versions and calibration of the wanted renderers; fills refused. A missing
+ * program is a reason to refuse, not a failure. */
+iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
+
+iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
+
+/* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
+ * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows in
+ * the order of the parts. The first failure ends the run. */
+typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
+iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
+
+/* One level of what v holds: the ray caster and POV-Ray by the same samples, Cycles by its limit. */
+iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
+
+/* The ways to make directions. */
+typedef struct iso_method {
+    const char *name;
+    iso_direction_filter filter;
+    iso_direction_source source;
+} iso_method;
+extern const iso_method iso_methods[];
+extern const size_t iso_method_count;
+/* Level 0's scalar, built again with another direction filter. */
+iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
+
+/* Makes level_tfs of the view's TF; iso_validate_forget_tfs() releases them, and accepts none. */
+iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
+void iso_validate_forget_tfs(iso_validation *v);
+
+/* Both need level_tfs. */
+iso_status iso_validate_methods(iso_validation *v, iso_error *err);
+iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
+
+/* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
+ * does. options: of `isoshade render`, besides v's own. */
+char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
+                             const char *image_a, const iso_limits *limits);
+
+/* The gates, for all who use them: nobody has a copy of his own.
+ * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in
+ * 16 bits a channel of how bright the view can be; a TF that is steep (sharp) multiplies the difference. */
+iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp);
+/* The same of the ray caster with exact lookups (render/gl/raycaster.h), of any TF. */
+iso_limits iso_validate_exact_lock_step(void);
+/* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
+enum { ISO_VALIDATE_POVRAY_INTERVALS = 128 };
+/* How the limit of a renderer is sought: first step, what ends the halving. */
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads);
+/* The error bar that the scene asks of a limit, RMSE. */
+double iso_validate_error_bar(const iso_scene_agreement *asked);
+
+/* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
+ * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
+
+/* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
+typedef struct iso_suite_options {
+    const char *folder;
+    size_t width, height; /* of all images; 0: the scenes' own */
+    size_t level_count;
+    iso_code code;
+} iso_suite_options;
+iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
+
+#endif
