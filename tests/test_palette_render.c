@@ -41,7 +41,7 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
     fit.directions = directions;
     assert_ok(iso_palette_fit(&set, &fit, &s->palette, NULL, &err));
     iso_direction_set_destroy(&set);
-    assert_ok(iso_cli_attach_palette(level, opt.code, &s->palette, &err));
+    assert_ok(iso_level_attach_palette(level, opt.code, &s->palette, &err));
 
     double radius = iso_geometry_box_radius_mm(&level->geometry);
     iso_camera *c = &s->view.camera;
@@ -64,7 +64,7 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
 
 static void subject_destroy(subject *s)
 {
-    iso_cli_detach_palette(&s->pyramid.levels[0]);
+    iso_level_detach_palette(&s->pyramid.levels[0]);
     iso_palette_destroy(&s->palette);
     iso_pyramid_destroy(&s->pyramid);
 }
@@ -193,7 +193,7 @@ static void a_level_without_palette_is_refused(void **state)
     (void)state;
     subject s;
     subject_create(&s, 20, false);
-    iso_cli_detach_palette(&s.pyramid.levels[0]);
+    iso_level_detach_palette(&s.pyramid.levels[0]);
     iso_gl_options opt = iso_gl_defaults();
     iso_reference_options reference = iso_reference_defaults();
     iso_image image;

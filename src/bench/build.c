@@ -314,7 +314,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
     if (status == ISO_OK && size)
-        status = iso_cli_parse_sizes(size, "--size", b.size, err);
+        status = iso_words_parse_sizes(size, "--size", b.size, err);
     if (status == ISO_OK && type)
         status = iso_type_from_name(type, &b.type, err);
     if (status == ISO_OK && scalar)
@@ -324,18 +324,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && code)
         status = iso_code_from_name(code, &b.opt.code, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", levels, 1, 32, err);
+        status = iso_words_check_range("--levels", levels, 1, 32, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--gauss-radius", radius, 1, 16, err);
+        status = iso_words_check_range("--gauss-radius", radius, 1, 16, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--runs", runs, 1, 1000, err);
+        status = iso_words_check_range("--runs", runs, 1, 1000, err);
     b.opt.level_count = (size_t)levels;
     b.opt.gauss_radius = (size_t)radius;
     b.runs = (size_t)runs;
     b.files = files;
     b.volume = volume;
     if (status == ISO_OK)
-        status = iso_cli_check_range("--memory", b.memory_mb, 1, 1e9, err);
+        status = iso_words_check_range("--memory", b.memory_mb, 1, 1e9, err);
     if (status == ISO_OK && volume && !files)
         status = iso_fail(err, ISO_E_USAGE, "--volume needs --files");
     if (status == ISO_OK && next == ISO_CLI_RUN)

@@ -84,7 +84,7 @@ typedef struct block_sums {
 
 typedef struct bench_run {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     int views, size, levels, level, shaded, quick, analytic_size, paper_setup;
     double step_voxels;
     char *held, *figures;
@@ -260,7 +260,7 @@ static iso_status run_volume(bench_run *run, int block, const char *path, iso_er
     iso_progress progress = iso_cli_progress(run->cli);
     iso_pyramid_options build = pyramid_options(run);
     iso_pyramid p = {0};
-    iso_status status = iso_cli_load_pyramid(path, &run->input, &build, &progress, &p, err);
+    iso_status status = iso_subject_load_pyramid(path, &run->input, &build, &progress, &p, err);
     if (status == ISO_OK)
         status = run_pyramid(run, block, iso_path_base(path), &p, err);
     iso_pyramid_destroy(&p);
@@ -413,17 +413,17 @@ static iso_status choose_renderers(bench_run *run, iso_error *err)
 
 static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
 {
-    iso_status status = iso_cli_check_range("--views", run->views, 1, MAX_VIEWS, err);
+    iso_status status = iso_words_check_range("--views", run->views, 1, MAX_VIEWS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--size", run->size, 16, 4096, err);
+        status = iso_words_check_range("--size", run->size, 16, 4096, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
+        status = iso_words_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
+        status = iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--step", run->step_voxels, 0.01, 4, err);
+        status = iso_words_check_range("--step", run->step_voxels, 0.01, 4, err);
     if (status == ISO_OK && run->analytic_size != 0)
-        status = iso_cli_check_range("--analytic", run->analytic_size, 16, 512, err);
+        status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)
         status = choose_methods(run, methods, err);
     if (status == ISO_OK)
@@ -470,7 +470,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     bench_run b = {.views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = "gl", .tf_names = "surface,soft,two-material,shell"};
     const char *methods = "paper,default";
-    iso_cli_input_defaults(&b.input);
+    iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20", "N"},
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge", "N"},

@@ -26,7 +26,7 @@ ISO_EMBED(convergence_gp, "src/bench/convergence.gp");
 enum { most_steps = 8 };
 
 typedef struct convergence_options {
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *with, *size, *output, *format;
     int level, steps;
     double finest;
@@ -148,7 +148,7 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, o->output, "convergence.csv", err);
     if (status == ISO_OK)
-        status = iso_chart_draw(out.temp_path, "convergence", csv, convergence_gp, o->format, err);
+        status = iso_gnuplot_draw(out.temp_path, "convergence", csv, convergence_gp, o->format, err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);
@@ -176,11 +176,11 @@ static iso_status parse_renderers(const char *text, descent d[ISO_RENDERER_COUNT
 
 static iso_status check(const convergence_options *o, iso_error *err)
 {
-    iso_status status = iso_cli_check_range("--steps", o->steps, 2, 6, err);
+    iso_status status = iso_words_check_range("--steps", o->steps, 2, 6, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--finest", o->finest, 1e-3, 10, err);
+        status = iso_words_check_range("--finest", o->finest, 1e-3, 10, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--level", o->level, 0, 63, err);
+        status = iso_words_check_range("--level", o->level, 0, 63, err);
     if (status == ISO_OK && !o->scene)
         status = iso_fail(err, ISO_E_USAGE, "--scene is missing: a .scene.json");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
@@ -205,9 +205,9 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     build.threads = arbiter.threads = cli->threads;
     build.level_count = (size_t)o->level + 1;
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
+        status = iso_subject_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
     if (status == ISO_OK)
-        status = iso_cli_load_view(o->scene, &p, o->size, &view, err);
+        status = iso_subject_load_view(o->scene, &p, o->size, &view, err);
     if (status == ISO_OK)
         status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &arbiter, &reference, NULL, &progress, err);
     for (size_t r = 0; r < count && status == ISO_OK; ++r) {
@@ -234,7 +234,7 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     convergence_options o = {.with = "gl,povray", .format = "svg", .steps = 4, .finest = 0.125};
-    iso_cli_input_defaults(&o.input);
+    iso_volume_input_defaults(&o.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &o.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, "gl, cycles, povray", "LIST"},

@@ -8,6 +8,7 @@
 
 #include "base/json.h"
 #include "bench/bench.h"
+#include "options/input.h"
 #include "bench/encode.h"
 #include "encode/code_error.h"
 #include "encode/code_hole.h"
@@ -227,8 +228,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     int count = 100000, levels = 3;
     char *chart_dir = NULL, *scene = NULL, *size = NULL;
-    iso_cli_input input;
-    iso_cli_input_defaults(&input);
+    iso_volume_input input;
+    iso_volume_input_defaults(&input);
     struct poptOption options[] = {
         {"count", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &count, 0, "random probes for each mean", "N"},
         {"chart", 0, POPT_ARG_STRING, &chart_dir, 0, "draw Figure 10 into this folder, which exists", "DIR"},
@@ -242,9 +243,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--count", count, 100, 1e8, err);
+        status = iso_words_check_range("--count", count, 100, 1e8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--levels", levels, 1, 8, err);
+        status = iso_words_check_range("--levels", levels, 1, 8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         json_t *root = iso_cli_json(&cli);
         json_object_set_new(json_object_get(root, "options"), "count", json_integer(count));

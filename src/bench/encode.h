@@ -25,7 +25,7 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
 
 /* "images", "image_ratios": what codes cost in the images of the command's volumes. */
 typedef struct iso_image_bench {
-    const iso_cli_input *input;
+    const iso_volume_input *input;
     const char *scene, *size;
     size_t level_count; /* at most 8 */
 } iso_image_bench;

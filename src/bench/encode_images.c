@@ -155,11 +155,11 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     build.level_count = b->level_count;
     build.threads = run->cli->threads;
     build.keep_float = true;
-    iso_status status = iso_cli_load_pyramid(path, b->input, &build, &progress, &p, err);
+    iso_status status = iso_subject_load_pyramid(path, b->input, &build, &progress, &p, err);
     if (status == ISO_OK && !p.levels[0].directions)
         status = iso_fail(err, ISO_E_USAGE, "%s holds no float directions; build it with --keep-float", path);
     if (status == ISO_OK)
-        status = iso_cli_load_view(b->scene, &p, b->size, &view, err);
+        status = iso_subject_load_view(b->scene, &p, b->size, &view, err);
     for (size_t k = 0; k < p.level_count && k < b->level_count && status == ISO_OK; ++k) {
         status = measure_level(run, &p.levels[k], &view, errors, err);
         if (status == ISO_OK)

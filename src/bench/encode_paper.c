@@ -42,7 +42,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
         fprintf(f, "%.4g,%.6f\n", json_real_value(json_object_get(row, "lambda")),
                 json_real_value(json_object_get(row, "hole_deg")));
     fclose(f);
-    iso_status status = iso_chart_draw(dir, "figure10", csv, script, "svg", err);
+    iso_status status = iso_gnuplot_draw(dir, "figure10", csv, script, "svg", err);
     free(csv);
     return status;
 }

@@ -90,7 +90,7 @@ static iso_status draw(const json_t *cases, bool by_level, const char *dir, iso_
         return iso_fail(err, ISO_E_MEMORY, "bench consistency: no memory for a figure's data");
     write_rows(cases, by_level, f);
     fclose(f);
-    iso_status status = iso_chart_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? levels_gp : weights_gp, "svg", err);
+    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? levels_gp : weights_gp, "svg", err);
     free(csv);
     return status;
 }

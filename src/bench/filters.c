@@ -174,7 +174,7 @@ static iso_status draw_filters(const filters_run *run, const char *dir, iso_erro
                 fprintf(memory, "%s,%s,%zu,%.4f,%.6f\n", scenes[at].name, methods[m].name, k, figure_of(run, at, m, k, true),
                         figure_of(run, at, m, k, false));
     fclose(memory);
-    iso_status status = iso_chart_draw(dir, "filters", text, filters_gp, run->format, err);
+    iso_status status = iso_gnuplot_draw(dir, "filters", text, filters_gp, run->format, err);
     free(text);
     return status;
 }
@@ -275,7 +275,7 @@ static iso_status draw_holes(const filters_run *run, const iso_shading_subject *
     fclose(memory);
     iso_status status = write_panel(&s->finest[0], dir, "finest", err);
     if (status == ISO_OK)
-        status = iso_chart_draw(dir, "holes", text, holes_gp, run->format, err);
+        status = iso_gnuplot_draw(dir, "holes", text, holes_gp, run->format, err);
     free(text);
     return status;
 }
@@ -312,9 +312,9 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
 static iso_status run_all(filters_run *run, iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = iso_cli_check_range("--size", run->size, 16, 2048, err);
+    iso_status status = iso_words_check_range("--size", run->size, 16, 2048, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--voxels", run->voxels, 16, 512, err);
+        status = iso_words_check_range("--voxels", run->voxels, 16, 512, err);
     if (status == ISO_OK && strcmp(run->format, "svg") != 0 && strcmp(run->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", run->format);
     if (status == ISO_OK && run->output)

@@ -1,5 +1,6 @@
 /* palette.c - palettes of directions: error and time of each method, on the ellipsoid and on volumes. */
 #include "bench/palette.h"
+#include "options/input.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -251,7 +252,7 @@ iso_status palette_bench_sample(const palette_bench *b, const char *path, iso_di
     iso_status status = iso_direction_pool_create(&pool, b->cli->threads, err);
     if (status != ISO_OK)
         return status;
-    status = iso_cli_open_source(path, &b->input, &source, err);
+    status = iso_volume_input_open(path, &b->input, &source, err);
     if (status == ISO_OK)
         status = iso_palette_sample_source(pool, source, &gradient, NULL, NULL, err);
     if (status == ISO_OK)
@@ -401,7 +402,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     const iso_anneal_options anneal = iso_palette_defaults().anneal;
     palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3};
-    iso_cli_input_defaults(&b.input);
+    iso_volume_input_defaults(&b.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0, "samples of the ellipsoid; with --sensitivity runs of each setting", "N"},
@@ -417,11 +418,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1000, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
-        status = iso_cli_check_range("--seeds", b.seeds, 1, 1000, err);
+        status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
         if (status == ISO_OK)
-            status = iso_cli_check_range("--cycles", b.cycles, 0, 1e6, err);
+            status = iso_words_check_range("--cycles", b.cycles, 0, 1e6, err);
         if (status == ISO_OK)
-            status = iso_cli_check_range("--steps", b.steps, 0, 1e8, err);
+            status = iso_words_check_range("--steps", b.steps, 0, 1e8, err);
         json_t *root = iso_cli_json(&cli);
         json_object_update_new(json_object_get(root, "options"),
                                json_pack("{s:i, s:i, s:i}", "seeds", b.seeds, "cycles", b.cycles, "steps", b.steps));

@@ -8,7 +8,7 @@
 
 typedef struct palette_bench {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *size; /* or NULL: a scene that suits most volumes */
     int cycles, steps, seeds;
     int sensitivity, no_images;

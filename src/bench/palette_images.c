@@ -40,7 +40,7 @@ static iso_status default_view(stage *s, iso_error *err)
     static iso_tf_point points[] = {{0, {0.9, 0.6, 0.4}, 0}, {0.18, {0.9, 0.6, 0.4}, 0}, {0.35, {0.9, 0.7, 0.5}, 0.25},
                                     {0.6, {1, 0.95, 0.9}, 0.7}, {1, {1, 1, 1}, 0.9}};
     size_t width = 256, height = 256;
-    iso_status status = s->bench->size ? iso_cli_parse_image_size(s->bench->size, &width, &height, err) : ISO_OK;
+    iso_status status = s->bench->size ? iso_subject_parse_image_size(s->bench->size, &width, &height, err) : ISO_OK;
     if (status != ISO_OK)
         return status;
     const iso_level *level = &s->pyramid.levels[0];
@@ -176,7 +176,7 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
     if (status == ISO_OK)
         status = iso_palette_fit(&set, &opt, &palette, NULL, err);
     if (status == ISO_OK)
-        status = iso_cli_attach_palette(&level, s->pyramid.options.code, &palette, err);
+        status = iso_level_attach_palette(&level, s->pyramid.options.code, &palette, err);
     double seconds = iso_clock_seconds() - start;
     if (status == ISO_OK)
         status = iso_palette_measure(&set, &palette, &e, err);
@@ -197,7 +197,7 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
         snprintf(name, sizeof name, "palette-%zu near. shades", directions);
         status = add_row(s, &level, s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, true, &m, err);
     }
-    iso_cli_detach_palette(&level);
+    iso_level_detach_palette(&level);
     iso_palette_destroy(&palette);
     iso_direction_set_destroy(&set);
     return status;
@@ -235,12 +235,12 @@ iso_status palette_bench_images(const palette_bench *b, const char *path, json_t
     build.level_count = 1;
     build.keep_float = build.keep_magnitude = true;
     build.threads = b->cli->threads;
-    iso_status status = iso_cli_load_volume(path, &b->input, &v, err);
+    iso_status status = iso_volume_input_load(path, &b->input, &v, err);
     if (status == ISO_OK)
         status = iso_pyramid_build(&v, path, &build, &s.pyramid, NULL, err);
     iso_volume_destroy(&v);
     if (status == ISO_OK)
-        status = b->scene ? iso_cli_load_view(b->scene, &s.pyramid, b->size, &s.view, err) : default_view(&s, err);
+        status = b->scene ? iso_subject_load_view(b->scene, &s.pyramid, b->size, &s.view, err) : default_view(&s, err);
     if (status == ISO_OK)
         status = iso_gl_create(&s.gl, NULL, err);
     if (status == ISO_OK)

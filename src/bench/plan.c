@@ -8,13 +8,14 @@
 #include "blender/blender.h"
 #include "brick/store.h"
 #include "bench/bench.h"
+#include "options/input.h"
 #include "plan/planner.h"
 #include "scene/subject.h"
 #include "povray/povray.h"
 #include "vdb/vdb.h"
 
 typedef struct plan_bench {
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *size, *cycles;
     double error, step;
     int brick, levels;
@@ -99,7 +100,7 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     o.threads = s->bench->cli->threads;
     o.step_voxels = s->bench->step;
     o.stats = &s->entries[FULL].cycles;
-    iso_status status = iso_cli_parse_image_size(s->bench->cycles, &view.width, &view.height, err);
+    iso_status status = iso_subject_parse_image_size(s->bench->cycles, &view.width, &view.height, err);
     if (status == ISO_OK)
         status = iso_cycles_render(s->pyramid, 0, &view, &o, &s->entries[FULL].image, progress, err);
     if (status == ISO_OK)
@@ -282,13 +283,13 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     size_t view_count = 0;
     build.level_count = 1;
     build.threads = b->cli->threads;
-    iso_status status = iso_cli_check_range("--error", b->error, 1e-6, 1, err);
+    iso_status status = iso_words_check_range("--error", b->error, 1e-6, 1, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", b->levels, 1, ISO_BRICK_MAX_LEVELS, err);
+        status = iso_words_check_range("--levels", b->levels, 1, ISO_BRICK_MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--step", b->step, 1e-3, 16, err);
+        status = iso_words_check_range("--step", b->step, 1e-3, 16, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err);
+        status = iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = iso_planner_load_views(b->scene, 1, &pyramid, b->size, &s.views, &view_count, err);
     if (status == ISO_OK && view_count != 1)
@@ -308,7 +309,7 @@ static iso_status bench(const plan_bench *b, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     plan_bench b = {.error = 1.0 / 255, .brick = 8, .levels = 4, .step = 0.25};
-    iso_cli_input_defaults(&b.input);
+    iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.error, 0, "RMSE of the image that is allowed", "E"},

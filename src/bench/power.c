@@ -307,13 +307,13 @@ static iso_status check(power_options *o, iso_error *err)
     o->repetitions = o->repetitions >= 0 ? o->repetitions : o->sensitivity ? 3 : o->quick ? 4 : 20;
     o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
     o->size = o->size >= 0 ? o->size : o->quick ? 12 : 16; /* an RMSE hardly depends on it */
-    iso_status status = iso_cli_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
+    iso_status status = iso_words_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--planted", o->planted, 0, 1000, err);
+        status = iso_words_check_range("--planted", o->planted, 0, 1000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--size", o->size, 8, 1024, err);
+        status = iso_words_check_range("--size", o->size, 8, 1024, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--seed", o->seed, 0, 1e6, err);
+        status = iso_words_check_range("--seed", o->seed, 0, 1e6, err);
     if (status == ISO_OK && o->output && !o->sensitivity)
         status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)

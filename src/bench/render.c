@@ -1,5 +1,6 @@
 /* render.c - the ray caster's time by transfer function, gradients and loop. */
 #include "bench/render.h"
+#include "options/input.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -100,7 +101,7 @@ static iso_status load(const iso_cli *cli, const bench_render_options *opt, iso_
     options.level_count = opt->bricks ? BENCH_LEVELS : 1;
     options.threads = cli->threads;
     iso_volume v;
-    iso_status status = cli->argument_count ? iso_cli_load_volume(cli->arguments[0], &opt->input, &v, err)
+    iso_status status = cli->argument_count ? iso_volume_input_load(cli->arguments[0], &opt->input, &v, err)
                                             : iso_field_sample(&field, ISO_U16, &v, err);
     if (status != ISO_OK)
         return status;
@@ -113,13 +114,13 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
 {
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = iso_cli_check_range("--size", opt->size, 8, 1024, err);
+    iso_status status = iso_words_check_range("--size", opt->size, 8, 1024, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--image", opt->image, 1, 8192, err);
+        status = iso_words_check_range("--image", opt->image, 1, 8192, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--runs", opt->runs, 1, 1000, err);
+        status = iso_words_check_range("--runs", opt->runs, 1, 1000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--step", opt->step_voxels, 1e-3, 100, err);
+        status = iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err);
     if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
         status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
     if (status == ISO_OK)
@@ -139,7 +140,7 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     bench_render_options opt = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1};
-    iso_cli_input_defaults(&opt.input);
+    iso_volume_input_defaults(&opt.input);
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels a side of the synthetic volume", "N"},
         {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels a side", "N"},

@@ -10,7 +10,7 @@
 enum { BENCH_LEVELS = 4 }; /* for --bricks */
 
 typedef struct bench_render_options {
-    iso_cli_input input;
+    iso_volume_input input;
     int size, image, runs, bricks, processor_time;
     double step_voxels;
     char *transition, *picture; /* --bricks: one transition alone, and its image; or NULL */

@@ -181,7 +181,7 @@ static const struct variant {
 
 typedef struct bench_run {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene_path, *picture;
     int level;
     iso_gl *gl;
@@ -301,7 +301,7 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     iso_progress progress = iso_cli_progress(run->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_scene scene = {0};
-    iso_status status = iso_cli_check_range("--level", run->level, 1, 6, err);
+    iso_status status = iso_words_check_range("--level", run->level, 1, 6, err);
     build.level_count = (size_t)run->level + 1;
     build.threads = run->cli->threads;
     if (status == ISO_OK && !run->scene_path)
@@ -309,7 +309,7 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     if (status == ISO_OK)
         status = iso_scene_load(run->scene_path, &scene, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err);
+        status = iso_subject_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err);
     if (status == ISO_OK && (size_t)run->level >= run->pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "--level is %d, the pyramid has levels 0 to %zu", run->level, run->pyramid.level_count - 1);
     if (status == ISO_OK)
@@ -335,7 +335,7 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     bench_run b = {.level = 2};
-    iso_cli_input_defaults(&b.input);
+    iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &b.scene_path, 0, "lights, shading and transfer function; the camera looks along z", "SCENE.scene.json"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "around the box", "K"},

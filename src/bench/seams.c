@@ -166,7 +166,7 @@ static iso_status bench(const iso_cli *cli, int layouts, const char *picture, is
     seams s;
     result results[SCHEME_COUNT];
     uint64_t state = 1;
-    iso_status status = iso_cli_check_range("--layouts", layouts, 1, 100000, err);
+    iso_status status = iso_words_check_range("--layouts", layouts, 1, 100000, err);
     if (status != ISO_OK)
         return status;
     status = create(&s, &state, err);

@@ -70,7 +70,7 @@ typedef struct result {
 
 typedef struct shading_run {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     int views, size, levels, analytic_size, adapted, floor, quick;
     double surface;
     char *held, *csv;
@@ -89,7 +89,7 @@ static result *result_of(const shading_run *run, size_t at, size_t level)
 static iso_status load_subject(const shading_run *run, const subject *s, iso_volume *v, iso_field *field, iso_error *err)
 {
     if (s->path)
-        return iso_cli_load_volume(s->path, &run->input, v, err);
+        return iso_volume_input_load(s->path, &run->input, v, err);
     return iso_shading_sample(s->kind, (size_t)run->analytic_size, s->noise, field, v, err);
 }
 
@@ -394,15 +394,15 @@ static iso_status run_all(shading_run *run, iso_error *err)
         run->size = run->size < 96 ? run->size : 96;
         run->analytic_size = run->analytic_size < 48 ? run->analytic_size : 48;
     }
-    iso_status status = iso_cli_check_range("--views", run->views, 1, ISO_DIAGONAL_VIEWS, err);
+    iso_status status = iso_words_check_range("--views", run->views, 1, ISO_DIAGONAL_VIEWS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--size", run->size, 16, 4096, err);
+        status = iso_words_check_range("--size", run->size, 16, 4096, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
+        status = iso_words_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--analytic", run->analytic_size, 16, 512, err);
+        status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--surface", run->surface, 0, 1, err);
+        status = iso_words_check_range("--surface", run->surface, 0, 1, err);
     list_subjects(run);
     run->results = calloc(run->subject_count * MAX_LEVELS, sizeof *run->results);
     if (status == ISO_OK && !run->results)
@@ -441,7 +441,7 @@ iso_status iso_bench_shading(int argc, const char **argv, iso_error *err)
 {
     shading_run run = {.views = ISO_DIAGONAL_VIEWS, .size = 160, .levels = 4, .analytic_size = 96};
     int shading = 1;
-    iso_cli_input_defaults(&run.input);
+    iso_volume_input_defaults(&run.input);
     struct poptOption options[] = {
         {"shading", 0, POPT_ARG_NONE, &shading, 0, "directions (this); implied where no volume is named", NULL},
         {"held", 0, POPT_ARG_STRING, &run.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},

@@ -15,7 +15,7 @@
 
 typedef struct tf_bench {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     int size, levels, runs, no_gl;
 } tf_bench;
 
@@ -31,7 +31,7 @@ static iso_status make_pyramid(const tf_bench *b, iso_pyramid *p, iso_error *err
     build.level_count = (size_t)b->levels;
     build.threads = b->cli->threads;
     if (b->cli->argument_count > 0)
-        return iso_cli_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, p, err);
+        return iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, p, err);
     size_t n = (size_t)b->size;
     iso_field field = {.kind = ISO_FIELD_NOISE, .seed = 1};
     iso_volume v;
@@ -213,7 +213,7 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     tf_bench b = {.size = 128, .levels = 4, .runs = 3};
-    iso_cli_input_defaults(&b.input);
+    iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "of the noise that is made where no volume is given", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
@@ -227,11 +227,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--size", b.size, 8, 2048, err);
+        status = iso_words_check_range("--size", b.size, 8, 2048, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--levels", b.levels, 2, 16, err);
+        status = iso_words_check_range("--levels", b.levels, 2, 16, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--runs", b.runs, 1, 1000, err);
+        status = iso_words_check_range("--runs", b.runs, 1, 1000, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = run_all(&b, err);
     iso_cli_end(&cli);

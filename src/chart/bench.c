@@ -29,15 +29,15 @@ static iso_status load(const iso_chart_bench *b, iso_gradient_method estimator, 
     opt.code = code;
     opt.keep_float = true;
     opt.threads = opt.gradient.threads = b->threads;
-    return iso_cli_load_pyramid(b->path, b->input, &opt, progress, p, err);
+    return iso_subject_load_pyramid(b->path, b->input, &opt, progress, p, err);
 }
 
-iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_cli_input *input, const char *scene, const char *size,
+iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_volume_input *input, const char *scene, const char *size,
                                 size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err)
 {
     *b = (iso_chart_bench){.path = path, .input = input, .threads = threads, .progress = *progress, .is_volume = !iso_pyramid_is_one(path)};
     iso_status status = load(b, grid->first_estimator, grid->first_filter, level_count, grid->first_code, progress, &b->first, err);
-    return status == ISO_OK ? iso_cli_load_view(scene, &b->first, size, &b->view, err) : status;
+    return status == ISO_OK ? iso_subject_load_view(scene, &b->first, size, &b->view, err) : status;
 }
 
 void iso_chart_bench_close(iso_chart_bench *b)
@@ -125,7 +125,7 @@ static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_
     iso_palette *palette = &b->palettes[c->palette];
     if (c->source != ISO_FROM_PALETTE || palette->xyz)
         return ISO_OK;
-    return iso_cli_fit_palette(&b->first.levels[0], b->first.options.code, iso_chart_palettes[c->palette], 2, b->threads, palette, err);
+    return iso_level_fit_palette(&b->first.levels[0], b->first.options.code, iso_chart_palettes[c->palette], 2, b->threads, palette, err);
 }
 
 static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
@@ -203,7 +203,7 @@ static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso
     const double size = (double)count * (c->source == ISO_FROM_PALETTE ? sizeof(uint16_t) : 3);
     iso_status status = ISO_OK;
     if (c->source == ISO_FROM_PALETTE) {
-        status = iso_cli_attach_palette(&level, p->options.code, &b->palettes[c->palette], err);
+        status = iso_level_attach_palette(&level, p->options.code, &b->palettes[c->palette], err);
         *bytes = status == ISO_OK ? (void *)level.palette_index : NULL;
     } else if (!(*bytes = malloc(3 * count))) {
         status = iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu directions", count);

@@ -5,7 +5,7 @@
 
 #include "brick/bricks.h"
 #include "chart/grid.h"
-#include "options/input.h"
+#include "volume/input.h"
 #include "plan/plan.h"
 #include "tf/class_tables.h"
 
@@ -28,7 +28,7 @@ typedef struct iso_chart_pace {
 
 typedef struct iso_chart_bench {
     const char *path;
-    const iso_cli_input *input;
+    const iso_volume_input *input;
     int threads;
     bool processor_time;
     iso_progress progress;
@@ -53,7 +53,7 @@ typedef struct iso_chart_bench {
 
 /* Loads what the chart stands on: the first pyramid, by `grid` where the path is a volume, and the scene. The pointers are
  * kept. */
-iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_cli_input *input, const char *scene, const char *size,
+iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_volume_input *input, const char *scene, const char *size,
                                 size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err);
 void iso_chart_bench_close(iso_chart_bench *b); /* accepts empty */
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options/cli.h"
+#include "base/words.h"
 
 const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
@@ -28,7 +28,7 @@ static iso_status parse_numbers(const char *option, const char *text, double lo,
     *count = 0;
     for (const char *at = text;; ++at) {
         char *end;
-        double value = iso_cli_read_quotient(at, &end);
+        double value = iso_words_read_quotient(at, &end);
         if (end == at || !(value >= lo && value <= hi) || *count == ISO_CHART_MAX_LIST || (*end && *end != ','))
             return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", option, text, ISO_CHART_MAX_LIST, wanted);
         values[(*count)++] = value;

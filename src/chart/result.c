@@ -9,6 +9,8 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/machine.h"
+#include "base/version.h"
+#include "base/words.h"
 #include "report/gnuplot.h"
 #include "chart/pareto.h"
 
@@ -147,7 +149,7 @@ static void put_option(FILE *f, const char *option, const char *word)
     if (!word)
         return;
     fprintf(f, " --%s ", option);
-    iso_cli_put_word(f, word);
+    iso_words_put_quoted(f, word);
 }
 
 /* As few digits as give the number again. */
@@ -162,9 +164,9 @@ static void put_number(FILE *f, const char *option, double value)
     fprintf(f, " --%s %s", option, text);
 }
 
-static void put_input(FILE *f, const iso_cli_input *in)
+static void put_input(FILE *f, const iso_volume_input *in)
 {
-    char *line = iso_cli_input_line(in);
+    char *line = iso_volume_input_line(in);
     fputs(line ? line : "", f);
     free(line);
 }
@@ -198,7 +200,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     if (!f)
         return NULL;
     fputs("isoshade render ", f);
-    iso_cli_put_word(f, r->bench->path);
+    iso_words_put_quoted(f, r->bench->path);
     put_input(f, r->bench->input);
     put_option(f, "scene", r->scene);
     put_option(f, "size", r->size);
@@ -238,7 +240,7 @@ static char *compare_command(const iso_chart_result *r)
     FILE *f = path ? open_memstream(&text, &size) : NULL;
     if (f) {
         fputs("isoshade compare setting.exr ", f);
-        iso_cli_put_word(f, path);
+        iso_words_put_quoted(f, path);
         fclose(f);
     }
     free(path);
@@ -339,9 +341,8 @@ static json_t *want_json(const iso_chart_result *r)
 
 json_t *iso_chart_result_json(const iso_chart_result *r)
 {
-    json_t *root = iso_cli_json(r->cli), *cases = json_array(), *names = json_array();
+    json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line), *cases = json_array(), *names = json_array();
     tag_list *untried;
-    json_object_set_new(root, "schema", json_string("isoshade.chart/2"));
     json_object_set_new(root, "options",
                         json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
                                   iso_chart_metric_name(r->metric), "time", time_kind(r), "bytes", bytes_kind(r),
@@ -440,10 +441,9 @@ static iso_status write_style(const iso_chart_result *r, const char *dir, iso_er
 /* What commands refer to. */
 static iso_status write_images(const iso_chart_result *r, const char *dir, iso_error *err)
 {
-    char *line = iso_cli_command_line(r->cli), *path = iso_path_join(dir, "reference.exr");
-    const iso_image_note notes[] = {{"isoshade:command", line ? line : ""}, {NULL, NULL}};
+    char *path = iso_path_join(dir, "reference.exr");
+    const iso_image_note notes[] = {{"isoshade:command", r->command_line}, {NULL, NULL}};
     iso_status status = path ? iso_image_save_exr(&r->bench->reference, path, notes, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    free(line);
     free(path);
     for (size_t i = 0; i < ISO_CHART_PALETTES && status == ISO_OK; ++i) {
         char name[64];
@@ -474,7 +474,7 @@ iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json,
         status = write_style(r, out.temp_path, err);
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
-        status = iso_chart_draw(out.temp_path, "pareto", csv, pareto_gp, formats[i], err);
+        status = iso_gnuplot_draw(out.temp_path, "pareto", csv, pareto_gp, formats[i], err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

@@ -10,7 +10,6 @@
 #define ISO_CHART_RESULT_H
 
 #include "chart/bench.h"
-#include "options/cli.h"
 
 /* Which figure of a comparison is the error. */
 typedef enum iso_chart_metric { ISO_CHART_RMSE, ISO_CHART_FLIP, ISO_CHART_SSIM, ISO_CHART_METRIC_COUNT } iso_chart_metric;
@@ -23,7 +22,7 @@ double iso_chart_error(const iso_chart_case *c, iso_chart_metric m);
 typedef enum iso_chart_bytes { ISO_CHART_DEVICE, ISO_CHART_STORED } iso_chart_bytes;
 
 typedef struct iso_chart_result {
-    const iso_cli *cli;
+    const char *command_line; /* that made it; borrowed */
     const iso_chart_bench *bench;
     iso_chart_case *cases;
     size_t count, done_count;  /* those that are done come first */

@@ -136,9 +136,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--factor", a.factor, 1, 1e6, err);
+        status = iso_words_check_range("--factor", a.factor, 1, 1e6, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--floor", a.floor, 0, 1, err);
+        status = iso_words_check_range("--floor", a.floor, 0, 1, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = baseline(&cli, &a, err);
     iso_cli_end(&cli);

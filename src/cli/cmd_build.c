@@ -36,13 +36,13 @@ static char *default_output(const char *input)
 static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli, iso_pyramid_options *out, iso_error *err)
 {
     *out = iso_pyramid_defaults();
-    iso_status status = iso_cli_check_range("--levels", in->levels, 1, 32, err);
+    iso_status status = iso_words_check_range("--levels", in->levels, 1, 32, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--gauss-radius", in->gauss_radius, 1, 16, err);
+        status = iso_words_check_range("--gauss-radius", in->gauss_radius, 1, 16, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
+        status = iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
+        status = iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
     if (status == ISO_OK && in->gradient)
         status = iso_gradient_from_name(in->gradient, &out->gradient.method, err);
     if (status == ISO_OK && in->scalar_filter)
@@ -107,16 +107,16 @@ static void print_text(const iso_stream_report *r, const char *output)
 
 typedef struct open_user {
     const char *path;
-    const iso_cli_input *input;
+    const iso_volume_input *input;
 } open_user;
 
 static iso_status open_input(void *user, iso_volume_source **source, iso_error *err)
 {
     const open_user *u = user;
-    return iso_cli_open_source(u->path, u->input, source, err);
+    return iso_volume_input_open(u->path, u->input, source, err);
 }
 
-static iso_status build(const iso_cli *cli, const iso_cli_input *input, const build_options *in, iso_ranks *ranks, iso_error *err)
+static iso_status build(const iso_cli *cli, const iso_volume_input *input, const build_options *in, iso_ranks *ranks, iso_error *err)
 {
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
@@ -129,7 +129,7 @@ static iso_status build(const iso_cli *cli, const iso_cli_input *input, const bu
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = iso_cli_check_range("--memory", in->memory_mb, 1, 1e9, err);
+        status = iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err);
     if (status == ISO_OK)
         status = iso_pyramid_stream(&source, &opt, &stream, output, &report, &progress, err);
     if (status == ISO_OK && cli->json)
@@ -156,8 +156,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
                         .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
                         .memory_mb = 900};
-    iso_cli_input input;
-    iso_cli_input_defaults(&input);
+    iso_volume_input input;
+    iso_volume_input_defaults(&input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},

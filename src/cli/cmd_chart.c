@@ -9,9 +9,10 @@
 #include "chart/grid.h"
 #include "chart/result.h"
 #include "options/cli.h"
+#include "options/input.h"
 
 typedef struct chart_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *output, *size, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
     int level_count, processor_time;
@@ -174,7 +175,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     run->cli = cli;
     run->start_seconds = iso_clock_seconds();
     iso_chart_result *result = &run->result;
-    *result = (iso_chart_result){.cli = cli, .bench = &run->bench, .metric = a->metric, .bytes = a->bytes, .want = a->want,
+    char *line = iso_cli_command_line(cli);
+    *result = (iso_chart_result){.command_line = line ? line : "", .bench = &run->bench, .metric = a->metric, .bytes = a->bytes, .want = a->want,
                                  .budget_seconds = a->budget_seconds, .scene = a->scene, .size = a->size, .output = a->output,
                                  .style = a->style};
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
@@ -199,6 +201,7 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
         status = finish(run, err);
     free(result->cases);
     iso_chart_bench_close(&run->bench);
+    free(line);
     free(run);
     return status;
 }
@@ -207,11 +210,11 @@ static iso_status check(chart_arguments *a, iso_error *err)
 {
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
-    iso_status status = iso_cli_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
+    iso_status status = iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--budget", a->budget_seconds, 0.001, 1e6, err);
+        status = iso_words_check_range("--budget", a->budget_seconds, 0.001, 1e6, err);
     if (status == ISO_OK && a->want_text)
-        status = iso_cli_parse_error("--want", a->want_text, &a->want, err);
+        status = iso_words_parse_error("--want", a->want_text, &a->want, err);
     if (status == ISO_OK && a->metric_text)
         status = iso_chart_metric_from_name(a->metric_text, &a->metric, err);
     if (status == ISO_OK && a->bytes_text) {
@@ -234,7 +237,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     const iso_chart_words *usual = &iso_chart_default_words;
     char help[8][256];
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},

@@ -167,7 +167,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_limits(&opt.limits, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--scale", opt.scale, 0, 1e30, err);
+        status = iso_words_check_range("--scale", opt.scale, 0, 1e30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = compare(&cli, &opt, images, err);
     for (int i = 0; i < 3; ++i)

@@ -5,6 +5,7 @@
 
 #include "blender/blender.h"
 #include "options/cli.h"
+#include "options/input.h"
 #include "plan/planned.h"
 #include "options/roi.h"
 #include "scene/subject.h"
@@ -12,7 +13,7 @@
 #include "vdb/vdb.h"
 
 typedef struct export_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     char *to, *output, *scene, *size, *isosurface, *plan, *grids;
@@ -159,7 +160,7 @@ static iso_status to_povray(const export_job *job, iso_error *err)
     if (job->planned)
         return planned_to_povray(job, &o, err);
     if (job->arguments->isosurface)
-        status = iso_cli_parse_numbers(job->arguments->isosurface, "--isosurface", value, err);
+        status = iso_words_parse_numbers(job->arguments->isosurface, "--isosurface", value, err);
     if (status == ISO_OK)
         status = iso_cli_roi_view(&job->arguments->roi, &job->arguments->adapted, job->arguments->cli->arguments[0], job->pyramid,
                                   (size_t)job->arguments->level, job->view, job->arguments->cli->threads, err);
@@ -212,11 +213,11 @@ static iso_status check(const export_arguments *a, const struct target **target,
         return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted vdb, blender or povray", a->to ? a->to : "");
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->makes);
-    iso_status status = iso_cli_check_range("--level", a->level, 0, 63, err);
+    iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", a->level_count, 1, 64, err);
+        status = iso_words_check_range("--levels", a->level_count, 1, 64, err);
     if (status == ISO_OK && a->step != 0)
-        status = iso_cli_check_range("--step", a->step, 1e-3, 16, err);
+        status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     /* An option that would change nothing is a mistake. */
     const struct target *t = *target;
     const struct {
@@ -250,12 +251,12 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
         return status;
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
-    status = iso_cli_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+    status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK && (size_t)(a->level + a->level_count) > pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
                           a->level + a->level_count - 1, pyramid.level_count - 1);
     if (status == ISO_OK && (target->needs_scene || a->plan))
-        status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
+        status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK && a->plan)
         status = iso_planned_create(a->plan, &pyramid.levels[0], pyramid.options.code, &view.tf, 1, a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
@@ -280,7 +281,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     export_arguments a = {.level_count = 1};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {

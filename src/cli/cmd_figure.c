@@ -37,7 +37,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
-        status = iso_cli_check_range("--level", level, 0, 63, err);
+        status = iso_words_check_range("--level", level, 0, 63, err);
         if (status == ISO_OK && !output)
             status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the figure");
         if (status == ISO_OK && kind)

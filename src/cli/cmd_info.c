@@ -142,10 +142,10 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     iso_cli_print_json(root);
 }
 
-static iso_status show(const iso_cli *cli, const iso_cli_input *input, iso_error *err)
+static iso_status show(const iso_cli *cli, const iso_volume_input *input, iso_error *err)
 {
     iso_volume v;
-    iso_status status = iso_cli_load_volume(cli->arguments[0], input, &v, err);
+    iso_status status = iso_volume_input_load(cli->arguments[0], input, &v, err);
     if (status != ISO_OK)
         return status;
     volume_facts facts = {.stats = iso_volume_measure(&v)};
@@ -161,8 +161,8 @@ static iso_status show(const iso_cli *cli, const iso_cli_input *input, iso_error
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_cli_input input;
-    iso_cli_input_defaults(&input);
+    iso_volume_input input;
+    iso_volume_input_defaults(&input);
     struct poptOption options[] = {ISO_CLI_INPUT_OPTIONS(&input), POPT_TABLEEND};
     iso_cli cli;
     iso_cli_next next;

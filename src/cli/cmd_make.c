@@ -64,11 +64,11 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     size_t size[3];
     double spacing[3] = {1, 1, 1};
     iso_mat3 turn = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    iso_status status = iso_cli_parse_sizes(opt->size, "--size", size, err);
+    iso_status status = iso_words_parse_sizes(opt->size, "--size", size, err);
     if (status == ISO_OK && opt->spacing)
-        status = iso_cli_parse_numbers(opt->spacing, "--spacing", spacing, err);
+        status = iso_words_parse_numbers(opt->spacing, "--spacing", spacing, err);
     for (int a = 0; status == ISO_OK && a < 3; ++a)
-        status = iso_cli_check_range("--spacing", spacing[a], 1e-9, 1e9, err);
+        status = iso_words_check_range("--spacing", spacing[a], 1e-9, 1e9, err);
     if (status == ISO_OK && opt->rotate)
         status = parse_rotation(opt->rotate, &turn, err);
     if (status != ISO_OK)

@@ -17,7 +17,7 @@
 
 typedef struct palette_args {
     const iso_cli *cli;
-    iso_cli_input input;
+    iso_volume_input input;
     char **outputs; /* ends with NULL */
     char *method, *tf;
     int entries, seed, level, per_level, by_magnitude, ellipsoid, on_surface, swap_trials, cycles, steps;
@@ -63,19 +63,19 @@ static iso_status check_outputs(const palette_args *a, iso_error *err)
 static iso_status to_options(const palette_args *a, iso_palette_options *out, iso_error *err)
 {
     *out = iso_palette_defaults();
-    iso_status status = iso_cli_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
+    iso_status status = iso_words_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--seed", a->seed, 0, 2147483647, err);
+        status = iso_words_check_range("--seed", a->seed, 0, 2147483647, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--swap-trials", a->swap_trials, 0, 10000, err);
+        status = iso_words_check_range("--swap-trials", a->swap_trials, 0, 10000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--cycles", a->cycles, 0, 1000000, err);
+        status = iso_words_check_range("--cycles", a->cycles, 0, 1000000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--steps", a->steps, 0, 100000000, err);
+        status = iso_words_check_range("--steps", a->steps, 0, 100000000, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--level", a->level, -1, 31, err);
+        status = iso_words_check_range("--level", a->level, -1, 31, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err);
+        status = iso_words_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err);
     if (status == ISO_OK && a->method)
         status = iso_palette_method_from_name(a->method, &out->method, err);
     if (status == ISO_OK && (a->ellipsoid > 0) == (a->cli->argument_count > 0))
@@ -146,11 +146,11 @@ static iso_status volume_set(const palette_args *a, const char *path, iso_direct
     gradient.threads = a->cli->threads;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && !a->tf && !a->by_magnitude) {
-        status = iso_cli_open_source(path, &a->input, &source, err);
+        status = iso_volume_input_open(path, &a->input, &source, err);
         if (status == ISO_OK)
             status = iso_palette_sample_source(pool, source, &gradient, &w, &progress, err);
     } else if (status == ISO_OK) {
-        status = iso_cli_load_volume(path, &a->input, &v, err);
+        status = iso_volume_input_load(path, &a->input, &v, err);
         iso_volume_stats stats = {0};
         if (status == ISO_OK)
             stats = iso_volume_measure(&v);
@@ -188,7 +188,7 @@ static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_
         }
         const float *directions;
         float *owned;
-        status = iso_cli_level_directions(l, p->options.code, &directions, &owned, err);
+        status = iso_level_directions(l, p->options.code, &directions, &owned, err);
         if (status == ISO_OK)
             status = iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
                                               iso_geometry_voxel_count(&l->geometry), &w, err);
@@ -237,7 +237,7 @@ static iso_status save_volume_indices(const palette_args *a, const iso_palette *
     iso_volume v = {0};
     float *vectors = NULL;
     gradient.threads = a->cli->threads;
-    iso_status status = iso_cli_load_volume(a->cli->arguments[0], &a->input, &v, err);
+    iso_status status = iso_volume_input_load(a->cli->arguments[0], &a->input, &v, err);
     if (status == ISO_OK && !(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its gradients", path);
     if (status == ISO_OK)
@@ -255,7 +255,7 @@ static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_p
     const iso_level *l = &p->levels[k];
     const float *directions;
     float *owned;
-    iso_status status = iso_cli_level_directions(l, p->options.code, &directions, &owned, err);
+    iso_status status = iso_level_directions(l, p->options.code, &directions, &owned, err);
     if (status == ISO_OK)
         status = save_indices(palette, &l->geometry, directions, path, err);
     free(owned);
@@ -285,11 +285,11 @@ static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fi
     else if (iso_path_ends_with(path, ".py"))
         status = iso_palette_save_python(&f->palette, path, text, err);
     else if (iso_path_ends_with(path, ".exr"))
-        status = palette_picture_exr(&f->palette, path, text, err);
+        status = iso_palette_picture_exr(&f->palette, path, text, err);
     else if (iso_path_ends_with(path, ".png"))
-        status = palette_picture_png(&f->palette, &f->set, path, err);
+        status = iso_palette_picture_png(&f->palette, &f->set, path, err);
     else if (iso_path_ends_with(path, ".svg"))
-        status = palette_picture_svg(&f->tessellation, &f->set, path, err);
+        status = iso_palette_picture_svg(&f->tessellation, &f->set, path, err);
     else if (!p)
         status = save_volume_indices(a, &f->palette, path, err);
     else if (f->level >= 0)
@@ -429,7 +429,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                       .swap_trials = (int)d.swap_trials, .cycles = (int)d.anneal.cycles, .steps = (int)d.anneal.steps,
                       .start_prob = d.anneal.start_prob, .temp_fac = d.anneal.temp_fac,
                       .move_min = d.anneal.move_deg[0], .move_max = d.anneal.move_deg[1]};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,

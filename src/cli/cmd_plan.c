@@ -8,11 +8,12 @@
 #include "base/parallel.h"
 #include "brick/store.h"
 #include "options/cli.h"
+#include "options/input.h"
 #include "plan/planner.h"
 #include "scene/subject.h"
 
 typedef struct plan_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *output, *image, *full_image, *size, *faces, *update;
     double error, memory;
     int brick, levels, views;
@@ -171,13 +172,13 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
 
 static iso_status check(const plan_arguments *a, iso_error *err)
 {
-    iso_status status = iso_cli_check_range("--error", a->error, 1e-6, 1, err);
+    iso_status status = iso_words_check_range("--error", a->error, 1e-6, 1, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--memory", a->memory, 0, 1e15, err);
+        status = iso_words_check_range("--memory", a->memory, 0, 1e15, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
+        status = iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--views", a->views, 1, 360, err);
+        status = iso_words_check_range("--views", a->views, 1, 360, err);
     if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
     return status;
@@ -195,7 +196,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     build.threads = cli->threads;
     iso_status status = check(a, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = iso_planner_load_views(a->scene, (size_t)a->views, &pyramid, a->size, &views, &view_count, err);
     if (status == ISO_OK)
@@ -214,7 +215,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     plan_arguments a = {.error = 1.0 / 255, .brick = 16, .levels = 4, .views = 1};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all", "SCENE.scene.json"},
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0, "sides to see each scene from, turned round its up axis: the plan holds for all", "N"},

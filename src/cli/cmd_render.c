@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "plan/cached.h"
 #include "options/cli.h"
+#include "options/input.h"
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
 #include "renderers/renderers.h"
@@ -14,7 +15,7 @@
 #include "scene/subject.h"
 
 typedef struct render_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
@@ -84,10 +85,10 @@ static iso_status check_cache(const render_arguments *a, iso_renderer renderer, 
         a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
         return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --gradients, --palette, --shade-table, "
                                           "--exact-lookups, --isosurface, --quadrature, --adapt and --roi");
-    iso_status status = a->plan_error > 0 ? ISO_OK : iso_cli_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
+    iso_status status = a->plan_error > 0 ? ISO_OK : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
-    return status == ISO_OK ? iso_cli_check_range("--page-side", a->page_side, 0, 65536, err) : status;
+        status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
+    return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
 }
 
 /* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
@@ -134,7 +135,7 @@ static iso_status check_limit(const render_arguments *a, iso_renderer renderer, 
         return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
     if (a->seeds && renderer != ISO_WITH_CYCLES)
         return iso_fail(err, ISO_E_USAGE, "--seeds is for --with cycles alone");
-    return a->seeds ? iso_cli_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
+    return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
 }
 
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
@@ -145,15 +146,15 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     if (status == ISO_OK && a->source)
         status = iso_direction_source_from_name(a->source, &opt->source, err);
     if (status == ISO_OK && a->step != 0)
-        status = iso_cli_check_range("--step", a->step, 1e-3, 100, err);
+        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--intervals", a->intervals, 0, renderer == ISO_WITH_POVRAY ? 255 : 1e6, err);
+        status = iso_words_check_range("--intervals", a->intervals, 0, renderer == ISO_WITH_POVRAY ? 255 : 1e6, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--planes", a->planes, 0, 64, err);
+        status = iso_words_check_range("--planes", a->planes, 0, 64, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--samples", a->samples, 0, 65536, err);
+        status = iso_words_check_range("--samples", a->samples, 0, 65536, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--level", a->level, 0, 63, err);
+        status = iso_words_check_range("--level", a->level, 0, 63, err);
     if (status == ISO_OK)
         status = check_for_renderer(a, renderer, err);
     if (status == ISO_OK)
@@ -168,7 +169,7 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
         return status;
     if (a->isosurface) {
         double value[3];
-        status = iso_cli_parse_numbers(a->isosurface, "--isosurface", value, err);
+        status = iso_words_parse_numbers(a->isosurface, "--isosurface", value, err);
         opt->isosurface = true;
         opt->iso = value[0];
     }
@@ -200,7 +201,7 @@ static iso_status attach_palette(const render_arguments *a, const iso_render_opt
         return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --gradients palette or palette-nearest go together");
     iso_status status = iso_palette_load_csv(a->palette, palette, err);
     if (status == ISO_OK && (size_t)a->level < p->level_count)
-        status = iso_cli_attach_palette(&p->levels[a->level], p->options.code, palette, err);
+        status = iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err);
     return status;
 }
 
@@ -309,13 +310,13 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = recode(a, &pyramid, err);
     if (status == ISO_OK)
         status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
-        status = iso_cli_load_view(a->scene, &pyramid, a->size, &view, err);
+        status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
         status = iso_cli_roi_view(&a->roi, &a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
@@ -335,7 +336,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     iso_image_destroy(&image);
     iso_view_destroy(&view);
     if ((size_t)a->level < pyramid.level_count)
-        iso_cli_detach_palette(&pyramid.levels[a->level]);
+        iso_level_detach_palette(&pyramid.levels[a->level]);
     iso_palette_destroy(&palette);
     iso_pyramid_destroy(&pyramid);
     iso_renderers_end(&renderers);
@@ -345,7 +346,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     render_arguments a = {.with = "gl", .brick = 16, .brick_levels = 4};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
@@ -386,7 +387,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
-        status = iso_cli_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
+        status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = render(&a, &cli, err);
     iso_cli_end(&cli);

@@ -9,12 +9,13 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "options/adapted.h"
+#include "options/input.h"
 #include "options/cli.h"
 #include "scene/subject.h"
 #include "report/gnuplot.h"
 
 typedef struct tf_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     iso_cli_adapted adapted;
     char *tf, *output, *volume;
     int level, level_count;
@@ -71,7 +72,7 @@ static iso_status load_outline(const tf_arguments *a, const iso_pyramid_options 
     iso_progress progress = iso_cli_progress(a->cli);
     if (iso_pyramid_is_one(input))
         return iso_pyramid_load_outline(input, p, err);
-    return iso_cli_load_pyramid(input, &a->input, build, &progress, p, err);
+    return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
 }
 
 /* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
@@ -131,7 +132,7 @@ static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf
     iso_status status = iso_tf_load(path, tf, err);
     if (status == ISO_OK && a->volume) {
         iso_volume v;
-        status = iso_cli_load_volume(a->volume, &a->input, &v, err);
+        status = iso_volume_input_load(a->volume, &a->input, &v, err);
         if (status == ISO_OK) {
             iso_volume_stats stats = iso_volume_measure(&v);
             lo = stats.min, hi = stats.max, g = v.geometry;
@@ -266,7 +267,7 @@ static iso_status draw(const tf_arguments *a, script_writer write, void *user, i
         status = iso_process_run((const char *[]){gnuplot, script, NULL}, &process, err);
     }
     if (status == ISO_OK)
-        status = iso_chart_check_whole(out.temp_path, iso_path_ends_with(a->output, ".png") ? "png" : "svg", err);
+        status = iso_gnuplot_check_whole(out.temp_path, iso_path_ends_with(a->output, ".png") ? "png" : "svg", err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);
@@ -406,7 +407,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     tf_arguments a = {.level_count = 4};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
@@ -423,9 +424,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 16, &next, err);
     a.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--level", a.level, 0, 30, err);
+        status = iso_words_check_range("--level", a.level, 0, 30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_check_range("--levels", a.level_count, 2, 30, err);
+        status = iso_words_check_range("--levels", a.level_count, 2, 30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         const char *what = cli.arguments[0];
         status = strcmp(what, "adapt") == 0     ? adapt(&a, err)

@@ -7,11 +7,12 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "options/cli.h"
+#include "options/input.h"
 #include "scene/subject.h"
 #include "validate/validate.h"
 
 typedef struct validate_arguments {
-    iso_cli_input input;
+    iso_volume_input input;
     char *scene, *output, *size, *with, *code, *junit, *suite;
     int level_count, seeds, quick;
 } validate_arguments;
@@ -121,7 +122,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_cli_input_line(&a->input);
+    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_volume_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
                         .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick,
                         .seeds = seeds_of(a), .threads = cli->threads, .progress = &progress};
@@ -161,13 +162,35 @@ static iso_status load_and_validate(const validate_arguments *a, const iso_cli *
     if (status == ISO_OK)
         status = iso_scene_load(a->scene, &scene, err);
     if (status == ISO_OK && a->size)
-        status = iso_cli_parse_image_size(a->size, &scene.width, &scene.height, err);
+        status = iso_subject_parse_image_size(a->size, &scene.width, &scene.height, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(cli->arguments[0], &a->input, build, &progress, &pyramid, err);
+        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = validate(a, cli, &pyramid, &scene, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+extern const iso_command iso_command_make;
+
+/* `isoshade make MAKE -o path -q`, by the command itself. */
+static iso_status make_volume(const char *make, const char *path, iso_error *err)
+{
+    int argc;
+    const char **words;
+    if (poptParseArgvString(make, &argc, &words) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
+    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
+    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        argv[0] = "make";
+        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
+        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
+        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
+    }
+    free(argv);
+    free(words);
     return status;
 }
 
@@ -177,14 +200,14 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
     iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .progress = &progress};
-    iso_suite_options suite = {.folder = a->suite, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
+    iso_suite_options suite = {.folder = a->suite, .make_volume = make_volume, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
                                .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->size)
-        status = iso_cli_parse_image_size(a->size, &suite.width, &suite.height, err);
+        status = iso_subject_parse_image_size(a->size, &suite.width, &suite.height, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
@@ -217,9 +240,9 @@ static iso_status check_junit(const char *path, iso_error *err)
 static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_status status = iso_cli_check_range("--levels", a->level_count, 0, 16, err);
+    iso_status status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
     if (status == ISO_OK && a->seeds)
-        status = iso_cli_check_range("--seeds", a->seeds, 2, 32, err);
+        status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
@@ -241,7 +264,7 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     validate_arguments a = {0};
-    iso_cli_input_defaults(&a.input);
+    iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},

@@ -13,17 +13,17 @@ void iso_cli_adapted_defaults(iso_cli_adapted *a)
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err)
 {
     *opt = iso_adapt_defaults();
-    iso_status status = iso_cli_check_range("--bits", a->bits, 8, 16, err);
+    iso_status status = iso_words_check_range("--bits", a->bits, 8, 16, err);
     if (status == ISO_OK && a->average && iso_adapt_average_from_name(a->average, &opt->average, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--average");
     if (status == ISO_OK && a->weight && iso_adapt_weight_from_name(a->weight, &opt->weight, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--weight");
     if (status == ISO_OK && a->window != 0)
-        status = iso_cli_check_range("--window", a->window, 1, 100, err);
+        status = iso_words_check_range("--window", a->window, 1, 100, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--mix-s", a->mix_s, 0, 1, err);
+        status = iso_words_check_range("--mix-s", a->mix_s, 0, 1, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--mix-t", a->mix_t, 0, 1 - a->mix_s, err);
+        status = iso_words_check_range("--mix-t", a->mix_t, 0, 1 - a->mix_s, err);
     opt->window = a->window;
     opt->mix_s = a->mix_s;
     opt->mix_t = a->mix_t;
@@ -92,6 +92,6 @@ iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const 
     if (status == ISO_OK)
         status = iso_cli_adapt_split(a, &split, err);
     if (status == ISO_OK && split != ISO_SPLIT_NONE)
-        status = iso_cli_check_range("--bits with a --table over two values", a->bits, 8, 12, err);
+        status = iso_words_check_range("--bits with a --table over two values", a->bits, 8, 12, err);
     return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, split, &opt, view, err) : status;
 }

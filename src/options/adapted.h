@@ -4,7 +4,7 @@
  *     iso_cli_adapted adapted;
  *     struct poptOption options[] = {ISO_CLI_ADAPTED_OPTIONS(&adapted), ..., POPT_TABLEEND};
  *     iso_cli_adapted_defaults(&adapted);
- *     ... iso_cli_parse(...), iso_cli_load_view(...) ...
+ *     ... iso_cli_parse(...), iso_subject_load_view(...) ...
  *     iso_cli_adapt_view(&adapted, path, &pyramid, level, &view, threads, err);
  *
  * An adapted view is the same view with another table, or with tables over value

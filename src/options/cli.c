@@ -116,7 +116,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (cli->argument_count < min_arguments || cli->argument_count > max_arguments)
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
                         command->usage);
-    return iso_cli_check_range("--threads", cli->threads, 0, 1024, err);
+    return iso_words_check_range("--threads", cli->threads, 0, 1024, err);
 }
 
 void iso_cli_end(iso_cli *cli)
@@ -154,23 +154,6 @@ iso_progress iso_cli_progress(const iso_cli *cli)
     return (iso_progress){.report = cli->quiet ? NULL : draw_bar};
 }
 
-static bool is_plain(const char *word)
-{
-    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
-}
-
-void iso_cli_put_word(FILE *f, const char *word)
-{
-    if (is_plain(word)) {
-        fputs(word, f);
-        return;
-    }
-    fputc('\'', f);
-    for (const char *c = word; *c; ++c)
-        *c == '\'' ? fputs("'\\''", f) : fputc(*c, f);
-    fputc('\'', f);
-}
-
 char *iso_cli_command_line(const iso_cli *cli)
 {
     char *text = NULL;
@@ -181,7 +164,7 @@ char *iso_cli_command_line(const iso_cli *cli)
     fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
     for (int i = 1; i < cli->argc; ++i) {
         fputc(' ', memory);
-        iso_cli_put_word(memory, cli->argv[i]);
+        iso_words_put_quoted(memory, cli->argv[i]);
     }
     fclose(memory);
     return text;
@@ -204,75 +187,4 @@ void iso_cli_print_json(json_t *root)
     json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     putchar('\n');
     json_decref(root);
-}
-
-/* One or three values separated by x. */
-static int split_three(const char *text, double out[3])
-{
-    int count = 0;
-    for (const char *at = text; count < 3; ++count) {
-        char *end;
-        errno = 0;
-        out[count] = strtod(at, &end);
-        if (end == at || errno || (*end && *end != 'x'))
-            return -1;
-        if (!*end) {
-            ++count;
-            break;
-        }
-        at = end + 1;
-        if (count == 2)
-            return -1;
-    }
-    if (count == 1)
-        out[1] = out[2] = out[0];
-    return count == 1 || count == 3 ? 0 : -1;
-}
-
-iso_status iso_cli_parse_numbers(const char *text, const char *option, double out[3], iso_error *err)
-{
-    if (split_three(text, out) != 0 || !isfinite(out[0]) || !isfinite(out[1]) || !isfinite(out[2]))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one number or three such as 1x1x2.5", option, text);
-    return ISO_OK;
-}
-
-iso_status iso_cli_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err)
-{
-    double values[3];
-    if (split_three(text, values) != 0)
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one size or three such as 40x56x33", option, text);
-    for (int a = 0; a < 3; ++a) {
-        if (!(values[a] >= 1 && values[a] <= 1048576) || values[a] != floor(values[a]))
-            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option, text);
-        out[a] = (size_t)values[a];
-    }
-    return ISO_OK;
-}
-
-double iso_cli_read_quotient(const char *text, char **end)
-{
-    double above = strtod(text, end);
-    if (*end == text || **end != '/')
-        return above;
-    const char *rest = *end + 1;
-    char *rest_end;
-    double below = strtod(rest, &rest_end);
-    *end = rest_end == rest ? (char *)text : rest_end;
-    return above / below;
-}
-
-iso_status iso_cli_parse_error(const char *option, const char *text, double *error, iso_error *err)
-{
-    char *end;
-    *error = iso_cli_read_quotient(text, &end);
-    if (end == text || *end || !(*error > 0 && *error <= 1))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option, text);
-    return ISO_OK;
-}
-
-iso_status iso_cli_check_range(const char *option, double value, double lo, double hi, iso_error *err)
-{
-    if (!(value >= lo && value <= hi))
-        return iso_fail(err, ISO_E_USAGE, "%s is %g, must be %g to %g", option, value, lo, hi);
-    return ISO_OK;
 }

@@ -15,8 +15,8 @@
 
 #include "base/progress.h"
 #include "base/status.h"
-
-#define ISO_VERSION "0.1.0"
+#include "base/version.h"
+#include "base/words.h"
 
 typedef struct iso_command {
     const char *name;
@@ -61,17 +61,5 @@ json_t *iso_cli_json(const iso_cli *cli);
 void iso_cli_print_json(json_t *root);
 /* The command line as one string, quoted for a shell; to be freed. */
 char *iso_cli_command_line(const iso_cli *cli);
-/* A word of a command line, quoted for a shell where it has to be. */
-void iso_cli_put_word(FILE *f, const char *word);
-
-/* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
-iso_status iso_cli_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err);
-iso_status iso_cli_parse_numbers(const char *text, const char *option, double out[3], iso_error *err);
-/* A number, or a quotient such as "1/255"; *end as strtod has it. */
-double iso_cli_read_quotient(const char *text, char **end);
-/* An image error, "1/255" or "0.004": above 0, at most 1. ISO_E_USAGE with the text. */
-iso_status iso_cli_parse_error(const char *option, const char *text, double *error, iso_error *err);
-/* ISO_E_USAGE "--option is VALUE, must be LO to HI". NaN fails. */
-iso_status iso_cli_check_range(const char *option, double value, double lo, double hi, iso_error *err);
 
 #endif

@@ -44,11 +44,11 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted
         return ISO_OK;
     iso_status status = parse_box(r->box, opt.lo, opt.hi, err);
     if (status == ISO_OK)
-        status = iso_cli_check_range("--roi-band", r->band, 0, 64, err);
+        status = iso_words_check_range("--roi-band", r->band, 0, 64, err);
     if (status == ISO_OK && level < 1)
         status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around it: --level 1 or more");
     if (status == ISO_OK)
-        status = iso_cli_check_range("--roi-level", r->level, 0, (double)level - 1, err);
+        status = iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err);
     opt.level = (size_t)r->level;
     opt.band = r->band;
     if (status == ISO_OK)

@@ -92,7 +92,7 @@ static void draw_dots(iso_image *image, const iso_direction_set *set, const view
 /* Dots show where the data is while there are few of them; more would hide the regions. */
 #define MOST_DOTS 20000
 
-iso_status palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
+iso_status iso_palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
                                iso_error *err)
 {
     static const double white[3] = {1, 1, 1};
@@ -121,7 +121,7 @@ iso_status palette_picture_png(const iso_palette *palette, const iso_direction_s
     return status;
 }
 
-iso_status palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err)
+iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err)
 {
     const iso_image_note notes[] = {{"isoshadeCommand", note}, {NULL, NULL}};
     iso_image image;
@@ -174,7 +174,7 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
     fputs("\"/>\n</svg>\n", file);
 }
 
-iso_status palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
+iso_status iso_palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
                                iso_error *err)
 {
     const view v = front_view();

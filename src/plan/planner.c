@@ -36,7 +36,7 @@ static iso_status load_scene_views(const char *path, size_t turns, const iso_pyr
         if (status != ISO_OK)
             return status;
         if (size)
-            status = iso_cli_parse_image_size(size, &scene.width, &scene.height, err);
+            status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
         if (status == ISO_OK)
             status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, &views[*count], err);

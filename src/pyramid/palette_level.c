@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-iso_status iso_cli_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
+iso_status iso_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
                                     iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&level->geometry);
@@ -17,7 +17,7 @@ iso_status iso_cli_level_directions(const iso_level *level, iso_code code, const
     return ISO_OK;
 }
 
-iso_status iso_cli_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err)
+iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&level->geometry);
     uint16_t *index = malloc(count * sizeof *index);
@@ -27,7 +27,7 @@ iso_status iso_cli_attach_palette(iso_level *level, iso_code code, const iso_pal
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu palette indices", count);
     if (status == ISO_OK)
-        status = iso_cli_level_directions(level, code, &directions, &owned, err);
+        status = iso_level_directions(level, code, &directions, &owned, err);
     if (status == ISO_OK) {
         iso_palette_assign(lookup, directions, index, count);
         level->palette = palette;
@@ -40,14 +40,14 @@ iso_status iso_cli_attach_palette(iso_level *level, iso_code code, const iso_pal
     return status;
 }
 
-void iso_cli_detach_palette(iso_level *level)
+void iso_level_detach_palette(iso_level *level)
 {
     free((void *)level->palette_index);
     level->palette = NULL;
     level->palette_index = NULL;
 }
 
-iso_status iso_cli_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
+iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
                                iso_palette *palette, iso_error *err)
 {
     iso_palette_options opt = iso_palette_defaults();
@@ -58,7 +58,7 @@ iso_status iso_cli_fit_palette(const iso_level *level, iso_code code, size_t dir
     opt.directions = directions;
     opt.swap_trials = swap_trials;
     *palette = (iso_palette){0};
-    iso_status status = iso_cli_level_directions(level, code, &vectors, &owned, err);
+    iso_status status = iso_level_directions(level, code, &vectors, &owned, err);
     if (status != ISO_OK)
         return status;
     status = iso_direction_pool_create(&pool, threads, err);

@@ -6,15 +6,15 @@
 
 /* The level's directions before encoding where it keeps them, else its decoded codes; *owned is to be freed in either
  * case, and is NULL in the first. */
-iso_status iso_cli_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
+iso_status iso_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
                                     iso_error *err);
 
 /* Gives the level the palette, which must outlive it, and the index of each voxel's nearest entry. */
-iso_status iso_cli_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err);
-void iso_cli_detach_palette(iso_level *level); /* frees the indices; accepts a level without */
+iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err);
+void iso_level_detach_palette(iso_level *level); /* frees the indices; accepts a level without */
 
 /* A palette of `directions` entries for the level's directions, every voxel that has one counting 1. */
-iso_status iso_cli_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
+iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
                                iso_palette *palette, iso_error *err);
 
 #endif

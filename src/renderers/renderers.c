@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/version.h"
 #include "blender/blender.h"
-#include "options/cli.h"
 #include "povray/povray.h"
 
 static const struct {

@@ -393,9 +393,9 @@ iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_e
     if (script_file)
         fclose(script_file);
     if (status == ISO_OK)
-        status = iso_chart_draw(dir, "figure", csv, script, "pdf", err);
+        status = iso_gnuplot_draw(dir, "figure", csv, script, "pdf", err);
     if (status == ISO_OK)
-        status = iso_chart_draw(dir, "figure", csv, script, "svg", err);
+        status = iso_gnuplot_draw(dir, "figure", csv, script, "svg", err);
     free(csv);
     free(script);
     return status;

@@ -22,7 +22,7 @@ static iso_status write_beside(const char *dir, const char *name, const char *en
     return status;
 }
 
-iso_status iso_chart_check_whole(const char *picture, const char *format, iso_error *err)
+iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err)
 {
     const char *last = strcmp(format, "pdf") == 0 ? "%%EOF" : strcmp(format, "png") == 0 ? "IEND" : "</svg>";
     enum { tail = 32 };
@@ -54,7 +54,7 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         if (status == ISO_OK && !iso_path_exists(picture))
             status = iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
         if (status == ISO_OK)
-            status = iso_chart_check_whole(picture, format, err);
+            status = iso_gnuplot_check_whole(picture, format, err);
     } else {
         status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     }
@@ -65,7 +65,7 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
     return status;
 }
 
-iso_status iso_chart_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
+iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
                           iso_error *err)
 {
     char *style = iso_path_join(dir, "style.gp");

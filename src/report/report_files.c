@@ -227,7 +227,7 @@ static iso_status make_chart(const char *charts, const chart_kind *kind, const j
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     kind->put_csv(f, rows);
     fclose(f);
-    iso_status status = iso_chart_draw(charts, kind->name, csv, kind->script, "svg", err);
+    iso_status status = iso_gnuplot_draw(charts, kind->name, csv, kind->script, "svg", err);
     free(csv);
     if (status != ISO_OK)
         return status;

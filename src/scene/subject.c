@@ -2,14 +2,14 @@
 
 #include <stdlib.h>
 
-iso_status iso_cli_load_pyramid(const char *path, const iso_cli_input *input, const iso_pyramid_options *opt,
+iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                 const iso_progress *progress, iso_pyramid *p, iso_error *err)
 {
     *p = (iso_pyramid){0};
     if (iso_pyramid_is_one(path))
         return iso_pyramid_load(path, p, err);
     iso_volume v;
-    iso_status status = iso_cli_load_volume(path, input, &v, err);
+    iso_status status = iso_volume_input_load(path, input, &v, err);
     if (status != ISO_OK)
         return status;
     status = iso_pyramid_build(&v, path, opt, p, progress, err);
@@ -17,7 +17,7 @@ iso_status iso_cli_load_pyramid(const char *path, const iso_cli_input *input, co
     return status;
 }
 
-iso_status iso_cli_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
+iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
 {
     char *end;
     unsigned long w = strtoul(text, &end, 10), h = w;
@@ -34,7 +34,7 @@ iso_status iso_cli_parse_image_size(const char *text, size_t *width, size_t *hei
     return ISO_OK;
 }
 
-iso_status iso_cli_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
+iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
                              iso_error *err)
 {
     iso_scene scene;
@@ -45,7 +45,7 @@ iso_status iso_cli_load_view(const char *scene_path, const iso_pyramid *p, const
     if (status != ISO_OK)
         return status;
     if (size)
-        status = iso_cli_parse_image_size(size, &scene.width, &scene.height, err);
+        status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
     const iso_level *level0 = &p->levels[0];
     if (status == ISO_OK)
         status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "options/cli.h"
+#include "base/words.h"
 #include "validate/validate.h"
 
 static void put_limits(FILE *f, const iso_limits *l)
@@ -26,16 +26,16 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, iso_rende
     const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
     if (v->make) {
         fprintf(f, "isoshade make %s -o ", v->make);
-        iso_cli_put_word(f, v->volume_path);
+        iso_words_put_quoted(f, v->volume_path);
         fputs(" && ", f);
     }
     fputs("isoshade render ", f);
-    iso_cli_put_word(f, v->volume_path);
+    iso_words_put_quoted(f, v->volume_path);
     fputs(v->input_options, f);
     if (is_volume && v->pyramid->options.code != iso_pyramid_defaults().code)
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
-    iso_cli_put_word(f, v->scene_path);
+    iso_words_put_quoted(f, v->scene_path);
     fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", iso_renderer_name(renderer), level, v->view->width, v->view->height,
             v->render_options, options, image);
 }
@@ -55,7 +55,7 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer
     if (f) {
         put_render(f, v, level, renderer, options, image);
         fputs(" && isoshade compare ", f);
-        iso_cli_put_word(f, path ? path : "");
+        iso_words_put_quoted(f, path ? path : "");
         fprintf(f, " %s", image);
         put_limits(f, limits);
         fclose(f);

@@ -9,35 +9,12 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "options/cli.h"
 #include "scene/subject.h"
 #include "validate/validate.h"
-
-extern const iso_command iso_command_make;
 
 static int is_scene(const struct dirent *entry)
 {
     return entry->d_name[0] != '.' && iso_path_ends_with(entry->d_name, ".scene.json");
-}
-
-/* `isoshade make MAKE -o path -q`, by the command itself. */
-static iso_status make_volume(const char *make, const char *path, iso_error *err)
-{
-    int argc;
-    const char **words;
-    if (poptParseArgvString(make, &argc, &words) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
-    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
-    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        argv[0] = "make";
-        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
-        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
-        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
-    }
-    free(argv);
-    free(words);
-    return status;
 }
 
 enum { most_levels = 16 }; /* whose rows come in a row */
@@ -57,7 +34,7 @@ static char *scene_name(const char *file)
 static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt, iso_scene *scene, const char *volume,
                                  iso_error *err)
 {
-    const iso_cli_input plain = {0};
+    const iso_volume_input plain = {0};
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid pyramid = {0};
     iso_view view = {0};
@@ -68,9 +45,9 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     build.threads = v->threads;
     if (opt->width)
         scene->width = opt->width, scene->height = opt->height;
-    iso_status status = make_volume(scene->suite_make, volume, err);
+    iso_status status = opt->make_volume(scene->suite_make, volume, err);
     if (status == ISO_OK)
-        status = iso_cli_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
+        status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
     if (status == ISO_OK)
         status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, pyramid.levels[0].min, pyramid.levels[0].max, &view, err);
     if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)

@@ -109,6 +109,8 @@ typedef struct iso_suite_options {
     size_t width, height; /* of all images; 0: the scenes' own */
     size_t level_count;
     iso_code code;
+    /* Writes the volume that `isoshade make` makes of these words. */
+    iso_status (*make_volume)(const char *words, const char *path, iso_error *err);
 } iso_suite_options;
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
 

@@ -1,0 +1,96 @@
+/* words.c - words of command lines and files. */
+#include "base/words.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_plain(const char *word)
+{
+    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
+}
+
+void iso_words_put_quoted(FILE *f, const char *word)
+{
+    if (is_plain(word)) {
+        fputs(word, f);
+        return;
+    }
+    fputc('\'', f);
+    for (const char *c = word; *c; ++c)
+        *c == '\'' ? fputs("'\\''", f) : fputc(*c, f);
+    fputc('\'', f);
+}
+
+/* One or three values separated by x. */
+static int split_three(const char *text, double out[3])
+{
+    int count = 0;
+    for (const char *at = text; count < 3; ++count) {
+        char *end;
+        errno = 0;
+        out[count] = strtod(at, &end);
+        if (end == at || errno || (*end && *end != 'x'))
+            return -1;
+        if (!*end) {
+            ++count;
+            break;
+        }
+        at = end + 1;
+        if (count == 2)
+            return -1;
+    }
+    if (count == 1)
+        out[1] = out[2] = out[0];
+    return count == 1 || count == 3 ? 0 : -1;
+}
+
+iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err)
+{
+    if (split_three(text, out) != 0 || !isfinite(out[0]) || !isfinite(out[1]) || !isfinite(out[2]))
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one number or three such as 1x1x2.5", option, text);
+    return ISO_OK;
+}
+
+iso_status iso_words_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err)
+{
+    double values[3];
+    if (split_three(text, values) != 0)
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one size or three such as 40x56x33", option, text);
+    for (int a = 0; a < 3; ++a) {
+        if (!(values[a] >= 1 && values[a] <= 1048576) || values[a] != floor(values[a]))
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option, text);
+        out[a] = (size_t)values[a];
+    }
+    return ISO_OK;
+}
+
+double iso_words_read_quotient(const char *text, char **end)
+{
+    double above = strtod(text, end);
+    if (*end == text || **end != '/')
+        return above;
+    const char *rest = *end + 1;
+    char *rest_end;
+    double below = strtod(rest, &rest_end);
+    *end = rest_end == rest ? (char *)text : rest_end;
+    return above / below;
+}
+
+iso_status iso_words_parse_error(const char *option, const char *text, double *error, iso_error *err)
+{
+    char *end;
+    *error = iso_words_read_quotient(text, &end);
+    if (end == text || *end || !(*error > 0 && *error <= 1))
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option, text);
+    return ISO_OK;
+}
+
+iso_status iso_words_check_range(const char *option, double value, double lo, double hi, iso_error *err)
+{
+    if (!(value >= lo && value <= hi))
+        return iso_fail(err, ISO_E_USAGE, "%s is %g, must be %g to %g", option, value, lo, hi);
+    return ISO_OK;
+}

@@ -1,0 +1,24 @@
+/* words.h - words of command lines and files: numbers, sizes and quotients read with the end checked, and words quoted
+ * for a shell. Errors name the option and its text. */
+#ifndef ISO_WORDS_H
+#define ISO_WORDS_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "base/status.h"
+
+/* A word of a command line, quoted for a shell where it has to be. */
+void iso_words_put_quoted(FILE *f, const char *word);
+
+/* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
+iso_status iso_words_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err);
+iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err);
+/* A number, or a quotient such as "1/255"; *end as strtod has it. */
+double iso_words_read_quotient(const char *text, char **end);
+/* An image error, "1/255" or "0.004": above 0, at most 1. ISO_E_USAGE with the text. */
+iso_status iso_words_parse_error(const char *option, const char *text, double *error, iso_error *err);
+/* ISO_E_USAGE "--option is VALUE, must be LO to HI". NaN fails. */
+iso_status iso_words_check_range(const char *option, double value, double lo, double hi, iso_error *err);
+
+#endif

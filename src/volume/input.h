@@ -1,0 +1,22 @@
+/* input.h - how a volume is to be read where its file does not say: size, type and spacing of a file without a header;
+ * stored or physical values. The fields are the texts and numbers of the options of the same names, 0 where not given. */
+#ifndef ISO_VOLUME_INPUT_H
+#define ISO_VOLUME_INPUT_H
+
+#include "volume/stream.h"
+
+typedef struct iso_volume_input {
+    char *raw_size, *raw_type, *raw_spacing; /* borrowed; "40x56x33", "uint8", "1x1x2.5" */
+    int raw_big_endian, physical;
+    long raw_skip_bytes;
+} iso_volume_input;
+
+void iso_volume_input_defaults(iso_volume_input *input);
+/* The options that were given, as a command line has them, each after a space; to be freed. */
+char *iso_volume_input_line(const iso_volume_input *input);
+
+/* ISO_E_USAGE for raw options that miss or contradict; else as iso_volume_load. */
+iso_status iso_volume_input_load(const char *path, const iso_volume_input *input, iso_volume *v, iso_error *err);
+iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source, iso_error *err);
+
+#endif
