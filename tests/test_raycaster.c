@@ -497,7 +497,7 @@ static void shader_folder_of_the_sources_gives_the_same_image(void **state)
     iso_image a = render_gl(&p.levels[0], ISO_CODE_REGION48, &view, ISO_FROM_CODES), b;
     iso_gl_options opt = iso_gl_defaults();
     iso_gl *other;
-    assert_ok(iso_gl_create(&other, "src/render/shaders", &err));
+    assert_ok(iso_gl_create(&other, "src/render/gl/shaders", &err));
     assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, NULL, &err));
     assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
     iso_gl_destroy(other);
