@@ -1,6 +1,8 @@
 # isoshade: make demo, make check; make help lists the rest.
 #
 #   config=release (default) | debug | sanitize      objects under build/$(config)
+#   WERROR=-Werror      warnings stop the build, as in our own checks (make check)
+#   SETUP=no            make demo and make check install nothing: what they need is there
 
 config ?= release
 build := build/$(config)
@@ -15,15 +17,19 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
 CXX := g++
-warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi -Werror
+warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags := $(flags_$(config)) -fopenmp -MMD -MP -Isrc -Iexporters -I.
-pkgs := jansson popt libpng zlib OpenEXR epoxy egl libxxhash
-CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(shell pkg-config --cflags $(pkgs)) -isystem /usr/include/nifti
-CXXFLAGS = -std=c++17 -Wall -Wextra $(flags) -isystem /usr/include/Imath
-LDLIBS = $(shell pkg-config --libs $(pkgs)) -lOpenEXRCore-3_1 -lteem -lniftiio -lznz -lopenvdb -ltbb -lImath-3_1 -lstdc++ -lm
+# Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
+pkgs := jansson popt libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
+pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
+pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
+missing = $(error Debian packages are missing that isoshade is built with: `make setup` installs them)
+CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
+CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
+LDLIBS = -lteem -lniftiio -lznz -lopenvdb $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
 lib_c := $(filter-out src/cli/main.c src/base/mpi/%,$(wildcard src/*/*.c src/*/*/*.c exporters/*/*.c))
@@ -57,14 +63,17 @@ $(stamp):
 
 again := $(MAKE) --no-print-directory -j$(shell nproc)
 
+# demo and check install what they need, unless SETUP=no.
+needs_setup := $(if $(filter no,$(SETUP)),,setup)
+
 # The compiler itself may come from setup, so the real work is a second make.
-demo: setup ## build, take a real volume and validate it: the main job
+demo: $(needs_setup) ## build, take a real volume and validate it: the main job
 	@$(again) all
 	@sh refscenes/demo.sh
 
-check: setup ## build and run all tests, under the sanitizers too
-	@$(again) config=release all tests
-	@$(again) config=sanitize all tests
+check: $(needs_setup) ## build and run all tests, under the sanitizers too
+	@$(again) config=release WERROR=-Werror all tests
+	@$(again) config=sanitize WERROR=-Werror all tests
 	@bash tests/run.sh build/release build/sanitize
 
 tests: $(tests) ## build the test programs
