@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # isoshade: make demo, make check; make help lists the rest.
 #
 #   config=release (default) | debug | sanitize      objects under build/$(config)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # The main job on a real volume: the ch2 MRI of Debian's mricron-data, brain alone.
 set -eu
 volume=/usr/share/mricron/templates/ch2bet.nii.gz

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The failure atlas as its reader uses it: a page in a browser, and commands that give its figures when they are typed.
 . "$(dirname "$0")/lib.sh"
 ids=thin-vessels,opposite-normals,sharp-tf,code-folds,lambda

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # bench encode: the keys that the design fixes, the paper's figures, and bad usage.
 set -u
 bad=0

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command build: files, JSON, default name, messages and exit codes, and nothing half-written.
 . "$(dirname "$0")/lib.sh"
 nothing_left() { [ -z "$(ls -A | grep -E '^\..*iso|no\.iso')" ]; }

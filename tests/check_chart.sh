@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command chart: its grid and files, fronts, the setting it names and that setting rendered again, the budget, restyling,
 # messages, and no half-written folder.
 . "$(dirname "$0")/lib.sh"

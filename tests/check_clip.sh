@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: MIT
 # Clip planes of a scene in every renderer; what is wrong in a scene file is named.
 . "$(dirname "$0")/lib.sh"
 cp "$top"/refscenes/marschner-lobb.tf.json .

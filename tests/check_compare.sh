@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command compare: verdicts, exit codes, JSON, messages, and no half-written files.
 . "$(dirname "$0")/lib.sh"
 # picture FILE WIDTH HEIGHT HIGH-BYTE: 16-bit PPM, every channel HIGH-BYTE * 256.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # bench consistency --shading: the whole table as a command, its keys, and bad usage.
 . "$(dirname "$0")/lib.sh"
 "$ISOSHADE" make shells --size 24 --type uint8 -o shells.nrrd -q || exit 1

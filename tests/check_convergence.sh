@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # bench convergence and isosurfaces: two renderers down to one limit; charts; messages; nothing half-written.
 . "$(dirname "$0")/lib.sh"
 scene=$top/refscenes/marschner-lobb.scene.json

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command export: what it writes, what it says, and that a refusal leaves nothing behind.
 . "$(dirname "$0")/lib.sh"
 scene=$top/refscenes/shells.scene.json

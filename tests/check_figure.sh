@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Publication figures as a journal takes them: fonts inside, text that is text and apart, sizes, resolution, the scale bar.
 . "$(dirname "$0")/lib.sh"
 cd "$top" || exit 1

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Whole commands on good and bad input: exit code, one line on stderr, no half-written file.
 . "$(dirname "$0")/lib.sh"
 accept() { # name, words that stdout has to hold, command ...

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Data flows one way: the files of a room (a folder of src or exporters, with the folders in it) include only files of the
 # rooms that its row names, and of their own. No exemptions; a row names none that stands below it.
 set -u

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command palette: inputs, every output, JSON, messages, exit codes, and no half-written files.
 . "$(dirname "$0")/lib.sh"
 # at_most KEY LIMIT: the first number of that key in the last JSON output

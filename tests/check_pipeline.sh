@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The whole path by commands: a volume in, four renderers, one report; and bad input on the way.
 . "$(dirname "$0")/lib.sh"
 scenes=$top/refscenes

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The commands of mixed resolution: plan, bench seams, bench render --bricks.
 . "$(dirname "$0")/lib.sh"
 number() { sed -n "s/.*\"$2\": \([-0-9.e]*\),*$/\1/p" "$1" | head -1; }

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # What validation catches and what it leaves alone, and by how little: bench power by the ray caster at few pixels.
 . "$(dirname "$0")/lib.sh"
 power() { "$ISOSHADE" bench power --with gl -q "$@"; }

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # build under mpirun: the bytes of the build without, whatever the number of ranks; a bad input or a rank that dies gives
 # one message, the exit code, and nothing that looks finished.
 . "$(dirname "$0")/lib.sh"

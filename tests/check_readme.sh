@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Every command block of README.md (```sh) runs as it stands, in order, in one folder; only the newcomer's own
 # make demo and make check are left to the reader. Then the examples of each command's --help, but for bench.
 set -u

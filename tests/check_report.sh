@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The commands that read a report, figure and baseline: exit codes, messages, and what they leave.
 . "$(dirname "$0")/lib.sh"
 report() { # folder, rmse

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The report in a browser, as its reader uses it: failed cases, A/B flip, threshold, zoom, no network, and a screenshot.
 . "$(dirname "$0")/lib.sh"
 cd "$top" || exit 1

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Scenes that break renderers, by the ray caster at few pixels; scenes that are wrong; methods and adapted TFs at every
 # level.
 . "$(dirname "$0")/lib.sh"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # The command tf, and adapted transfer functions in render and export.
 . "$(dirname "$0")/lib.sh"
 tf=$top/refscenes/shells.tf.json scene=$top/refscenes/shells.scene.json

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Prints a column of a CSV, a value a line: column.py FILE.csv COLUMN [COLUMN=VALUE ...] for the rows that have these values."""
 import csv
 import sys

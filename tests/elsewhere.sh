@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Builds and tests the checkout's HEAD on another Debian release, from nothing: a clean root by debootstrap, a clone in
 # it, `make check` inside, and one summary line at the end.
 #

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* folder.h - a folder of a test program's own: made before its tests, removed after them with all that is in it. */
 #ifndef ISO_TEST_FOLDER_H
 #define ISO_TEST_FOLDER_H

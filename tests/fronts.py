@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Checks the fronts of a chart's pareto.csv against its own figures: fronts.py FILE.csv. Of settings that are equal to the
 digits of the table, some may be on the front and some not."""
 import csv

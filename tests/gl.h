@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gl.h - one OpenGL context for all tests of a program: it takes a while to start. */
 #ifndef ISO_TEST_GL_H
 #define ISO_TEST_GL_H

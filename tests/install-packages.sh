@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # Installs those of the named Debian packages that are missing: as root or by sudo, else prints the command and stops.
 set -eu
 missing=

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # lib.sh - sourced by the check scripts. Leaves the shell in a private folder $dir, knows the project's $top and the
 # program $ISOSHADE. Cases print "ok NAME" or "not ok NAME: why"; a script ends with `exit $failed`.
 set -u

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pyramids.h - small volumes and their pyramids, for tests. */
 #ifndef ISO_TEST_PYRAMIDS_H
 #define ISO_TEST_PYRAMIDS_H

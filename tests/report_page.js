@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Uses the report as its reader does, and writes a line a finding into the page, for tests/check_report_page.sh to read.
 (async () => {
     const lines = [], say = (name, value) => lines.push(`${name} ${value}`);

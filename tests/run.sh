@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Runs the test programs of each build folder that is named, then the scripts once against the first folder, as many at
 # a time as there are cores, and ends with one line "N passed, N failed". Test programs are cmocka's; scripts print
 # "ok NAME" or "not ok NAME: why" a case.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test.h - cmocka, and comparisons that NaN fails. */
 #ifndef ISO_TEST_H
 #define ISO_TEST_H

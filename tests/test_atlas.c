@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_atlas.c - every failure of the atlas is still one, and every fallback still mends it: a test a case. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The baseline: what counts as worse, and that nothing is accepted by itself. */
 #include <math.h>
 #include <stdlib.h>

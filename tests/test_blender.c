@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Cycles and the exported .blend against the converged reference. Blender has to be there: nothing is skipped. */
 #define _GNU_SOURCE
 #include "test.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Mixed resolution has no seams: all bricks that hold a point agree on it, in every configuration. */
 #include "test.h"
 

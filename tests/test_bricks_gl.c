@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Mixed resolution on the GPU against the reference on the same bricks, and its seams. */
 #include "test.h"
 #include "gl.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_calibrate.c - each renderer passes its calibration, and each planted fault fails it. */
 #include <string.h>
 

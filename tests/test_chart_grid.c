@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The grid of a chart: what it holds, what it leaves out, and in which order a budget meets it. */
 #include <stdlib.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Clip planes: a slab's closed form, the ray caster against the reference, bricks that are left out. */
 #include "test.h"
 #include "gl.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Direction codes: errors, zero, regions; the decoder in single precision. */
 #include "test.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The levels against level 0, as `isoshade validate` measures them: under the original TF and under the one adapted to
  * each level, and that rows say which. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Figures from a report: what they hold, where panels stand, the scale bar's length, and what is refused. */
 #define _GNU_SOURCE
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The flipped fetch: opposite directions on the two sides of a thin plate do not cancel. */
 #include "test.h"
 

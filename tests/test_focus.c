@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A region of interest: no seam, measured, with a hard edge and a foreign TF planted; and one definition in every renderer. */
 #include "test.h"
 

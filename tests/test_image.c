@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_image.c - images to files and back. */
 #define _GNU_SOURCE
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Lattices and stores: what a plan leaves is what the bricks show, and an update bakes no less than it must. */
 #include "test.h"
 

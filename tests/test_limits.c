@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Limits of halved steps and closed forms: what is right agrees, what is planted does not, and the gates say which. */
 #include <math.h>
 #include <stdlib.h>

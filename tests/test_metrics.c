@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Metrics: closed forms, direct sums written from the papers, and faults that must be caught. */
 #include <math.h>
 #include <stdlib.h>

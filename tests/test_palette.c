@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Palettes: fixed tables against closed forms, fits against brute force, degenerate input, the annealed mesh. */
 #define _GNU_SOURCE
 #include "palette/palette.h"

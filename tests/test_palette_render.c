@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Palettes in the renderers: GL against the reference, and both against the directions that the palette stands for. */
 #include "test.h"
 

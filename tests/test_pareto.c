@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The front of cost and error, and the choice on it. */
 #include <math.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The plan: what is hidden is left out, what is coarse stays within the error, more error means less model. */
 #include "test.h"
 

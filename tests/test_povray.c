@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 /* POV-Ray against the reference. These tests fail, not skip, without POV-Ray. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_power.c - what is planted is what its name says, and the gates of validation answer for random scenes. */
 #include <math.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_preintegration.c - means of a transfer function: against sums, against closed forms, and in both ray casters. */
 #include <math.h>
 #include <stdlib.h>

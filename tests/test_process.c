@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Programs that are run: their exit codes, time limits, and what a signal leaves. */
 #define _GNU_SOURCE
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the pyramid's directions promise by their structure, whatever the volume. Each promise is also put to something
  * that breaks it, so that the test is seen to notice.
  *

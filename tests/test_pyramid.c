@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The pyramid against direct sums in double precision, and its files. Its structural promises: test_promises.c. */
 #include "folder.h"
 #include "test.h"

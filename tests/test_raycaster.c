@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The ray caster against the reference with the same sampling. Sizes and spacings are unequal, the grid is rotated. */
 #define _POSIX_C_SOURCE 200809L
 #include "test.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_reference.c - the arbiter against closed forms. */
 #include <math.h>
 #include <stdlib.h>

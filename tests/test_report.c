@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The report: verdicts, order, files, page, JUnit. With a path as argument the example is left there to look at. */
 #define _GNU_SOURCE
 #include <math.h>

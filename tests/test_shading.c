@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* How shading across levels is measured: what has to be zero is, and what is wrong shows. */
 #include "test.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Statistics: tables and closed forms of the distribution, extrapolation of known series, and faults with noise. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The build in slabs: the bytes of the build in memory, whatever the memory and the threads, and across a kill. */
 #include "folder.h"
 #include "test.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Transfer functions over two values: what the second value is, and that every renderer looks up one table. Sizes and
  * spacings are unequal, the grid is rotated. */
 #include "test.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* test_tf.c - transfer functions and scenes: files to tables and views. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* OpenVDB files hold what the pyramid holds, where the pyramid has it. */
 #define _GNU_SOURCE
 #include "test.h"

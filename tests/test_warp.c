@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The paper's transitions: continuous where it proves them to be, not everywhere; the mended ones everywhere. */
 #include "test.h"
 

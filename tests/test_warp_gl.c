@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The paper's transitions in GLSL: what the CPU has from the same definition, and continuous where that is. */
 #include "test.h"
 #include "gl.h"

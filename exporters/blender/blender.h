@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* blender.h - Blender scenes of a volume, and Cycles as a renderer.
  *
  * The .blend is made by Blender itself, running the embedded build_scene.py on

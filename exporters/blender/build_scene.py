@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the Blender scene of an isoshade volume, and saves or renders it.
 
 Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* ramp.c - a table of thousands of entries in 32 stops, and what that loses. */
 #include <math.h>
 #include <string.h>

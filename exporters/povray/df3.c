@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "povray/df3.h"
 
 #include <errno.h>

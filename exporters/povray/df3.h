@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* df3.h - POV-Ray's density files: three big-endian 16-bit sizes, then unsigned
  * big-endian samples of 8, 16 or 32 bits, x fastest. POV-Ray reads a sample as
  * v = sample / (2^bits - 1).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* povray.h - POV-Ray scenes of a level, and POV-Ray as a renderer.
  *
  * A scene is a folder: NAME.pov (camera, background), NAME.inc (the volume:

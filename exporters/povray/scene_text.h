@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* scene_text.h - the texts of a POV-Ray scene: NAME.inc, NAME.pov, NAME.ini.
  *
  * The volume is built in voxel (index) coordinates and placed by one matrix, so

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* vdb.h - the door to OpenVDB: C outside, C++ inside, no exception passes.
  *
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "vdb/vdb_door.h"
 
 #include <algorithm>

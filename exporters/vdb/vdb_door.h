@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* vdb_door.h - what passes between C (vdb.c) and C++ (vdb_door.cc): plain types, no exception.
  *
  * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at

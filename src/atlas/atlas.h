@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* atlas.h - the ways in which methods fail: the smallest scene that shows each,
  * a figure for it, and the fallback that mends it.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cases.c - the table of failures, and the one way to run them. */
 #include <math.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* faults.c - failures that no option of ours makes: they are planted. */
 #include <math.h>
 #include <string.h>

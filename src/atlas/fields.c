@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* fields.c - closed forms in a box from -1 to 1 mm, each with its unit normals. */
 #include <math.h>
 

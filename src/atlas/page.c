@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* page.c - the atlas as a page: a section a case, its pictures, its volume and scene, its commands. */
 #define _GNU_SOURCE
 #include <math.h>

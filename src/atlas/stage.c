@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* stage.c - a scene of the atlas as volume, view and scene file; a way as a picture. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* bigfile.h - long files, written from their beginning to their end.
  *
  * Where the file system can, writes go past the page cache (O_DIRECT), in

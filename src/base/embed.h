@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* embed.h - a text file inside the program, by the assembler.
  *
  *     ISO_EMBED(raycast_glsl, "src/render/gl/shaders/raycast.glsl");

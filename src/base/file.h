@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* file.h - outputs that appear whole or not at all.
  *
  * A file or a directory is made under a temporary name beside its final one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* json.h - reading and writing JSON files by jansson, with errors that name
  * the file and the key, and writing them whole or not at all.
  *

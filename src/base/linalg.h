@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* linalg.h - 3-vectors and 3x3 matrices in double precision, by value. */
 #ifndef ISO_LINALG_H
 #define ISO_LINALG_H

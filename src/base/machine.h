@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* machine.h - what a program ran on, for reports whose figures depend on it. */
 #ifndef ISO_MACHINE_H
 #define ISO_MACHINE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* parallel.h - threads by OpenMP. Loops say
  *     #pragma omp parallel for schedule(static) num_threads(iso_threads(opt->threads))
  * and give results that do not depend on the number. */

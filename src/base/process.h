@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* process.h - running Blender, POV-Ray and gnuplot. */
 #ifndef ISO_PROCESS_H
 #define ISO_PROCESS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* progress.h - how long work tells how far it is.
  *
  * The library calls report(user, stage, fraction) with fraction in [0, 1];

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* random.h - seeded random numbers that are the same on every machine.
  *
  * SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* ranks.h - the processes of one MPI job, for work that outgrows one machine.
  *
  * The only door to MPI. A program that mpirun did not start is alone: iso_ranks_open() gives NULL, which every function

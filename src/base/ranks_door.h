@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* ranks_door.h - what the library beside the program offers; private to ranks. */
 #ifndef ISO_RANKS_DOOR_H
 #define ISO_RANKS_DOOR_H

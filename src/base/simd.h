@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* simd.h - kernels compiled for several instruction sets, chosen when the program starts.
  *
  *     ISO_SIMD void kernel(const float *restrict in, size_t n, float *restrict out) ...

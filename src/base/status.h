@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* status.h - a status for the program, a text for the person.
  *
  * Every function that can fail returns an iso_status and takes an iso_error

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* words.c - words of command lines and files. */
 #include "base/words.h"
 

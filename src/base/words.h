@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* words.h - words of command lines and files: numbers, sizes and quotients read with the end checked, and words quoted
  * for a shell. Errors name the option and its text. */
 #ifndef ISO_WORDS_H

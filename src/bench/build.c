@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* build.c - the in-memory build against memcpy. */
 #define _GNU_SOURCE
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* consistency.c - does a coarse level look like level 0? The original TF
  * against adapted ones, over views from an icosahedron's faces.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* convergence.c - does the error of a renderer fall as its quadrature promises, and to where?
  *
  * Each renderer draws the scene at steps that halve. Midpoint rules err with the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode.c - direction codes: speed, holes, errors at voxels and between
  * them; the tables and the figure of gradients-2017 sections 4 and 5. */
 #define _GNU_SOURCE

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode.h - the parts of `bench encode` that reproduce or refute the
  * paper. Each prints a table (text) and adds its results to root. */
 #ifndef ISO_BENCH_ENCODE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_images.c - what a code of directions costs in the image, beside the same directions as floats. */
 #include <math.h>
 #include <stdio.h>

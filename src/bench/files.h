@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* files.h - the build from a file to files against what the disk takes for the same bytes. */
 #ifndef ISO_BENCH_FILES_H
 #define ISO_BENCH_FILES_H

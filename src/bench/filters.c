@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* filters.c - bench consistency --filters: where each way to make directions holds and where it gives way; and
  * --holes: the artefact of directions that are not defined where the coarse surface is.
  *

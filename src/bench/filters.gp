@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Each direction filter on each scene: the angle to the field's own gradients, one panel a scene.
 name = 'filters'
 data = name . '.csv'

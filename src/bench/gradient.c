@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gradient.c - estimators on fields whose gradients are known. */
 #include <math.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Pictures of one level by several directions, beside level 0, with how much of each is a hole.
 name = 'holes'
 data = name . '.csv'

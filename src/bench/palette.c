@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette.c - palettes of directions: error and time of each method, on the ellipsoid and on volumes. */
 #include "bench/palette.h"
 #include "options/input.h"

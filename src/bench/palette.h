@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette.h - the parts of `isoshade bench palette`. Each prints its table unless --json, and adds its rows. */
 #ifndef ISO_BENCH_PALETTE_H
 #define ISO_BENCH_PALETTE_H

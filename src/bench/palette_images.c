@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_images.c - images of a volume by the GL ray caster, from palettes and from codes. */
 #include "bench/palette.h"
 

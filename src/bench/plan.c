@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* plan.c - what a plan saves in every program: bytes, memory, load times, and the difference that it makes. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* power.c - does validation catch what is wrong, and leave alone what is right?
  *
  * Planted faults against the calibration, each by name; then random scenes, clean and with each fault, against

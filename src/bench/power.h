@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* power.h - how much validation can see: random scenes, and what its gates say of them when a fault is planted.
  *
  * A case is a random scene with the images that its gates compare with. A gate renders the scene, spoilt or not, and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* power_scene.c - random scenes for the power of validation, and what its gates say of them. */
 #include <math.h>
 #include <stdlib.h>

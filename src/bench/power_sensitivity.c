@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* power_sensitivity.c - by how little may a renderer be wrong before validation says so?
  *
  * For each deviation (faults.h) and each gate the smallest amount that is rejected, between the halves of octaves: the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* render.c - the ray caster's time by transfer function, gradients and loop. */
 #include "bench/render.h"
 #include "options/input.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* render.h - what the parts of `bench render` share: its cases and how one is measured. */
 #ifndef ISO_BENCH_RENDER_H
 #define ISO_BENCH_RENDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* render_bricks.c - bench render --bricks: what transitions cost, and nodes against cells. */
 #include "bench/render.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* roi.h - how a seam round a region of interest is measured; for the benchmark and its test. */
 #ifndef ISO_BENCH_ROI_H
 #define ISO_BENCH_ROI_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* seams.c - how far neighbouring bricks of mixed resolution disagree on their faces, by scheme. */
 #include "bench/bench.h"
 

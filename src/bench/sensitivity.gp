@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The smallest amount of each deviation that each gate rejects: a point is the median over the scenes, its line reaches from
 # the least to the largest.
 name = 'sensitivity'

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* shading.c - is a coarse level shaded as the finest one is? Each way to make directions, over volumes and views.
  *
  * Paper: gradients-2017 sec. 3 and 5, Figures 3 and 15. Every figure stands beside that of gradients taken on the fly from

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* shading.h - bench consistency --shading: directions across levels; --filters, --holes: where they give way. */
 #ifndef ISO_BENCH_SHADING_H
 #define ISO_BENCH_SHADING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bench/shading_error.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* shading_error.h - how far a level's shading is from that of the finest: what `bench consistency --shading` measures.
  *
  * Level 0 with its own directions is rendered once from each view, and so is

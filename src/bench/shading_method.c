@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "bench/shading_method.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* shading_method.h - ways to make a level's directions, and fields to try them on; shared by the shading benchmarks. */
 #ifndef ISO_BENCH_SHADING_METHOD_H
 #define ISO_BENCH_SHADING_METHOD_H

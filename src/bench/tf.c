@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* tf.c - what adapted transfer functions cost: counting joint histograms
  * once a volume, adapting after each edit, and bytes beside a level. */
 #include <math.h>

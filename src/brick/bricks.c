@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/bricks.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* bricks.h - mixed resolution without seams: bricks whose faces pass through samples.
  *
  * Nodes are the voxel centres of level 0: node q stands at index q + 1/2. Brick b

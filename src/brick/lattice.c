@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/lattice.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* lattice.h - the nodes that a scene needs of a field of bricks, as a sparse grid for other programs.
  *
  * A lattice holds every 2^level-th node of level 0. Two kinds:

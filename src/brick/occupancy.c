@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/occupancy.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* occupancy.h - which bricks of a level a transfer function shows at all.
  *
  * A brick of n voxels a side spans [n b, n (b + 1)) in index coordinates. Its

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/pack.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pack.h - bricks of several levels in one cache texture.
  *
  * After mixed-resolution-2008, sections 3.1 to 3.3. The cache is a grid of cubic

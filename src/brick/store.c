@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/store.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* store.h - the baked nodes of the bricks that are drawn, kept from one plan to the next.
  *
  * What a brick holds depends on its own level and, on its faces, on those of its up to 26 neighbours that are or were

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "brick/warp.h"
 
 #include <math.h>

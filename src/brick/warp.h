@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* warp.h - the smooth transitions of mixed-resolution-2008, section 4: as the paper
  * has them, and mended. For comparison with brick/bricks.h. Where they fetch is
  * defined once, in brick/warp_map.h, for this module and for the shaders.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "chart/bench.h"
 
 #include <math.h>

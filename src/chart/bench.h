@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* bench.h - what the settings of a chart are measured on: pyramids, transfer functions of levels, palettes and plans,
  * each made when the first setting needs it; the arbiter's image; and one setting's time, bytes and error. */
 #ifndef ISO_CHART_BENCH_H

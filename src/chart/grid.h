@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* grid.h - the settings that `isoshade chart` tries: a grid of renderer, step, quadrature, estimator, level, direction
  * filter, code, transfer function and plan, without those that would repeat each other, the most telling first. */
 #ifndef ISO_CHART_GRID_H

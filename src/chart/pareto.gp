@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Image error against time and against bytes. A kind of gradients has one colour and shape, a level one size, the front is a
 # staircase whose corners are named below, but for those that are hardly better than a cheaper one. Restyle in style.gp: fonts, colours, shapes (linetype 1, 2 ...), sizes.
 name = 'pareto'

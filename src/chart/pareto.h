@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pareto.h - which settings are worth having: none other is as cheap and as exact.
  *
  * Cost and error are both better when smaller. Costs or errors that are NaN or

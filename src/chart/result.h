@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* result.h - what a chart found, as files and as lines.
  *
  *     DIR/pareto.svg, .pdf   error against time and against bytes, with the fronts

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_atlas.c - the failure atlas as a folder: page, pictures, figures. */
 #define _GNU_SOURCE
 #include <stdio.h>

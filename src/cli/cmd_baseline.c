@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_baseline.c - a report against the accepted one. */
 #define _GNU_SOURCE
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_bench.c - hands on to the benchmarks. */
 #include "bench/bench.h"
 

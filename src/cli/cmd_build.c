@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_build.c - a volume to its pyramid. */
 #define _GNU_SOURCE
 #include <stdio.h>

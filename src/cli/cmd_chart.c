@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_chart.c - speed against accuracy: a grid of settings on one scene, its front, and the setting that is good enough. */
 #include <math.h>
 #include <stdio.h>

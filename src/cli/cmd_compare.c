@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* isoshade compare: how far two images are apart, and whether that is allowed. */
 #include <math.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_export.c - a level for other programs: OpenVDB, Blender, POV-Ray. */
 #include <stdio.h>
 #include <stdlib.h>

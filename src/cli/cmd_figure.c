@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_figure.c - a publication figure from a report. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_info.c - what a volume is: geometry, type, range, histogram. */
 #include <math.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_make.c - synthetic volumes, written slab by slab. */
 #include <math.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_palette.c - fits a palette of directions to a volume, a pyramid or the paper's ellipsoid, and exports it. */
 #define _GNU_SOURCE
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_plan.c - the least model that a scene needs, verified by rendering. */
 #include <stdio.h>
 #include <stdlib.h>

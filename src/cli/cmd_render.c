@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_render.c - one level of a volume as an image, by any of the four renderers. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_tf.c - transfer functions: adapt to levels, convert, show. */
 #define _GNU_SOURCE
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cmd_validate.c - the main job: a volume and a scene to a report. */
 #define _GNU_SOURCE
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* commands.h - the one list of commands; the table and its order in --help
  * expand from it. src/cli/cmd_NAME.c defines iso_command_NAME. */
 #define ISO_COMMAND_LIST(X) \

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* flip.h - the difference that a person sees when two images alternate.
  *
  * LDR: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "compare/metrics.h"
 
 #include <math.h>

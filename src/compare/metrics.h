@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* metrics.h - how far two images are apart.
  *
  * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on

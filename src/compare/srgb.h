@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* srgb.h - the transfer curve of IEC 61966-2-1, on values clipped to [0, 1]. */
 #ifndef ISO_SRGB_H
 #define ISO_SRGB_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "compare/ssim.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* ssim.h - structural similarity.
  *
  * Wang, Bovik, Sheikh, Simoncelli, "Image Quality Assessment: From Error

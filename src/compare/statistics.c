@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "compare/statistics.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* statistics.h - whether a difference is an error or only what was to be expected.
  *
  * Two kinds of expectation:

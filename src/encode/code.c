@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/code.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* code.h - directions in 3 bytes: one table of codes, one interface.
  *
  * A texture holds the three bytes of each voxel and filters them linearly. What

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* code_decode.h - from a (filtered) lattice vector to the shading normal: the
  * one definition that C and GLSL share.
  *

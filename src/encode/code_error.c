@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/code_error.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* code_error.h - how far off a direction code is, at voxels and between them.
  *
  * A probe is what a filter does along one axis: directions a and b at two

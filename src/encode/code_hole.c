@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/code_hole.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* code_hole.h - the biggest hole of each code: how far a direction can be from
  * all those that the code holds (hole.h). */
 #ifndef ISO_CODE_HOLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* decode_double.h - code_decode.h in double precision, for C. */
 #ifndef ISO_DECODE_DOUBLE_H
 #define ISO_DECODE_DOUBLE_H

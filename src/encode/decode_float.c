@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* decode_float.c - the decoders in single precision, over whole arrays: what a
  * GPU computes. Compiled with -fsingle-precision-constant (Makefile). */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* decode_kernel.h - lattice vectors to directions in single precision. */
 #ifndef ISO_DECODE_KERNEL_H
 #define ISO_DECODE_KERNEL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_exact.c - the searches in double precision over all that could win. */
 #include <math.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_fit.c - best fits: in place of the nearest lattice point one whose
  * direction is nearer, among those whose length will do. Along the direction, one
  * candidate for each whole number of the largest component: the other two rounded. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_kernel.h - the encoders, one a code. They cannot fail, allocate or
  * print. directions: 3 finite floats each; bytes: 3 each, 6 for half. */
 #ifndef ISO_ENCODE_KERNEL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/encode_paper.h"
 
 #include <math.h>

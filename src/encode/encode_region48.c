@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_region48.c - gradients-2017 section 4.3, transform and search, eight
  * directions at a time: the transform by Newton in place of a table, the search
  * over every length that adds directions.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_round.c - codes that are roundings: the vector itself, its cube-dot,
  * the octahedral map; and half floats. */
 #include "encode/encode_kernel.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* encode_squeeze.c - the nearest code of "squeeze": by a table of all codes; and
  * by its decoder, without one: Newton finds the cube-dot that decodes to the
  * direction, then at each length the lattice points round it are ranked by the

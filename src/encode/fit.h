@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* fit.h - the constants of the best fits, which encoders and their exact
  * counterparts share. */
 #ifndef ISO_ENCODE_FIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* fit_rows.c - the code "fit", over rows of components: plain C that the
  * compiler vectorises for each instruction set, the same bytes from all. */
 #include "encode/fit_rows.h"

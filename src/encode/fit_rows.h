@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* fit_rows.h - the code "fit" over rows of components, as the build of a
  * pyramid has them: what iso_encode_fit does to triples. */
 #ifndef ISO_ENCODE_FIT_ROWS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/hole.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* hole.h - the biggest hole of a set of directions: the largest angle that a
  * direction can have to the nearest one of the set (a radius; the largest
  * empty cap has this radius).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "encode/nearest_table.h"
 
 #include <math.h>

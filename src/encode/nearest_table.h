@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* nearest_table.h - the nearest of all directions that three unsigned bytes
  * decode to, by a table: exact, at tens of millions a second.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* region48.h - pieces that the double-precision encoders of region48 share. */
 #ifndef ISO_ENCODE_REGION48_H
 #define ISO_ENCODE_REGION48_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* simd.h - eight floats at a time, by the compiler's vectors: one source for
  * every instruction set. A kernel is an always_inline body, instantiated for
  * AVX2 and for the baseline and chosen at run time (ISO_SIMD_ENCODER). Products

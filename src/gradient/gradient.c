@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "gradient/gradient.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gradient.h - gradients of the scalar field, in value per mm, in world axes.
  *
  * In:  iso_volume.   Out: 3 floats a voxel (gx, gy, gz), x fastest.

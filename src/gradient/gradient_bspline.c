@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gradient_bspline.c - the derivative of the cubic B-spline that interpolates the samples: a recursive pre-filter, then
  * central differences of its coefficients (Csebfalvi and Domonkos, Prefiltered gradient reconstruction for volume
  * rendering, 2009; Unser, Splines: a perfect fit, 1999).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "gradient/gradient_kernel.h"
 
 #include "base/simd.h"

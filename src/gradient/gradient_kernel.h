@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gradient_kernel.h - gradients of one row of samples in the type of their
  * file. Cannot fail, allocate or know of threads. */
 #ifndef ISO_GRADIENT_KERNEL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gradient_stencil.c - the estimators other than central differences: sums of
  * rows along z and y, then stencils along x, in floats. */
 #include <string.h>

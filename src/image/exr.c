@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* exr.c - OpenEXR through OpenEXRCore, the library's C interface. */
 #include <openexr.h>
 #include <stdint.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* image.h - float images: RGBA, linear light, premultiplied alpha, row 0 on top. */
 #ifndef ISO_IMAGE_H
 #define ISO_IMAGE_H

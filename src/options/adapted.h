@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* adapted.h - the options by which every command that renders or exports a
  * level gives it its adapted TF, and the one call that does it.
  *

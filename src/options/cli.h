@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cli.h - the command line: one table of commands, one file a command.
  *
  * A command parses its arguments by popt through iso_cli_parse(), which owns

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* input.h - the options by which every command reads a volume.
  *
  *     iso_volume_input input;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "options/roi.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* roi.h - the options by which a command puts full resolution into a box of a
  * coarse level (scene/roi.h), and the one call that does it. */
 #ifndef ISO_OPTIONS_ROI_H

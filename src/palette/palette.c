@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "palette/palette.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette.h - one byte (or 9, 10 bits) for a direction: a table of directions
  * fitted to the data.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "palette/palette_clusters.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_clusters.h - clusters of a direction set, for the k-means family.
  *
  * A cluster's entry is the direction of its resultant S = sum of r u over its

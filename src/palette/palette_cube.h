@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_cube.h - cells of equal size on the faces of a cube, for directions.
  *
  *     face   2 axis + (component < 0), axis the largest component

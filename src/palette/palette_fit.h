@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_fit.h - what the fitted methods share. */
 #ifndef ISO_PALETTE_FIT_H
 #define ISO_PALETTE_FIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "palette/palette_mesh.h"
 
 #include <math.h>

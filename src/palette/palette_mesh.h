@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_mesh.h - a convex triangulation of the unit sphere whose vertices
  * move (Bremer et al. 2001, section 3.2).
  *

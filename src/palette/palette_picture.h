@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_picture.h - palettes to look at. */
 #ifndef ISO_PALETTE_PICTURE_H
 #define ISO_PALETTE_PICTURE_H

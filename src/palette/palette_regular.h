@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_regular.h - tables that do not look at the data. */
 #ifndef ISO_PALETTE_REGULAR_H
 #define ISO_PALETTE_REGULAR_H

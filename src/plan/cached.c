@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "plan/cached.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cached.h - a volume in bricks: within a cache of so many bytes, finest where it fits, else coarsened by least harm; or
  * the least bricks for a predicted error. */
 #ifndef ISO_PLAN_CACHED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* plan.h - no more model than the scene needs: which bricks to leave out, and how
  * coarse the others may be.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "plan/planned.h"
 
 #include <stdlib.h>

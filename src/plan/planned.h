@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* planned.h - a plan file and the model that it leaves.
  *
  *   { "schema": "isoshade.plan/1", ...

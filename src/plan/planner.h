@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* planner.h - a plan (plan/plan.h) that is verified by rendering, as commands use it. */
 #ifndef ISO_PLANNER_H
 #define ISO_PLANNER_H

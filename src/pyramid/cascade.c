@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pyramid/cascade.h"
 
 #include <float.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cascade.h - all levels of a pyramid from slabs of its finest one.
  *
  * The volume is fed from its first plane to its last. What a slab completes of

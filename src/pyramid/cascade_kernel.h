@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cascade_kernel.h - what the two ways of filtering share; private to the cascade. */
 #ifndef ISO_PYRAMID_CASCADE_KERNEL_H
 #define ISO_PYRAMID_CASCADE_KERNEL_H

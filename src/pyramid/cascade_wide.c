@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* cascade_wide.c - filters wider than the own children, plane by plane: the
  * normalised convolution of gradients-2017 Eq. 1, and the Gaussian of scalars,
  * separable and decimated as they go. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pyramid/filter_kernel.h"
 
 #include <float.h>

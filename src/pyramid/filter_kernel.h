@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* filter_kernel.h - rows of states, and from states to directions. Cannot fail, allocate or know of threads.
  *
  * A direction's *state* is a few floats a voxel, in planar rows, carried from level to level:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pyramid/palette_level.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* palette_level.h - palettes put to use on the levels of a pyramid. */
 #ifndef ISO_PYRAMID_PALETTE_LEVEL_H
 #define ISO_PYRAMID_PALETTE_LEVEL_H

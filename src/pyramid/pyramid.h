@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pyramid.h - a volume at several levels, with directions from the finest.
  *
  *     NAME.iso/pyramid.json        what made it, options, geometry, checksums

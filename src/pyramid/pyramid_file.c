@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pyramid_file.c - NAME.iso/: pyramid.json and plain NRRD files, with checksums. */
 #define _GNU_SOURCE
 #include <errno.h>

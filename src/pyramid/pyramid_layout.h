@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pyramid_layout.h - the files of a pyramid and its description; private to src/pyramid. */
 #ifndef ISO_PYRAMID_LAYOUT_H
 #define ISO_PYRAMID_LAYOUT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* pyramid_stream.h - a pyramid from a file to files, in slabs.
  *
  * The bytes are those of iso_pyramid_build() and iso_pyramid_save(); memory is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pyramid/stream_input.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* stream_input.h - planes of the input in memory, read ahead by a thread of their own; private to the streaming build.
  *
  * A set of planes is read while another one is built from, and a third, whose samples are level 0's, is written. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #define XXH_STATIC_LINKING_ONLY /* the checksum's state as a struct, to hand it on */
 #include "pyramid/stream_output.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* stream_output.h - the files of all levels, written by threads of their own; private to the streaming build.
  *
  * Each level has two sets of buffers: one is written while the other is filled. Several ranks (base/ranks.h) write the

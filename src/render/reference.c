@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/reference.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* reference.h - the arbiter: the rendering equation in double precision on the CPU.
  *
  * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a

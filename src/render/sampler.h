@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* sampler.h - a level's scalar and shading normal at any point, in double precision.
  *
  * Points are in the level's index coordinates (voxel i has its centre at i + 1/2).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
  * `isoshade bench power` can show that each is rejected, by which check, and from which amount on. */
 #ifndef ISO_RENDERERS_FAULTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* renderers.h - one call for the four renderers, as the commands use them.
  *
  * The CPU reference and the GL ray caster live in src/render, Cycles and

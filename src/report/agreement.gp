@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The RMSE of each comparison on a log axis, with its limit and its error bar; worst first, at most 40.
 name = 'agreement'
 set datafile separator comma

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "report/baseline.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* baseline.h - is a validation still as good as the one that was accepted?
  *
  * A baseline holds the verdict and the figures of each row of a report, under

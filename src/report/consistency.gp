@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # How far each level is from level 0, a colour a method, solid under the original TF and dashed under the adapted one:
 # structure, what people see, directions.
 name = 'consistency'

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # A figure of panels: pictures and difference maps, with a scale bar and a colour legend. figure.csv places them.
 name = 'figure'
 data = name . '.csv'

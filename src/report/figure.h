@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* figure.h - a publication figure from a report's own data.
  *
  *     DIR/figure.pdf   vector text, fonts embedded, pictures at 300 dpi or more

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* figure_draw.h - panels on a page. Private to figure.c, which decides what they show. */
 #ifndef ISO_REPORT_FIGURE_DRAW_H
 #define ISO_REPORT_FIGURE_DRAW_H

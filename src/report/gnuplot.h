@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gnuplot.h - charts by gnuplot, so that each can be restyled and drawn again by hand.
  *
  * A chart NAME leaves in its folder NAME.csv (the data), NAME.gp (how it is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* report.h - what a validation found, as a directory that explains itself.
  *
  *     DIR/index.html        self-contained: pictures inlined, no network

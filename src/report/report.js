@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 'use strict';
 (() => {
 const data = JSON.parse(document.getElementById('data').textContent);

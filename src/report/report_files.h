@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* report_files.h - the files of a report: pictures, charts, the page. Private to the report. */
 #ifndef ISO_REPORT_FILES_H
 #define ISO_REPORT_FILES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* report_junit.c - the rows as JUnit's XML. Its form is what the schemas of Apache Ant and of Jenkins both accept, so that the
  * root carries no sums: a reader adds those of the suites. What makes
  * `isoshade validate` end with another exit code than 0 is a failure or an error here (but for a report that compares nothing). */

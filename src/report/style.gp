@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # What all charts share. Edit this file and run "gnuplot NAME.gp" in this folder to restyle a chart.
 if (!exists("format")) format = 'svg'
 if (!exists("width")) width = 760

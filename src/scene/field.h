@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* field.h - one level as a renderer sees it, and where its directions come from. */
 #ifndef ISO_SCENE_FIELD_H
 #define ISO_SCENE_FIELD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "scene/roi.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* roi.h - a region of interest: a finer level inside a box, the level that is
  * rendered around it, and no seam between them.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* scene.h - what is rendered: camera, lights, shading, background, size, step, TF.
  *
  * One scene file (*.scene.json) feeds all renderers. It may ask to be fitted: a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* subject.h - what a command works on: a pyramid, or a volume that becomes one
  * in memory; and a scene resolved for it. */
 #ifndef ISO_SCENE_SUBJECT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "scene/views.h"
 
 static double golden_ratio(void)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* views.h - where benchmarks look from: sets of directions that are evenly spread, none along an axis of the grid. */
 #ifndef ISO_SCENE_VIEWS_H
 #define ISO_SCENE_VIEWS_H

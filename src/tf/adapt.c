@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tf/adapt.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* adapt.h - transfer functions that adapt to a level.
  *
  * Paper: adaptive-tf-2016, Eq. 7: entry s of TF_k is the mean of TF_0(z) along

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tf/class_tables.h"
 
 #include <math.h>

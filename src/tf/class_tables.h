@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* class_tables.h - a transfer function over two values: the scalar and a class.
  *
  * One table over the scalar cannot tell a homogeneous tissue from the partial

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* histogram.h - the joint histogram H_k(z, s) of a coarse level against level 0.
  *
  * Paper: adaptive-tf-2016 secs. 3 and 4. For every fine voxel, z is its value

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tf/histogram_kernel.h"
 
 #include "base/simd.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* histogram_kernel.h - rows of level k at the fine voxels; private to src/tf. */
 #ifndef ISO_TF_HISTOGRAM_KERNEL_H
 #define ISO_TF_HISTOGRAM_KERNEL_H

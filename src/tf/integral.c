@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tf/integral.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* integral.h - pre-integrated classification: what a TF does on average between two values.
  *
  * Where the scalar goes linearly from one value to another along a segment of a ray, the mean extinction and the mean

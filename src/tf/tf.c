@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "tf/tf.h"
 
 #include <math.h>

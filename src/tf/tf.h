@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* tf.h - transfer functions: value to linear colour and extinction.
  *
  * A TF file (*.tf.json) holds points; opacity is stated for a length, the

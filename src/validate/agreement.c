@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* agreement.c - every renderer against the closed form or the reference, level by level. */
 #define _GNU_SOURCE
 #include <math.h>

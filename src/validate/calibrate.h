@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* calibrate.h - may a renderer be trusted? Four tiny volumes whose images are
  * known in closed form, so that no renderer is measured by another.
  *

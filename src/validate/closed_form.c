@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "validate/closed_form.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* closed_form.h - images that a formula gives, so that no renderer is measured by another.
  *
  * Where the voxels are linear in the index (a constant counts) and the TF has one

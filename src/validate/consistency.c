@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* consistency.c - is a coarse level shaded as the finest one is? Each way to make directions, under the original
  * TF and under the one adapted to the level, over several views, against level 0 under the original TF. */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "validate/limits.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* limits.h - where a renderer's image goes as its ray step shrinks, and how far that is known.
  *
  * Two steps h and 2h, of second order: the limit (Richardson), and the error bar of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where

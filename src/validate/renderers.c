@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* renderers.c - which renderers answer, and which may be trusted. */
 #include <math.h>
 #include <stdio.h>

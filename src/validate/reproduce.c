@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* reproduce.c - the line that repeats one row of a report: makes image b again, and compares it with image a. */
 #define _GNU_SOURCE
 #include <stdio.h>

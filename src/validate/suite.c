@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* suite.c - a folder of scenes that say how their volumes are made: the scenes that break renderers. */
 #define _GNU_SOURCE
 #include <dirent.h>

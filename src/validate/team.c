@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* team.c - independent parts of a validation side by side. */
 #include <stdio.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* validate.h - the parts of `isoshade validate`, the main job.
  *
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "volume/geometry.h"
 
 #include <stdint.h>

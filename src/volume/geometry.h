@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* geometry.h - where a grid of voxels lies in the world.
  *
  * Index coordinates are continuous: voxel i covers [i, i+1) and has its centre

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* input.h - how a volume is to be read where its file does not say: size, type and spacing of a file without a header;
  * stored or physical values. The fields are the texts and numbers of the options of the same names, 0 where not given. */
 #ifndef ISO_VOLUME_INPUT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* nifti_open.c - headers of NIfTI-1 and NIfTI-2. The header is read and checked here, since
  * libnifti prints and trusts what it reads; its part is the affine of a qform. */
 #define _GNU_SOURCE

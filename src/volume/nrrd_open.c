@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* nrrd_open.c - NRRD headers by teem; raw and gzip samples are then read by
  * source.c, plane by plane, other encodings and lists of files by teem at once. */
 #define _GNU_SOURCE

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* sink.c - NRRD files plane by plane. The header is short enough to be written
  * here, which teem, wanting all samples in memory, would not allow; tests read
  * it back through teem. */

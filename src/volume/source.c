@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* source.c - opening by content, raw files, and reading planes. */
 #define _GNU_SOURCE
 #include <errno.h>

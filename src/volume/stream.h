@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* stream.h - volumes plane by plane, for those larger than memory.
  *
  * A source reads a file from its first plane to its last; a sink writes one.

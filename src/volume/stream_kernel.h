@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* stream_kernel.h - what the readers of formats share; private to src/volume. */
 #ifndef ISO_VOLUME_STREAM_KERNEL_H
 #define ISO_VOLUME_STREAM_KERNEL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "volume/synthetic.h"
 
 #include <math.h>

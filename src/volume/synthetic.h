@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* synthetic.h - volumes whose values and gradients are known in closed form.
  *
  * A field is a function of the normalised position p = (world - box centre) /

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* volume.h - a scalar volume in memory, in the type that its file has.
  *
  * Samples stand x fastest, then y, then z. Stages that follow read rows as

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Central differences of a volume of 16 bits: isoshade beside VTK's and ITK's gradient filters, in one run.
 
     tests/peers/gradients.py [--size 512] [--runs 5] [--isoshade ./isoshade]

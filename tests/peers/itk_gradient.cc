@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Seconds that ITK's GradientImageFilter takes for uint16 to float vectors, the least of the runs:
 //     itk_gradient SIZE RUNS THREADS
 #include <chrono>

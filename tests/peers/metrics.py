@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """SSIM and FLIP against programs of others, on pairs that are made here and on pairs of yours.
 
     python3 tests/peers/metrics.py

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """The ray caster against VTK's GPU mapper: one volume, image size, step, transfer function, camera and light.
 
     python3 tests/peers/raycast.py [VOLUME.nrrd] [--image 512] [--runs 3] [--processor-time] [--json]

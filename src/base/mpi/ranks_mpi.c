@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* ranks_mpi.c - the door to MPI, a library of its own (base/ranks.h): linked with MPI, which the program is not. MPI's own
  * handler ends the job on an error. */
 #define _POSIX_C_SOURCE 200809L

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/gl/bricks_gl.h"
 
 #include <math.h>

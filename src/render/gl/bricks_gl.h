@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* bricks_gl.h - the ray caster on bricks of mixed resolution (brick/bricks.h).
  *
  * One cache texture for the scalar, one for the directions, more of them (pages)

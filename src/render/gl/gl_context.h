@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gl_context.h - a headless OpenGL context, its programs and its textures.
  *
  * The context comes from EGL through libepoxy: each EGL device that is no

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gl_palette.h - a palette and its indices as textures. Private to src/render. */
 #ifndef ISO_GL_PALETTE_H
 #define ISO_GL_PALETTE_H

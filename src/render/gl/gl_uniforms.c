@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "render/gl/gl_uniforms.h"
 
 #include <math.h>

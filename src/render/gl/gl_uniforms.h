@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* gl_uniforms.h - what every ray casting program is told: camera, step, lights.
  *
  * raycast.glsl walks in its own coordinates p = scale * index + offset: texture

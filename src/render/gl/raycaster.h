@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* raycaster.h - the OpenGL ray caster: headless, by EGL, on a GPU or in software.
  *
  * Quadrature: segments [k ds, (k+1) ds] of each ray clipped to the box, one

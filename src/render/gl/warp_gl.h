@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* warp_gl.h - the ray caster on bricks with the transitions of mixed-resolution-2008
  * (brick/warp.h): on their own, as written, mended. For comparison with bricks_gl.h.
  *

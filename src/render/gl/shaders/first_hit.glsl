@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // first_hit.glsl - the first point of the ray inside the box where the value is at least iso: opaque, c(iso) shade(d).
 //
 // The reference's definition (first_hit in reference.c): between two planes of samples the value is a cubic of the ray's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // focus.glsl - a finer level inside a box, the other around it, and a band in which what they emit and absorb is blended:
 // scene/roi.h. The finer level has a scalar, directions (of the same source) and a TF of its own.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // fullscreen.glsl - one triangle that covers the target; no vertex data.
 void main()
 {

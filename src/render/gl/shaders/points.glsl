@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // points.glsl - the field of one brick at given places, one a pixel: what continuity is measured by.
 
 uniform sampler2D points; // p, and the brick's index, x fastest

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // probe.glsl - what linear filtering makes of two texels, 0 and 1, at `count` places between their centres.
 uniform sampler3D texels;
 uniform float count;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // raycast.glsl - the rendering equation by midpoint segments, one ray a pixel.
 //
 // Positions p are texture coordinates of the volume; with BRICKS they are bricks: brick floor(p), fract(p) in it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // transition.glsl - bricks whose samples lie inside them, with the transitions of mixed-resolution-2008 (brick/warp.h).
 //
 // TRANSITION (brick/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 mended,
