@@ -99,7 +99,7 @@ static void histograms_equal_a_direct_sum_of_trilinear_lookups(void **state)
     iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
     for (size_t level = 1; level < p.level_count; ++level) {
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, level, 8, ISO_SPLIT_NONE, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, level, 8, ISO_SECOND_VALUE_NONE, 2, &j, &err));
         assert_equals_direct_sum(&p, level, &j);
         iso_joint_destroy(&j);
     }
@@ -121,7 +121,7 @@ static size_t misplaced_count(size_t level)
     opt.level_count = level + 1;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
     iso_volume_destroy(&v);
-    assert_ok(iso_joint_compute(&p, level, 8, ISO_SPLIT_NONE, 2, &j, &err));
+    assert_ok(iso_joint_compute(&p, level, 8, ISO_SECOND_VALUE_NONE, 2, &j, &err));
     size_t sum = misplaced(&p, level, &j);
     iso_joint_destroy(&j);
     iso_pyramid_destroy(&p);
@@ -141,7 +141,7 @@ static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
     iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
     for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
         iso_joint j;
-        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SPLIT_NONE, 2, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 2, &j, &err));
         assert_within(j.z.step, 1, 0); /* 3000 values fit */
         assert_true(j.z.count == (size_t)1 << bits && j.s.count == 4096);
         uint64_t sum = 0;
@@ -173,8 +173,8 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
     iso_joint whole, other;
-    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SPLIT_NONE, 1, &whole, &err));
-    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SPLIT_NONE, 5, &other, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SECOND_VALUE_NONE, 1, &whole, &err));
+    assert_ok(iso_joint_compute(&p, 2, 8, ISO_SECOND_VALUE_NONE, 5, &other, &err));
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_builder *b;
@@ -199,16 +199,16 @@ static void stored_histograms_come_back_and_foreign_ones_are_refused(void **stat
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
         iso_joint j, back;
-        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SPLIT_NONE, 1, &j, &err));
+        assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 1, &j, &err));
         assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
-        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err));
+        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err));
         assert_same_joint(&j, &back);
         iso_joint_destroy(&back);
-        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
         iso_bins other = j.z;
         other.step *= 1.01;
-        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err), ISO_E_FORMAT);
-        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, ISO_SPLIT_NONE, j.voxel_count, &back, &err), ISO_E_IO);
+        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err), ISO_E_IO);
         iso_joint_destroy(&j);
     }
     iso_pyramid_destroy(&p);
@@ -318,15 +318,15 @@ static void two_values_average_as_eq_7_says(void **state)
             iso_adapt_options opt = {.average = (iso_adapt_average)average, .weight = (iso_adapt_weight)weight, .mix_s = 0.5, .mix_t = 0.25};
             iso_tf_table out = adapt(&j, &tf, opt, length, 2);
             double span = average == ISO_AVERAGE_TRANSMITTANCE ? length * 2 : length; /* h_0 sqrt(4) */
-            double a[2], extinction, colour[2] = {u[0], u[1]};
+            double a[2], extinction, color[2] = {u[0], u[1]};
             for (int i = 0; i < 2; ++i)
                 a[i] = average == ISO_AVERAGE_EXTINCTION ? (double)e[i][3] : 1 - exp(-(double)e[i][3] * span);
             double mean = u[0] * a[0] + u[1] * a[1];
             extinction = average == ISO_AVERAGE_EXTINCTION ? mean : -log(1 - mean) / span;
             if (average != ISO_AVERAGE_RGBA)
-                colour[0] = u[0] * a[0] / mean, colour[1] = u[1] * a[1] / mean;
+                color[0] = u[0] * a[0] / mean, color[1] = u[1] * a[1] / mean;
             for (int c = 0; c < 3; ++c)
-                assert_within(out.entries[4 * 7 + c], colour[0] * (double)e[0][c] + colour[1] * (double)e[1][c], 3e-7); /* floats */
+                assert_within(out.entries[4 * 7 + c], color[0] * (double)e[0][c] + color[1] * (double)e[1][c], 3e-7); /* floats */
             assert_within(out.entries[4 * 7 + 3], extinction, 3e-7);
             iso_tf_table_destroy(&out);
         }
@@ -335,7 +335,7 @@ static void two_values_average_as_eq_7_says(void **state)
     iso_joint_destroy(&j);
 }
 
-static void transparent_entries_do_not_darken_the_colour(void **state)
+static void transparent_entries_do_not_darken_the_color(void **state)
 {
     (void)state;
     static const entry half[] = {{5, 1, 1}, {5, 9, 1}}; /* bin 1 is transparent */
@@ -354,7 +354,7 @@ static void transparent_entries_do_not_darken_the_colour(void **state)
     iso_joint_destroy(&j);
 }
 
-static void rows_of_no_opacity_keep_the_mean_colour(void **state)
+static void rows_of_no_opacity_keep_the_mean_color(void **state)
 {
     (void)state;
     static const entry clear[] = {{2, 1, 1}, {2, 3, 1}};
@@ -468,13 +468,13 @@ static void a_table_as_a_tf_file_gives_the_same_entries_back(void **state)
     iso_tf_table_destroy(&tf);
 }
 
-static void judgement_is_the_error_at_the_voxels(void **state)
+static void judgment_is_the_error_at_the_voxels(void **state)
 {
     (void)state;
     iso_joint j = make_joint(mixture, 2);
     iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     iso_geometry g = spacing_of(1);
-    iso_adapt_judgement v;
+    iso_adapt_judgment v;
     assert_ok(iso_adapt_judge(&j, &tf, &out, &g, &v, &err));
     double sums[2] = {0};
     for (int i = 0; i < 2; ++i)
@@ -553,7 +553,7 @@ static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
     wide.window = 4;
     iso_tf_table narrow_tf = adapt(&j, &tf, iso_adapt_defaults(), 1, 1), wide_tf = adapt(&j, &tf, wide, 1, 1);
     iso_geometry g = spacing_of(1);
-    iso_adapt_judgement v;
+    iso_adapt_judgment v;
     assert_ok(iso_adapt_judge(&j, &tf, &narrow_tf, &g, &v, &err));
     assert_true(v.use_original && v.rms_adapted > v.rms_original);
     assert_ok(iso_adapt_judge(&j, &tf, &wide_tf, &g, &v, &err)); /* the mean of all has the least error there is */
@@ -569,14 +569,14 @@ static void classes_split_homogeneous_voxels_from_mixed_ones(void **state)
     (void)state;
     iso_pyramid p = shared_value_pyramid(true);
     iso_joint one, split;
-    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SPLIT_NONE, 1, &one, &err));
-    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SPLIT_DEVIATION, 2, &split, &err));
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_NONE, 1, &one, &err));
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_DEVIATION, 2, &split, &err));
     assert_int_equal(split.voxel_count, one.voxel_count);
     for (size_t s = 0; s < one.s.count; ++s) { /* the classes of a row sum to the row */
         uint64_t whole = 0, parts = 0;
         for (size_t i = one.row_start[s]; i < one.row_start[s + 1]; ++i)
             whole += one.entry_count_of[i];
-        for (size_t c = 0; c < ISO_CLASSES; ++c)
+        for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
             for (size_t i = split.row_start[c * one.s.count + s]; i < split.row_start[c * one.s.count + s + 1]; ++i)
                 parts += split.entry_count_of[i];
         assert_int_equal(whole, parts);
@@ -597,7 +597,7 @@ static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **stat
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     iso_tf_table tf = make_tf(), out;
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_adapt_judgement v;
+    iso_adapt_judgment v;
     assert_ok(iso_adapt_level(&p, NULL, 0, &tf, &opt, &out, &v, &err));
     assert_true(v.use_original && out.count == tf.count);
     assert_memory_equal(out.entries, tf.entries, 4 * BINS * sizeof(float));
@@ -622,14 +622,14 @@ int main(void)
         cmocka_unit_test(stored_histograms_come_back_and_foreign_ones_are_refused),
         cmocka_unit_test(one_fine_value_a_row_leaves_the_tf_unchanged),
         cmocka_unit_test(two_values_average_as_eq_7_says),
-        cmocka_unit_test(transparent_entries_do_not_darken_the_colour),
-        cmocka_unit_test(rows_of_no_opacity_keep_the_mean_colour),
+        cmocka_unit_test(transparent_entries_do_not_darken_the_color),
+        cmocka_unit_test(rows_of_no_opacity_keep_the_mean_color),
         cmocka_unit_test(empty_rows_are_filled_on_premultiplied_entries),
         cmocka_unit_test(what_lies_beyond_the_window_is_left_out),
         cmocka_unit_test(opaque_rows_stay_finite),
         cmocka_unit_test(options_outside_their_limits_are_refused),
         cmocka_unit_test(a_table_as_a_tf_file_gives_the_same_entries_back),
-        cmocka_unit_test(judgement_is_the_error_at_the_voxels),
+        cmocka_unit_test(judgment_is_the_error_at_the_voxels),
         cmocka_unit_test(a_tissue_that_shares_a_value_with_a_plate_stays_dark),
         cmocka_unit_test(a_larger_error_at_the_voxels_keeps_the_original_tf),
         cmocka_unit_test(classes_split_homogeneous_voxels_from_mixed_ones),

@@ -40,12 +40,12 @@ static iso_view front_view(const iso_pyramid *p)
     return view;
 }
 
-static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, iso_class_tables *classes, iso_gl_skip skip)
+static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, iso_tf_2d *tf_2d, iso_gl_skip skip)
 {
     iso_image image;
     iso_gl_options opt = iso_gl_defaults();
     iso_view lent = *own, *view = &lent;
-    lent.classes = classes;
+    lent.tf_2d = tf_2d;
     opt.skip = skip;
     opt.brick_voxels = 4;
     assert_ok(iso_gl_render(gl, &p->levels[level], p->options.code, view, &opt, &image, NULL, &err));
@@ -63,16 +63,16 @@ static void equal_tables_of_all_classes_are_the_plain_table(void **state)
     iso_pyramid p = shared_value_pyramid();
     iso_view view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_class_tables classes;
-    assert_ok(iso_adapt_classes(&p, NULL, 1, ISO_SPLIT_DEVIATION, &view.tf, &opt, &classes, &err));
+    iso_tf_2d tf_2d;
+    assert_ok(iso_adapt_tf_2d(&p, NULL, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     opt.fall_back = false;
     iso_tf_table table, own = view.tf;
     assert_ok(iso_adapt_level(&p, NULL, 1, &view.tf, &opt, &table, NULL, &err));
-    for (size_t c = 0; c < ISO_CLASSES; ++c)
-        memcpy(classes.tables[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
+    for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
+        memcpy(tf_2d.tables[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
     view.tf = table;
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip), split = render(&p, 1, &view, &classes, (iso_gl_skip)skip);
+        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip), split = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         for (size_t i = 0; i < 4 * 12 * 8; ++i)
             assert_within(split.rgba[i], (double)plain.rgba[i], 1e-6); /* one more mix of equal floats */
         assert_more_than(alpha_at(&plain, 7), 0.5);
@@ -81,7 +81,7 @@ static void equal_tables_of_all_classes_are_the_plain_table(void **state)
     }
     view.tf = own;
     iso_tf_table_destroy(&table);
-    iso_class_tables_destroy(&classes);
+    iso_tf_2d_destroy(&tf_2d);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -92,15 +92,15 @@ static void classes_show_the_plate_and_not_the_block_that_shares_its_value(void 
     iso_pyramid p = shared_value_pyramid();
     iso_view view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_class_tables classes;
+    iso_tf_2d tf_2d;
     iso_image finest = render(&p, 0, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_more_than(alpha_at(&finest, 7), 0.99);
     assert_within(alpha_at(&finest, 1), 0, 1e-6);
     iso_image original = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_within(alpha_at(&original, 7), 0, 1e-6); /* the plate is lost */
-    assert_ok(iso_adapt_classes(&p, NULL, 1, ISO_SPLIT_DEVIATION, &view.tf, &opt, &classes, &err));
+    assert_ok(iso_adapt_tf_2d(&p, NULL, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image split = render(&p, 1, &view, &classes, (iso_gl_skip)skip);
+        iso_image split = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         assert_more_than(alpha_at(&split, 7), 0.95);
         /* pseudo-counts leave 16 of 208 parts of .36 over 8 voxels: .2; the 1-D table would show .97 */
         assert_at_most(alpha_at(&split, 1), 0.25);
@@ -117,7 +117,7 @@ static void classes_show_the_plate_and_not_the_block_that_shares_its_value(void 
     iso_image_destroy(&finest);
     iso_image_destroy(&original);
     iso_tf_table_destroy(&table);
-    iso_class_tables_destroy(&classes);
+    iso_tf_2d_destroy(&tf_2d);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }

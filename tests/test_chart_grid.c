@@ -87,7 +87,7 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
     }
     assert_int_equal(renderers, 15);
     assert_int_equal(sources, 1u << ISO_FROM_CODES | 1u << ISO_FROM_FLOAT | 1u << ISO_FROM_FLIPPED | 1u << ISO_FROM_ON_THE_FLY | 1u << ISO_FROM_PALETTE);
-    assert_int_equal(splits, 1u << (ISO_SPLIT_NONE + 8) | 1u << ISO_SPLIT_NONE | 1u << ISO_SPLIT_DEVIATION | 1u << ISO_SPLIT_GRADIENT);
+    assert_int_equal(splits, 1u << (ISO_SECOND_VALUE_NONE + 8) | 1u << ISO_SECOND_VALUE_NONE | 1u << ISO_SECOND_VALUE_DEVIATION | 1u << ISO_SECOND_VALUE_GRADIENT);
     assert_int_equal(__builtin_popcountl(filters), 3);
     assert_int_equal(__builtin_popcountl(estimators), 2);
     for (int c = 0; c < ISO_CODE_COUNT; ++c) /* all that a texture filters are in the default */

@@ -246,7 +246,7 @@ static void bad_requests_are_refused_and_leave_nothing(void **state)
 }
 
 /* A pixel's size from two rays: where neighbours meet the plane through the centre of the box. */
-static void the_pixel_of_a_view_is_measured_at_the_centre(void **state)
+static void the_pixel_of_a_view_is_measured_at_the_center(void **state)
 {
     (void)state;
     const size_t size[3] = {20, 30, 24};
@@ -275,7 +275,7 @@ int main(void)
         cmocka_unit_test(the_adapted_tf_can_be_asked_for),
         cmocka_unit_test(text_is_vector_and_fonts_are_embedded),
         cmocka_unit_test(bad_requests_are_refused_and_leave_nothing),
-        cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_centre),
+        cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_center),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

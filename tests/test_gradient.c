@@ -320,7 +320,7 @@ static void the_spline_is_that_of_the_recursive_pre_filter_along_each_axis(void 
 }
 
 /* Float sums of 27 values of 2 or less, in two orders: within 30 x 2 x 2^-24 of each other, over half a step. */
-static void corners_are_the_sobel_operator_at_voxel_centres(void **state)
+static void corners_are_the_sobel_operator_at_voxel_centers(void **state)
 {
     (void)state;
     const size_t sizes[][3] = {{13, 7, 9}, {1, 5, 2}, {6, 1, 1}, {2, 2, 2}};
@@ -367,7 +367,7 @@ int main(void)
         cmocka_unit_test(cubic_fields_are_exact_for_the_estimator_of_fourth_order),
         cmocka_unit_test(cubic_fields_are_exact_for_the_spline_up_to_the_border),
         cmocka_unit_test(the_spline_is_that_of_the_recursive_pre_filter_along_each_axis),
-        cmocka_unit_test(corners_are_the_sobel_operator_at_voxel_centres),
+        cmocka_unit_test(corners_are_the_sobel_operator_at_voxel_centers),
         cmocka_unit_test(names_lead_back_to_their_methods),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -231,8 +231,8 @@ static void nodes_of_a_lattice_stand_where_the_volume_has_them(void **state)
         iso_lattice_options o = options_of(&s, false, level);
         o.whole_box = level == 1;
         assert_ok(iso_lattice_create(&l, &s.field, &o, &err));
-        iso_vec3 centre = iso_geometry_to_world(&l.geometry, iso_v3(0.5, 1.5, 2.5));
-        iso_vec3 index = iso_geometry_to_index(&s.nodes.geometry, centre);
+        iso_vec3 center = iso_geometry_to_world(&l.geometry, iso_v3(0.5, 1.5, 2.5));
+        iso_vec3 index = iso_geometry_to_index(&s.nodes.geometry, center);
         double step = (double)(1u << level);
         assert_within(index.x, step * (double)l.first[0] + 0.5, 1e-12);
         assert_within(index.y, step * (double)(l.first[1] + 1) + 0.5, 1e-12);

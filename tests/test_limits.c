@@ -143,15 +143,15 @@ static void a_closed_form_is_refused_where_there_is_none(void **state)
     (void)state;
     iso_image image;
     iso_error why = {""};
-    subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colourful = open_subject(ISO_FIELD_RAMP, true, false);
+    subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colorful = open_subject(ISO_FIELD_RAMP, true, false);
     assert_int_equal(iso_closed_form_render(&bent.pyramid.levels[0], bent.pyramid.options.code, &bent.view, &image, &why),
                      ISO_E_RANGE);
     assert_non_null(strstr(why.text, "linear"));
-    assert_int_equal(iso_closed_form_render(&colourful.pyramid.levels[0], colourful.pyramid.options.code, &colourful.view,
+    assert_int_equal(iso_closed_form_render(&colorful.pyramid.levels[0], colorful.pyramid.options.code, &colorful.view,
                                             &image, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "colours"));
     close_subject(&bent);
-    close_subject(&colourful);
+    close_subject(&colorful);
 }
 
 static void the_ray_caster_has_the_reference_for_its_limit(void **state)

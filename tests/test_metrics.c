@@ -60,7 +60,7 @@ static void equal_images_have_no_difference(void **state)
     iso_metrics m = measure(&a, &a);
     assert_true(m.rmse == 0 && m.max_abs == 0 && m.p99_abs == 0 && m.flip_mean == 0 && isinf(m.psnr_db));
     assert_within(m.ssim, 1, 1e-12); /* a quotient of equal sums, rounded */
-    assert_true(iso_metrics_within(&m, &(iso_limits){0}));
+    assert_true(iso_metrics_within(&m, &(iso_tolerances){0}));
     iso_image_destroy(&a);
 }
 
@@ -75,10 +75,10 @@ static void one_changed_channel_gives_the_closed_form(void **state)
     assert_within(m.psnr_db, 20 * log10(2 * sqrt(2400)), 1e-12);
     assert_true(m.max_abs == 0.5 && m.worst[0] == 13 && m.worst[1] == 7);
     assert_true(m.p99_abs == 0); /* one pixel of 600 is below one percent */
-    assert_false(iso_metrics_within(&m, &(iso_limits){0}));
-    assert_true(iso_metrics_within(&m, &(iso_limits){.max_abs = 0.5}));
-    assert_false(iso_metrics_within(&m, &(iso_limits){.max_abs = 0.4999}));
-    assert_false(iso_metrics_within(&m, &(iso_limits){.max_abs = 0.5, .rmse = 0.01}));
+    assert_false(iso_metrics_within(&m, &(iso_tolerances){0}));
+    assert_true(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.5}));
+    assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.4999}));
+    assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.5, .rmse = 0.01}));
     iso_image_destroy(&a);
     iso_image_destroy(&b);
 }
@@ -135,8 +135,8 @@ static void nonfinite_pixels_are_counted_and_never_agree(void **state)
                 iso_metrics m = measure(&a, &b);
                 assert_int_equal(m.nonfinite_count, 1);
                 assert_true(isnan(m.rmse) && isnan(m.flip_mean));
-                assert_false(iso_metrics_within(&m, &(iso_limits){1e9, 1e9, 1e9, 1e9, 1e9}));
-                assert_false(iso_metrics_within(&m, &(iso_limits){0}));
+                assert_false(iso_metrics_within(&m, &(iso_tolerances){1e9, 1e9, 1e9, 1e9, 1e9}));
+                assert_false(iso_metrics_within(&m, &(iso_tolerances){0}));
                 json_t *json = iso_metrics_to_json(&m);
                 assert_true(json_is_null(json_object_get(json, "rmse")));
                 assert_int_equal(json_integer_value(json_object_get(json, "nonfinite_count")), 1);
@@ -171,7 +171,7 @@ static void each_limit_binds_alone(void **state)
 {
     (void)state;
     iso_metrics m = {.rmse = 2, .max_abs = 3, .p99_abs = 4, .psnr_db = 5, .ssim = 0.4, .flip_mean = 0.5};
-    iso_limits all = {2, 3, 4, 0.6, 0.5};
+    iso_tolerances all = {2, 3, 4, 0.6, 0.5};
     assert_true(iso_metrics_within(&m, &all));
     double *each[] = {&all.rmse, &all.max_abs, &all.p99_abs, &all.ssim_dissimilarity, &all.flip_mean};
     for (int i = 0; i < 5; ++i) {
@@ -202,7 +202,7 @@ static float linear_of(double v)
     return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
 }
 
-static void set_grey(iso_image *image, size_t x, size_t y, double v)
+static void set_gray(iso_image *image, size_t x, size_t y, double v)
 {
     for (size_t c = 0; c < 3; ++c)
         image->rgba[4 * (y * image->width + x) + c] = linear_of(v);
@@ -229,8 +229,8 @@ static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **sta
         double mean, expected = 0, m = pairs[k].m, d = pairs[k].d, A = pairs[k].amplitude_a, B = pairs[k].amplitude_b;
         for (size_t y = 0; y < n; ++y)
             for (size_t x = 0; x < n; ++x) {
-                set_grey(&a, x, y, m + ((x + y) % 2 ? -A : A));
-                set_grey(&b, x, y, m + d + ((x + y) % 2 ? -B : B));
+                set_gray(&a, x, y, m + ((x + y) % 2 ? -A : A));
+                set_gray(&b, x, y, m + d + ((x + y) % 2 ? -B : B));
             }
         for (size_t y = 5; y < n - 5; ++y)
             for (size_t x = 5; x < n - 5; ++x) {
@@ -251,7 +251,7 @@ static void ssim_of_a_single_pixel_shows_the_window(void **state)
     enum { n = 31 };
     iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
     double taps[11], sum = 0, mean, expected = 0;
-    set_grey(&a, 15, 15, 1);
+    set_gray(&a, 15, 15, 1);
     for (int i = 0; i < 11; ++i)
         sum += taps[i] = exp(-(i - 5) * (i - 5) / (2 * 1.5 * 1.5));
     for (int j = 0; j < 11; ++j)
@@ -372,7 +372,7 @@ static double lab_f(double t)
 }
 
 /* HyAB of adapted green and blue to the power of .7: 41.28. */
-static double largest_flip_colour(void)
+static double largest_flip_color(void)
 {
     double lab[2][3];
     for (int k = 0; k < 2; ++k) {
@@ -406,10 +406,10 @@ static void flip_of_green_and_blue_is_one(void **state)
 }
 
 /* Greys have no chroma: HyAB is the difference of L*, here 100 and L*(.5) = 116 cbrt(.5) - 16. */
-static void flip_of_uniform_greys_is_the_closed_form(void **state)
+static void flip_of_uniform_grays_is_the_closed_form(void **state)
 {
     (void)state;
-    const double largest = largest_flip_colour();
+    const double largest = largest_flip_color();
     const double levels[] = {0, 0.5, 0.02, 0.9};
     for (int i = 0; i < 4; ++i) {
         iso_image a = uniform(12, 12, 1, 1, 1), b = uniform(12, 12, (float)levels[i], (float)levels[i], (float)levels[i]);
@@ -514,7 +514,7 @@ static double direct_flip(const iso_image *a, const iso_image *b, long x, long y
 {
     direct_percept p = perceive_directly(a, x, y), q = perceive_directly(b, x, y);
     double d = fabs(p.lab[0] - q.lab[0]) + hypot(p.lab[1] - q.lab[1], p.lab[2] - q.lab[2]);
-    double e = pow(d, 0.7), largest = largest_flip_colour(), knee = 0.4 * largest;
+    double e = pow(d, 0.7), largest = largest_flip_color(), knee = 0.4 * largest;
     e = e < knee ? 0.95 / knee * e : 0.95 + (e - knee) / (largest - knee) * 0.05;
     double f = sqrt(fmax(fabs(p.edge - q.edge), fabs(p.point - q.point)) / sqrt(2));
     return pow(e, 1 - f);
@@ -592,12 +592,12 @@ static void hdr_exposures_show_the_brightest_and_the_median_at_085(void **state)
 {
     (void)state;
     iso_image a = uniform(5, 1, 0, 0, 0), dark = uniform(5, 1, 0, 0, 0);
-    const float greys[] = {12, 0.5f, 3, 40, 0.01f}; /* the median is 3, the brightest 40 */
+    const float grays[] = {12, 0.5f, 3, 40, 0.01f}; /* the median is 3, the brightest 40 */
     double start, stop;
     size_t count;
     for (size_t i = 0; i < 5; ++i)
         for (size_t c = 0; c < 3; ++c)
-            a.rgba[4 * i + c] = greys[i];
+            a.rgba[4 * i + c] = grays[i];
     assert_ok(iso_flip_exposures(&a, &start, &stop, &count, &err));
     const double shown[] = {40 * exp2(start), 3 * exp2(stop)};
     for (int i = 0; i < 2; ++i) {
@@ -657,7 +657,7 @@ static void planted_faults_are_rejected(void **state)
     (void)state;
     enum { n = 48 };
     iso_image a = textured(n, n, 11);
-    const iso_limits limits = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
+    const iso_tolerances limits = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
     for (int fault = 0; fault < 6; ++fault) {
         iso_image b = copy(&a);
         for (size_t y = 0; y < n; ++y)
@@ -676,11 +676,11 @@ static void planted_faults_are_rejected(void **state)
                     }
             }
         iso_metrics m = measure(&a, &b);
-        assert_false(iso_metrics_within(&m, &(iso_limits){.rmse = limits.rmse}));
-        assert_false(iso_metrics_within(&m, &(iso_limits){.max_abs = limits.max_abs}));
-        assert_false(iso_metrics_within(&m, &(iso_limits){.flip_mean = limits.flip_mean}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.rmse = limits.rmse}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = limits.max_abs}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.flip_mean = limits.flip_mean}));
         if (fault != 3) /* SSIM hardly sees a change of brightness: why it is never the only gate */
-            assert_false(iso_metrics_within(&m, &(iso_limits){.ssim_dissimilarity = limits.ssim_dissimilarity}));
+            assert_false(iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = limits.ssim_dissimilarity}));
         iso_image_destroy(&b);
     }
     iso_image_destroy(&a);
@@ -720,7 +720,7 @@ int main(void)
         cmocka_unit_test(ssim_is_the_mean_of_its_definition),
         cmocka_unit_test(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty),
         cmocka_unit_test(flip_of_green_and_blue_is_one),
-        cmocka_unit_test(flip_of_uniform_greys_is_the_closed_form),
+        cmocka_unit_test(flip_of_uniform_grays_is_the_closed_form),
         cmocka_unit_test(flip_equals_a_direct_sum_over_its_filters),
         cmocka_unit_test(flip_sees_a_firefly_that_rmse_hardly_sees),
         cmocka_unit_test(flip_is_symmetric),

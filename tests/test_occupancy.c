@@ -19,7 +19,7 @@ static float *random_scalar(void)
     return scalar;
 }
 
-static void ranges_hold_every_voxel_and_its_neighbours(void **state)
+static void ranges_hold_every_voxel_and_its_neighbors(void **state)
 {
     (void)state;
     float *scalar = random_scalar();
@@ -102,7 +102,7 @@ static void bricks_of_no_voxel_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranges_hold_every_voxel_and_its_neighbours),
+        cmocka_unit_test(ranges_hold_every_voxel_and_its_neighbors),
         cmocka_unit_test(tf_shows_what_any_value_of_the_range_shows),
         cmocka_unit_test(distance_is_to_the_nearest_occupied_brick),
         cmocka_unit_test(bricks_of_no_voxel_are_refused),

@@ -598,37 +598,37 @@ static void moved_mesh_stays_convex_and_reverts_exactly(void **state)
     iso_random random = {2};
     mesh m;
     size_t kept = 0, refused = 0;
-    assert_ok(mesh_create_random(&m, 120, &random, &err));
+    assert_ok(iso_mesh_create_random(&m, 120, &random, &err));
     assert_int_equal(m.vertex_count, 62); /* Euler: faces / 2 + 2 */
-    assert_true(mesh_is_convex(&m));
+    assert_true(iso_mesh_is_convex(&m));
     mesh_triangle *before = malloc(m.triangle_count * sizeof *before);
     for (int i = 0; i < 2000; ++i) {
         uint32_t vertex = (uint32_t)iso_random_below(&random, m.vertex_count);
         memcpy(before, m.triangle, m.triangle_count * sizeof *before);
         iso_vec3 position = m.position[vertex];
-        bool moved = mesh_move(&m, vertex, 0.1 + 1.2 * iso_random_unit(&random), &random);
+        bool moved = iso_mesh_move(&m, vertex, 0.1 + 1.2 * iso_random_unit(&random), &random);
         if (moved && i % 3) {
             assert_true(m.patch_count >= 3);
-            mesh_keep(&m);
+            iso_mesh_keep(&m);
             ++kept;
         } else {
             refused += !moved;
             if (moved)
-                mesh_revert(&m);
+                iso_mesh_revert(&m);
             assert_memory_equal(before, m.triangle, m.triangle_count * sizeof *before);
             assert_memory_equal(&position, &m.position[vertex], sizeof position);
         }
         if (i % 50 == 0)
-            assert_true(mesh_is_convex(&m));
+            assert_true(iso_mesh_is_convex(&m));
     }
-    assert_true(mesh_is_convex(&m));
+    assert_true(iso_mesh_is_convex(&m));
     assert_true(kept > 1000);
     assert_true(refused < 1000);
     /* Power: a vertex pushed across its neighbours without swaps is not convex. */
     m.position[5] = iso_scale(m.position[5], -1);
-    assert_false(mesh_is_convex(&m));
+    assert_false(iso_mesh_is_convex(&m));
     free(before);
-    mesh_destroy(&m);
+    iso_mesh_destroy(&m);
 }
 
 static void annealing_lowers_its_own_error_and_the_nearest_is_not_worse(void **state)

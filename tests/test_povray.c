@@ -391,7 +391,7 @@ static bool through_box(const iso_geometry *g, iso_vec3 aside, iso_vec3 forward,
 
 /* Along camera->right from the centre, the ray that enters at the depth of the centre: how far aside, and what of it is in
  * the box; 0 where none does. */
-static double entry_beside_the_centre(const iso_geometry *g, const iso_camera *camera, double *aside)
+static double entry_beside_the_center(const iso_geometry *g, const iso_camera *camera, double *aside)
 {
     double low = 0, high = iso_geometry_box_radius_mm(g), enters, leaves, chord = 0;
     for (int i = 0; i < 100; ++i) {
@@ -418,7 +418,7 @@ static void a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away(voi
     for (double angle = 0; angle < 6.28; angle += 0.05) {
         camera.right = iso_add(iso_scale(turned.camera.right, cos(angle)), iso_scale(turned.camera.up, sin(angle)));
         camera.up = iso_cross(camera.right, camera.forward);
-        const double chord = entry_beside_the_centre(g, &camera, &at);
+        const double chord = entry_beside_the_center(g, &camera, &at);
         if (chord > longest)
             longest = chord, aside = at, best = camera;
     }

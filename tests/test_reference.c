@@ -117,7 +117,7 @@ static double ramp_color(double k, double s0, double s1, double half, double len
     return front + t_front * (linear + t_linear * back);
 }
 
-static void a_ramp_of_extinction_and_colour_matches_its_integral(void **state)
+static void a_ramp_of_extinction_and_color_matches_its_integral(void **state)
 {
     (void)state;
     const float entries[8] = {0, 0, 0, 0, 1, 1, 1, 0.25f};
@@ -285,7 +285,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slab_has_the_opacity_of_its_thickness),
         cmocka_unit_test(an_oblique_chord_counts_in_full),
-        cmocka_unit_test(a_ramp_of_extinction_and_colour_matches_its_integral),
+        cmocka_unit_test(a_ramp_of_extinction_and_color_matches_its_integral),
         cmocka_unit_test(a_shell_thinner_than_a_cell_is_met),
         cmocka_unit_test(a_sphere_converges_with_the_square_of_the_spacing),
         cmocka_unit_test(stepping_quadratures_converge_to_the_converged_one),

@@ -24,9 +24,9 @@ static iso_image ball(size_t size, double shift, double bias, double blur)
             double v = (2 * ((double)y + 0.5) / (double)size - 1) / 0.8, r2 = u * u + v * v;
             double a = 1 / (1 + exp((r2 - 1) * 30 / (1 + blur))), z = sqrt(fmax(1 - r2, 0));
             double shade = 0.2 + 0.8 * fabs(0.5 * -u + 0.6 * -v + 0.62 * z) + 0.08 * sin(20 * u) * sin(17 * v) / (1 + blur);
-            const double colour[3] = {0.85, 0.55 + 0.2 * v, 0.35};
+            const double color[3] = {0.85, 0.55 + 0.2 * v, 0.35};
             for (int c = 0; c < 3; ++c)
-                image.rgba[4 * (y * size + x) + (size_t)c] = (float)(a * shade * colour[c] + bias);
+                image.rgba[4 * (y * size + x) + (size_t)c] = (float)(a * shade * color[c] + bias);
             image.rgba[4 * (y * size + x) + 3] = (float)a;
         }
     return image;
@@ -84,7 +84,7 @@ static void add_agreement(iso_report *r)
             iso_report_agreement row = compare(&reference, &image);
             row.level = level, row.scene = "smooth <head> & \"neck\"", row.a = "reference", row.b = renderers[k];
             row.image_a = "reference-0", row.image_b = name, row.tier = "tight";
-            row.error_bar = biases[k] / 2, row.limits = (iso_limits){.rmse = 1e-4, .max_abs = 1e-3};
+            row.error_bar = biases[k] / 2, row.limits = (iso_tolerances){.rmse = 1e-4, .max_abs = 1e-3};
             row.why = "same sampling in single precision: rounding of 1e-7 a sample over 300 samples.";
             row.command = "isoshade compare a.exr b.exr --max-rmse 1e-4 --max-abs 1e-3";
             row.informative = k == 3 && level == 0;
@@ -321,7 +321,7 @@ static void gates_decide_too(void **state)
     iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = 1e-4, .limits = {.rmse = 1}, .gate_count = 2,
                                 .gates = {{"error bar", 1e-4, 4e-4}, {"pixels beyond chance", 0, 0}}};
     assert_string_equal(iso_report_verdict(&row), "agree");
-    row.limits = (iso_limits){0}; /* gates alone are enough */
+    row.limits = (iso_tolerances){0}; /* gates alone are enough */
     assert_string_equal(iso_report_verdict(&row), "agree");
     row.metrics.nonfinite_count = 1;
     assert_string_equal(iso_report_verdict(&row), "differ");

@@ -66,7 +66,7 @@ static void gradients_equal_numerical_differences_of_the_values(void **state)
     }
 }
 
-static void samples_are_the_field_at_voxel_centres(void **state)
+static void samples_are_the_field_at_voxel_centers(void **state)
 {
     (void)state;
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
@@ -75,9 +75,9 @@ static void samples_are_the_field_at_voxel_centres(void **state)
         assert_ok(iso_field_sample(&f, ISO_F64, &v, &err));
         const double *samples = v.data;
         for (size_t i = 0; i < 40 * 56 * 33; i += 97) {
-            iso_vec3 centre = iso_v3((double)(i % 40) + 0.5, (double)(i / 40 % 56) + 0.5, (double)(i / 2240) + 0.5);
+            iso_vec3 center = iso_v3((double)(i % 40) + 0.5, (double)(i / 40 % 56) + 0.5, (double)(i / 2240) + 0.5);
             /* positions are stepped along a row: rounding of 1e-15, times slopes up to 1 / .03 */
-            assert_within(samples[i], iso_field_value(&f, iso_geometry_to_world(&f.geometry, centre), NULL), 1e-12);
+            assert_within(samples[i], iso_field_value(&f, iso_geometry_to_world(&f.geometry, center), NULL), 1e-12);
         }
         iso_volume_destroy(&v);
     }
@@ -166,7 +166,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gradients_equal_numerical_differences_of_the_values),
-        cmocka_unit_test(samples_are_the_field_at_voxel_centres),
+        cmocka_unit_test(samples_are_the_field_at_voxel_centers),
         cmocka_unit_test(integer_types_use_their_whole_range),
         cmocka_unit_test(planes_do_not_depend_on_slabs_or_threads),
         cmocka_unit_test(known_values_are_where_they_should_be),

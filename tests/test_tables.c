@@ -62,11 +62,11 @@ static iso_view make_view(const iso_pyramid *p)
     return view;
 }
 
-static iso_class_tables adapt(const iso_pyramid *p, iso_joint_split split, const iso_view *view)
+static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value split, const iso_view *view)
 {
     const iso_adapt_options opt = iso_adapt_defaults();
-    iso_class_tables t;
-    assert_ok(iso_adapt_classes(p, NULL, 1, split, &view->tf, &opt, &t, &err));
+    iso_tf_2d t;
+    assert_ok(iso_adapt_tf_2d(p, NULL, 1, split, &view->tf, &opt, &t, &err));
     return t;
 }
 
@@ -76,21 +76,21 @@ typedef enum fault { SWAPPED_AXES, HALF_A_CLASS_OFF, NO_CLASSES, FAULT_COUNT } f
 
 static size_t voxel_count(const iso_pyramid *p) { return iso_geometry_voxel_count(&p->levels[1].geometry); }
 
-static iso_class_tables with_fault(const iso_class_tables *t, const iso_pyramid *p, fault which)
+static iso_tf_2d with_fault(const iso_tf_2d *t, const iso_pyramid *p, fault which)
 {
-    iso_class_tables bad = *t;
+    iso_tf_2d bad = *t;
     const size_t count = t->tables[0].count, last = count - 1;
     bad.bytes = malloc(voxel_count(p));
     for (size_t i = 0; i < voxel_count(p); ++i) {
-        int byte = t->bytes[i] + (which == HALF_A_CLASS_OFF ? 255 / (2 * (ISO_CLASSES - 1)) : 0);
+        int byte = t->bytes[i] + (which == HALF_A_CLASS_OFF ? 255 / (2 * (ISO_TF_2D_ROWS - 1)) : 0);
         bad.bytes[i] = (uint8_t)(which == NO_CLASSES ? 0 : byte < 255 ? byte : 255);
     }
-    for (size_t c = 0; c < ISO_CLASSES; ++c) {
+    for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c) {
         bad.tables[c].entries = malloc(4 * count * sizeof(float));
         memcpy(bad.tables[c].entries, t->tables[c].entries, 4 * count * sizeof(float));
         for (size_t i = 0; i < count && which == SWAPPED_AXES; ++i) {
-            double rgbs[4], value = t->tables[0].lo + (t->tables[0].hi - t->tables[0].lo) * (double)c / (ISO_CLASSES - 1);
-            iso_class_lookup(t, value, (double)i / (double)last * (ISO_CLASSES - 1), rgbs);
+            double rgbs[4], value = t->tables[0].lo + (t->tables[0].hi - t->tables[0].lo) * (double)c / (ISO_TF_2D_ROWS - 1);
+            iso_tf_2d_lookup(t, value, (double)i / (double)last * (ISO_TF_2D_ROWS - 1), rgbs);
             for (size_t k = 0; k < 4; ++k)
                 bad.tables[c].entries[4 * i + k] = (float)rgbs[k];
         }
@@ -100,11 +100,11 @@ static iso_class_tables with_fault(const iso_class_tables *t, const iso_pyramid 
 
 /* ---- renderers ------------------------------------------------------------------------- */
 
-static iso_image render(const iso_pyramid *p, const iso_view *own, iso_class_tables *classes, const iso_render_options *opt)
+static iso_image render(const iso_pyramid *p, const iso_view *own, iso_tf_2d *tf_2d, const iso_render_options *opt)
 {
     iso_view view = *own; /* lent */
     iso_image image;
-    view.classes = classes;
+    view.tf_2d = tf_2d;
     assert_ok(iso_render_with(&renderers, p, 1, &view, opt, &image, NULL, NULL, &err));
     return image;
 }
@@ -121,25 +121,25 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
 {
     iso_pyramid p = noise_pyramid();
     iso_view view = make_view(&p);
-    for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT; ++split) {
-        iso_class_tables t = adapt(&p, (iso_joint_split)split, &view);
+    for (int split = ISO_SECOND_VALUE_DEVIATION; split <= ISO_SECOND_VALUE_GRADIENT; ++split) {
+        iso_tf_2d t = adapt(&p, (iso_second_value)split, &view);
         iso_image have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
         iso_metrics m = compare(&have, &want);
         print_message("%s, split %d: rmse %.3g, max %.3g\n", iso_renderer_name(with->renderer), split, m.rmse, m.max_abs);
         assert_at_most(m.max_abs, max_abs);
         assert_at_most(m.rmse, rmse);
         for (int f = 0; f < FAULT_COUNT; ++f) {
-            iso_class_tables bad = with_fault(&t, &p, (fault)f);
+            iso_tf_2d bad = with_fault(&t, &p, (fault)f);
             iso_image wrong = render(&p, &view, &bad, reference);
             iso_metrics e = compare(&have, &wrong);
             assert_true(e.max_abs > max_abs || e.rmse > rmse);
             assert_more_than(e.rmse, 2.5 * rmse); /* with a margin */
             iso_image_destroy(&wrong);
-            iso_class_tables_destroy(&bad);
+            iso_tf_2d_destroy(&bad);
         }
         iso_image_destroy(&have);
         iso_image_destroy(&want);
-        iso_class_tables_destroy(&t);
+        iso_tf_2d_destroy(&t);
     }
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
@@ -175,9 +175,9 @@ static void cycles_looks_up_the_same_tables(void **state)
 static void lookups_are_bilinear_and_clamped(void **state)
 {
     (void)state;
-    float entries[ISO_CLASSES][12];
-    iso_class_tables t = {.bytes = NULL};
-    for (int c = 0; c < ISO_CLASSES; ++c) {
+    float entries[ISO_TF_2D_ROWS][12];
+    iso_tf_2d t = {.bytes = NULL};
+    for (int c = 0; c < ISO_TF_2D_ROWS; ++c) {
         for (int i = 0; i < 12; ++i) /* bilinear in (entry, class), differently in each component */
             entries[c][i] = (float)(i % 4 + (1 + 0.5 * c) * (i / 4) + 0.25 * c * (i % 4));
         t.tables[c] = (iso_tf_table){.count = 3, .lo = 10, .hi = 20, .entries = entries[c]};
@@ -186,11 +186,11 @@ static void lookups_are_bilinear_and_clamped(void **state)
     for (int v = 0; v < 5; ++v)
         for (int k = 0; k < 7; ++k) {
             double rgbs[4], x = fmin(fmax((values[v] - 10) / 5, 0), 2), c = fmin(fmax(coordinates[k], 0), 7);
-            iso_class_lookup(&t, values[v], coordinates[k], rgbs);
+            iso_tf_2d_lookup(&t, values[v], coordinates[k], rgbs);
             for (int i = 0; i < 4; ++i)
                 assert_within(rgbs[i], i + (1 + 0.5 * c) * x + 0.25 * c * i, 1e-12);
         }
-    assert_within(iso_class_coordinate(255), ISO_CLASSES - 1, 0);
+    assert_within(iso_tf_2d_coordinate(255), ISO_TF_2D_ROWS - 1, 0);
 }
 
 /* A ramp: a gradient of 3 a voxel along x, so 6 a voxel at level 1, on a range of 3 (n - 1). */
@@ -206,13 +206,13 @@ static void the_gradient_of_a_ramp_has_one_class(void **state)
     for (size_t i = 0; i < 16 * 6 * 4; ++i)
         ((uint8_t *)v.data)[i] = (uint8_t)(3 * (i % 16));
     assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
-    float classes[8 * 3 * 2];
-    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SPLIT_GRADIENT, 2, classes, &err));
+    float tf_2d[8 * 3 * 2];
+    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SECOND_VALUE_GRADIENT, 2, tf_2d, &err));
     for (int i = 0; i < 48; ++i)
-        assert_within(classes[i], 7 * sqrt(6 / 22.5), 1e-6); /* in float */
-    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SPLIT_DEVIATION, 2, classes, &err));
+        assert_within(tf_2d[i], 7 * sqrt(6 / 22.5), 1e-6); /* in float */
+    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SECOND_VALUE_DEVIATION, 2, tf_2d, &err));
     for (int i = 0; i < 48; ++i)
-        assert_within(classes[i], 7 * sqrt(1.5 / 22.5), 1e-6); /* two values 3 apart */
+        assert_within(tf_2d[i], 7 * sqrt(1.5 / 22.5), 1e-6); /* two values 3 apart */
     iso_volume_destroy(&v);
     iso_pyramid_destroy(&p);
 }
@@ -222,17 +222,17 @@ static void the_envelope_bounds_every_class(void **state)
     (void)state;
     iso_pyramid p = noise_pyramid();
     iso_view view = make_view(&p);
-    iso_class_tables t = adapt(&p, ISO_SPLIT_DEVIATION, &view);
+    iso_tf_2d t = adapt(&p, ISO_SECOND_VALUE_DEVIATION, &view);
     iso_tf_table envelope;
-    assert_ok(iso_class_envelope(&t, &envelope, &err));
+    assert_ok(iso_tf_2d_envelope(&t, &envelope, &err));
     for (size_t i = 0; i < 4 * envelope.count; ++i) {
         float largest = 0;
-        for (size_t c = 0; c < ISO_CLASSES; ++c)
+        for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
             largest = fmaxf(largest, t.tables[c].entries[i]);
         assert_true(envelope.entries[i] == largest);
     }
     iso_tf_table_destroy(&envelope);
-    iso_class_tables_destroy(&t);
+    iso_tf_2d_destroy(&t);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }

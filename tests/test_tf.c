@@ -178,7 +178,7 @@ static void a_fitted_camera_frames_the_whole_box(void **state)
     free(path);
 }
 
-static void rays_leave_through_pixel_centres_with_row_0_on_top(void **state)
+static void rays_leave_through_pixel_centers_with_row_0_on_top(void **state)
 {
     (void)state;
     iso_camera c = {.forward = {0, 1, 0}, .right = {1, 0, 0}, .up = {0, 0, 1}, .half_height = 0.5};
@@ -263,7 +263,7 @@ int main(void)
         cmocka_unit_test(a_saved_tf_loads_as_the_same_table),
         cmocka_unit_test(bad_transfer_functions_are_refused_by_key_and_value),
         cmocka_unit_test(a_fitted_camera_frames_the_whole_box),
-        cmocka_unit_test(rays_leave_through_pixel_centres_with_row_0_on_top),
+        cmocka_unit_test(rays_leave_through_pixel_centers_with_row_0_on_top),
         cmocka_unit_test(a_ray_meets_the_box_between_its_faces),
         cmocka_unit_test(bad_scenes_are_refused_by_key_and_value),
         cmocka_unit_test(the_reference_scenes_load),

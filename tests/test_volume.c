@@ -199,12 +199,12 @@ static iso_geometry geometry_of(const char *header)
 
 #define HEAD "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n"
 
-static void the_space_origin_is_the_centre_of_the_first_sample(void **state)
+static void the_space_origin_is_the_center_of_the_first_sample(void **state)
 {
     (void)state;
     iso_geometry g = geometry_of(HEAD "space dimension: 3\nspace directions: (0,2,0) (0,0,3) (5,0,0)\nspace origin: (10,20,30)\n\n");
-    iso_vec3 centre = iso_geometry_to_world(&g, iso_v3(0.5, 0.5, 0.5));
-    assert_within(iso_norm(iso_sub(centre, iso_v3(10, 20, 30))), 0, 1e-14);
+    iso_vec3 center = iso_geometry_to_world(&g, iso_v3(0.5, 0.5, 0.5));
+    assert_within(iso_norm(iso_sub(center, iso_v3(10, 20, 30))), 0, 1e-14);
     assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(7.5, 19, 28.5))), 0, 1e-14);
     assert_within(g.index_to_world.m[1][0], 2, 0); /* the step along x is the first column */
     assert_within(g.index_to_world.m[2][1], 3, 0);
@@ -259,7 +259,7 @@ static void write_nifti(const char *name, nifti_1_header h, const void *samples,
 
 static const int16_t nifti_samples[12] = {5, -6, 7, -8, 9, 10, 11, 12, 13, 14, 15, -32768};
 
-static void nifti_places_centres_by_its_sform(void **state)
+static void nifti_places_centers_by_its_sform(void **state)
 {
     (void)state;
     nifti_1_header h = nifti_header(2, 3, 2);
@@ -283,7 +283,7 @@ static void nifti_places_centres_by_its_sform(void **state)
     }
 }
 
-static void nifti_places_centres_by_its_qform(void **state)
+static void nifti_places_centers_by_its_qform(void **state)
 {
     (void)state;
     nifti_1_header h = nifti_header(2, 3, 2);
@@ -656,11 +656,11 @@ int main(void)
         cmocka_unit_test(a_sink_that_lacks_planes_leaves_no_file),
         cmocka_unit_test(both_byte_orders_and_detached_headers_are_read),
         cmocka_unit_test(text_samples_and_slices_in_files_of_their_own_are_read),
-        cmocka_unit_test(the_space_origin_is_the_centre_of_the_first_sample),
+        cmocka_unit_test(the_space_origin_is_the_center_of_the_first_sample),
         cmocka_unit_test(anatomical_spaces_become_right_anterior_superior),
         cmocka_unit_test(spacings_axis_mins_and_units_are_kept),
-        cmocka_unit_test(nifti_places_centres_by_its_sform),
-        cmocka_unit_test(nifti_places_centres_by_its_qform),
+        cmocka_unit_test(nifti_places_centers_by_its_sform),
+        cmocka_unit_test(nifti_places_centers_by_its_qform),
         cmocka_unit_test(nifti_of_the_other_byte_order_and_in_two_files_is_read),
         cmocka_unit_test(raw_files_follow_the_layout_that_is_given),
         cmocka_unit_test(bad_nrrd_files_are_refused_with_the_reason),

@@ -173,10 +173,10 @@ static json_t *describe_tf(const iso_view *views, size_t count, double units)
 {
     json_t *all = json_array();
     for (size_t k = 0; k < count; ++k)
-        append_table(all, views[k].classes ? views[k].classes->tables : &views[k].tf, views[k].classes ? ISO_CLASSES : 1, units);
+        append_table(all, views[k].tf_2d ? views[k].tf_2d->tables : &views[k].tf, views[k].tf_2d ? ISO_TF_2D_ROWS : 1, units);
     for (size_t k = 0; k < count; ++k)
-        if (views[k].focus)
-            append_table(all, &views[k].focus->tf, 1, units);
+        if (views[k].roi)
+            append_table(all, &views[k].roi->tf, 1, units);
     return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&views[0].tf, units));
 }
 
@@ -197,7 +197,7 @@ static double step_mm(const iso_view *view, const iso_level *level, const iso_bl
 
 /* The box and the band of a region of interest in fractions of the volume's box; side: what its weight adds to the
  * volume, constant and factor. */
-static json_t *describe_focus(const iso_focus *f, const iso_geometry *around, bool inside)
+static json_t *describe_roi(const iso_roi *f, const iso_geometry *around, bool inside)
 {
     double lo[3], hi[3], band[3];
     for (int a = 0; a < 3; ++a) {
@@ -227,15 +227,15 @@ static iso_geometry scaled_geometry(const iso_geometry *from, double units)
 
 /* The volume objects of level k: itself, and its region of interest. p in units. tables: the numbers of their tables. */
 static void append_level(json_t *levels, const iso_pyramid *p, size_t k, const iso_view *view, double units, const size_t tables[2],
-                         const char *vdb, const char *focus_vdb, const iso_blender_options *opt)
+                         const char *vdb, const char *roi_vdb, const iso_blender_options *opt)
 {
     const double step = units * step_mm(view, &(iso_level){.geometry = scaled_geometry(&p->levels[k].geometry, 1 / units)}, opt);
     json_t *around = describe_level(&p->levels[k].geometry, k, tables[0], vdb, step);
-    if (view->focus) {
-        const iso_geometry g = scaled_geometry(&view->focus->level.geometry, units);
-        json_t *inside = describe_level(&g, k, tables[1], focus_vdb, step);
-        json_object_set_new(around, "focus", describe_focus(view->focus, &p->levels[k].geometry, false));
-        json_object_set_new(inside, "focus", describe_focus(view->focus, &p->levels[k].geometry, true));
+    if (view->roi) {
+        const iso_geometry g = scaled_geometry(&view->roi->level.geometry, units);
+        json_t *inside = describe_level(&g, k, tables[1], roi_vdb, step);
+        json_object_set_new(around, "roi", describe_roi(view->roi, &p->levels[k].geometry, false));
+        json_object_set_new(inside, "roi", describe_roi(view->roi, &p->levels[k].geometry, true));
         json_array_append_new(levels, around);
         json_array_append_new(levels, inside);
         return;
@@ -243,7 +243,7 @@ static void append_level(json_t *levels, const iso_pyramid *p, size_t k, const i
     json_array_append_new(levels, around);
 }
 
-static iso_status save_focus(const iso_pyramid *p, const iso_focus *f, double units, const char *path, const iso_progress *progress,
+static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, double units, const char *path, const iso_progress *progress,
                              iso_error *err)
 {
     iso_level level = f->level;
@@ -448,20 +448,20 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     double units = units_per_mm(&p->levels[0].geometry);
-    char *vdb = iso_path_join(folder, "volume.vdb"), *focus_vdb = iso_path_join(folder, "focus.vdb");
+    char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
-    vdb_options.classes = view->classes ? view->classes->bytes : NULL;
+    vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     status = in_units(p, units, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
-    if (status == ISO_OK && view->focus)
-        status = save_focus(p, view->focus, units, focus_vdb, progress, err);
+    if (status == ISO_OK && view->roi)
+        status = save_roi(p, view->roi, units, roi_vdb, progress, err);
     if (status == ISO_OK) {
         const iso_level *l = &scaled.levels[level];
         const double voxel = units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &p->levels[level].geometry));
         json_t *levels = json_array();
-        append_level(levels, &scaled, level, view, units, (const size_t[2]){0, 1}, vdb, focus_vdb, &frames[0]);
+        append_level(levels, &scaled, level, view, units, (const size_t[2]){0, 1}, vdb, roi_vdb, &frames[0]);
         json_t *about = describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", levels);
         json_object_set_new(about, "tf", describe_tf(view, 1, units));
@@ -473,7 +473,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         status = load_pictures(folder, view, count, pictures, err);
     iso_remove_tree(folder);
     free(scaled.levels);
-    free(focus_vdb);
+    free(roi_vdb);
     free(vdb);
     free(folder);
     return status;
@@ -488,10 +488,10 @@ iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view 
 /* ---- export ---- */
 
 /* One file a level, and one a region of interest, all with the same grid names, so that one material reads them. */
-static char *vdb_path(const char *blend_path, size_t k, size_t count, bool focus)
+static char *vdb_path(const char *blend_path, size_t k, size_t count, bool roi)
 {
     size_t stem = strlen(blend_path) - strlen(".blend"), size = stem + 48;
-    const char *which = focus ? "_focus" : "";
+    const char *which = roi ? "_roi" : "";
     char *path = malloc(size);
     if (path && count == 1)
         snprintf(path, size, "%.*s%s.vdb", (int)stem, blend_path, which);
@@ -507,20 +507,20 @@ static iso_status write_grid(const iso_pyramid *p, size_t k, size_t count, const
     iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
-    options.classes = view->classes ? view->classes->bytes : NULL;
+    options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     if (status == ISO_OK)
         status = iso_vdb_save(p, k, 1, out->temp_path, &options, progress, err);
     free(path);
     return status;
 }
 
-static iso_status write_focus_grid(const iso_pyramid *p, size_t k, size_t count, const iso_view *view, double units,
+static iso_status write_roi_grid(const iso_pyramid *p, size_t k, size_t count, const iso_view *view, double units,
                                    const char *blend_path, iso_output *out, const iso_progress *progress, iso_error *err)
 {
     char *path = vdb_path(blend_path, k, count, true);
     iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
     if (status == ISO_OK)
-        status = save_focus(p, view->focus, units, out->temp_path, progress, err);
+        status = save_roi(p, view->roi, units, out->temp_path, progress, err);
     free(path);
     return status;
 }
@@ -537,13 +537,13 @@ static json_t *describe_export(const iso_pyramid *p, double units, size_t first,
     for (; tables[0] < count; ++tables[0]) {
         const size_t k = first + tables[0];
         char *path = vdb_path(blend_path, k, count, false), relative[NAME_MAX + 48];
-        char *focus_path = vdb_path(blend_path, k, count, true), focus_relative[NAME_MAX + 48];
+        char *roi_path = vdb_path(blend_path, k, count, true), roi_relative[NAME_MAX + 48];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
-        snprintf(focus_relative, sizeof focus_relative, "//%s", iso_path_base(focus_path));
-        append_level(levels, p, k, &views[tables[0]], units, tables, relative, focus_relative, opt);
-        tables[1] += views[tables[0]].focus != NULL;
+        snprintf(roi_relative, sizeof roi_relative, "//%s", iso_path_base(roi_path));
+        append_level(levels, p, k, &views[tables[0]], units, tables, relative, roi_relative, opt);
+        tables[1] += views[tables[0]].roi != NULL;
         free(path);
-        free(focus_path);
+        free(roi_path);
     }
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", describe_tf(views, count, units));
@@ -577,8 +577,8 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         status = write_grid(&scaled, first + i, count, &views[i], blend_path, &outs[i], progress, err);
     size_t files = count;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        if (views[i].focus)
-            status = write_focus_grid(p, first + i, count, &views[i], units, blend_path, &outs[files++], progress, err);
+        if (views[i].roi)
+            status = write_roi_grid(p, first + i, count, &views[i], units, blend_path, &outs[files++], progress, err);
     if (status == ISO_OK)
         status = iso_output_begin(&outs[files], blend_path, err);
     char *target = status == ISO_OK ? realpath(outs[files].temp_path, NULL) : NULL;
@@ -614,7 +614,7 @@ static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view,
 {
     iso_level box = {.geometry = *plan->geometry};
     const iso_pyramid p = {.level_count = 1, .levels = &box};
-    if (view->classes || view->focus)
+    if (view->tf_2d || view->roi)
         return iso_fail(err, ISO_E_RANGE, "blender: a plan goes with neither a table over two values nor a region of interest");
     return check_options(&p, 0, 1, opt, err);
 }

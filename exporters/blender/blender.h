@@ -7,7 +7,7 @@
  * shading constants and the lights as group inputs, camera and render settings.
  * Cycles renders the same scene.
  *
- * A region of interest is a second volume object, "NAME focus", with a VDB of its own:
+ * A region of interest is a second volume object, "NAME roi", with a VDB of its own:
  * the two overlap, and the material weighs each by its part (scene/roi.h). Where a
  * ray enters or leaves the second one Cycles starts a new phase of its steps, which
  * leaves an error of the first order in the step; it is random, and seeds average it.

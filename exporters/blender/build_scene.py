@@ -197,10 +197,10 @@ def box_group(to_box, clip_planes):
     return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
 
 
-def focus_group(to_box):
+def roi_group(to_box):
     """The weight of the finer level of a region of interest (scene/roi.h): 1 in its box, over a band around it to 0
     with a continuous slope. Box and band are fractions of the volume's box."""
-    group = Group("isoshade focus", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
+    group = Group("isoshade roi", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
                                      ('NodeSocketVector', "Hi", (1, 1, 1)), ('NodeSocketVector', "Band", (1, 1, 1))],
                   [('NodeSocketFloat', "Weight")])
     f = group.vector('ADD', dots(group, [row[:3] for row in to_box], group.given["Position"], "position in the box"),
@@ -315,10 +315,10 @@ def isoshade_group(about, frame):
                             exact["Extinction"])
     inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
                         Step=step.outputs["Fac"])["Inside"]
-    if any("focus" in level for level in about["levels"]):
-        box = {name: group.node('ShaderNodeAttribute', f"focus {name}", {}, attribute_type='OBJECT',
-                                attribute_name=f"isoshade_focus_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}
-        weight = group.call(focus_group(about["world_to_box"]), Position=position, Lo=box["lo"], Hi=box["hi"],
+    if any("roi" in level for level in about["levels"]):
+        box = {name: group.node('ShaderNodeAttribute', f"roi {name}", {}, attribute_type='OBJECT',
+                                attribute_name=f"isoshade_roi_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}
+        weight = group.call(roi_group(about["world_to_box"]), Position=position, Lo=box["lo"], Hi=box["hi"],
                             Band=box["band"])["Weight"]
         side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
         share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
@@ -553,8 +553,8 @@ def add_levels(about, shift, frame, look, collection):
                                                description="The level of the pyramid that is shown")
     for level in levels:
         name = f"{about['name']} level {level['level']}" if several else about["name"]
-        focus = level.get("focus", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
-        thing = volume_object(f"{name} {'focus' if focus['side'][0] == 0 else 'volume'}", level["vdb"], collection)
+        roi = level.get("roi", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
+        thing = volume_object(f"{name} {'roi' if roi['side'][0] == 0 else 'volume'}", level["vdb"], collection)
         thing.parent = frame
         thing.location = [-shift * h for h in level["voxel_diagonal"]]
         thing.data.render.step_size = level["step"]
@@ -566,8 +566,8 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_last_class"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
         thing["isoshade_piece"] = float(level.get("piece", 0))
-        for key, value in focus.items() if "focus" in level or several else ():
-            thing[f"isoshade_focus_{key}"] = [float(v) for v in value]
+        for key, value in roi.items() if "roi" in level or several else ():
+            thing[f"isoshade_roi_{key}"] = [float(v) for v in value]
         for hidden in ("hide_render", "hide_viewport") if several else ():
             drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})
 
@@ -666,9 +666,9 @@ def explain(about, shift):
                if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
     if "bricks" in about:
         several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
-    if any("focus" in level for level in about["levels"]):
-        several += ('The object "... focus" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
-                    'isoshade_focus_* and those of the volume around it have to be the same but for the side.\n')
+    if any("roi" in level for level in about["levels"]):
+        several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
+                    'isoshade_roi_* and those of the volume around it have to be the same but for the side.\n')
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],

@@ -75,7 +75,7 @@ static iso_status check_options(const iso_pyramid *p, size_t level, const iso_vi
         return iso_fail(err, ISO_E_RANGE, "povray: DF3 files of %u bits, must be 16 or 32", opt->df3_bits);
     if (opt->isosurface && !isfinite(opt->iso))
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
-    if (opt->isosurface && view->focus)
+    if (opt->isosurface && view->roi)
         return iso_fail(err, ISO_E_USAGE, "povray: a region of interest is no surface");
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
@@ -191,12 +191,12 @@ static iso_status write_directions(const iso_level *level, iso_code code, const 
 }
 
 /* The entries of all classes, row by row; to be freed. */
-static float *class_rows(const iso_class_tables *classes)
+static float *class_rows(const iso_tf_2d *tf_2d)
 {
-    const size_t row = 4 * classes->tables[0].count;
-    float *rows = malloc(ISO_CLASSES * row * sizeof *rows);
-    for (size_t c = 0; rows && c < ISO_CLASSES; ++c)
-        memcpy(rows + c * row, classes->tables[c].entries, row * sizeof *rows);
+    const size_t row = 4 * tf_2d->tables[0].count;
+    float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
+    for (size_t c = 0; rows && c < ISO_TF_2D_ROWS; ++c)
+        memcpy(rows + c * row, tf_2d->tables[c].entries, row * sizeof *rows);
     return rows;
 }
 
@@ -208,7 +208,7 @@ static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, 
     char *path = file_path(dir, s->name, "_class.df3");
     iso_status status = values && path ? ISO_OK : no_memory(err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        values[i] = s->classes->bytes[i];
+        values[i] = s->tf_2d->bytes[i];
     if (status == ISO_OK)
         status = iso_df3_write(path, s->voxels->geometry.size, values, 1, 0, &coding, err);
     free(path);
@@ -219,18 +219,18 @@ static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, 
 static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, iso_error *err)
 {
     static const char *const suffix[4] = {"_tf_red.df3", "_tf_green.df3", "_tf_blue.df3", "_tf_extinction.df3"};
-    const iso_class_tables *classes = s->classes;
-    float *rows = classes ? class_rows(classes) : NULL;
-    if (classes && !rows)
+    const iso_tf_2d *tf_2d = s->tf_2d;
+    float *rows = tf_2d ? class_rows(tf_2d) : NULL;
+    if (tf_2d && !rows)
         return no_memory(err);
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
-    iso_status status = classes ? write_class_bytes(s, dir, err) : ISO_OK;
+    iso_status status = tf_2d ? write_class_bytes(s, dir, err) : ISO_OK;
     for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
         if (!iso_povray_needs_tables(s, c < 3))
             continue;
         const iso_df3_coding coding = {32, 0, most[c]};
         char *path = file_path(dir, s->name, suffix[c]);
-        status = path ? iso_df3_write_table(path, rows ? rows : s->tf->entries, s->tf->count, rows ? ISO_CLASSES : 1, 4, c, &coding, err)
+        status = path ? iso_df3_write_table(path, rows ? rows : s->tf->entries, s->tf->count, rows ? ISO_TF_2D_ROWS : 1, 4, c, &coding, err)
                       : no_memory(err);
         free(path);
     }
@@ -290,10 +290,10 @@ static void release(prepared_scene *s)
 static iso_status prepare(const iso_pyramid *p, size_t level, const iso_view *view, const char *name, const iso_povray_options *opt,
                           prepared_scene *s, iso_error *err)
 {
-    const iso_focus *f = opt->isosurface ? NULL : view->focus;
+    const iso_roi *f = opt->isosurface ? NULL : view->roi;
     *s = (prepared_scene){0};
-    const iso_class_tables *classes = opt->isosurface ? NULL : view->classes; /* a surface takes its colour from the view's TF */
-    iso_status status = classes ? iso_class_envelope(classes, &s->envelope, err) : ISO_OK;
+    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its colour from the view's TF */
+    iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
     if (status == ISO_OK && f && asprintf(&s->inner_name, "%s_fine", name) < 0) {
         s->inner_name = NULL;
         status = no_memory(err);
@@ -302,8 +302,8 @@ static iso_status prepare(const iso_pyramid *p, size_t level, const iso_view *vi
         release(s);
         return status;
     }
-    s->scene = describe(p, level, &p->levels[level], view, classes ? &s->envelope : &view->tf, name, opt);
-    s->scene.classes = classes;
+    s->scene = describe(p, level, &p->levels[level], view, tf_2d ? &s->envelope : &view->tf, name, opt);
+    s->scene.tf_2d = tf_2d;
     if (f) {
         s->inner = describe(p, level, &f->level, view, &f->tf, s->inner_name, opt);
         s->inner.lattice_scale = f->scale;

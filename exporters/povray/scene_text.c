@@ -121,7 +121,7 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
                "#declare Iso_TF_Position = function (x, y, z) { min(1, max(0, %.17g + %.17g * Iso_Stored(x, y, z))) }\n\n",
             s->scalar.lo, s->scalar.hi - s->scalar.lo, (s->scalar.lo - tf->lo) / (tf->hi - tf->lo),
             (s->scalar.hi - s->scalar.lo) / (tf->hi - tf->lo));
-    if (s->classes) {
+    if (s->tf_2d) {
         fprintf(f, "// The second value of the transfer function, a byte a voxel: 0 in its first row, 1 in its last.\n");
         write_lookup(f, s, "Iso_Class", "class");
         fprintf(f, "\n");
@@ -186,7 +186,7 @@ enum { max_color_map_table = 1024 };
 static bool *color_map_entries(const iso_povray_scene *s, map_source source)
 {
     const iso_tf_table *tf = s->tf;
-    bool *keep = !s->classes && tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
+    bool *keep = !s->tf_2d && tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
     if (keep && mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) > ISO_POVRAY_COLOR_MAP_ENTRIES) {
         free(keep);
         keep = NULL;
@@ -225,8 +225,8 @@ static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
     const size_t count = s->tf->count;
     const double scale = (double)(count - 1) / (double)count;
     char row[64] = "0";
-    if (s->classes)
-        snprintf(row, sizeof row, "Iso_Class(x, y, z) * %.17g", (ISO_CLASSES - 1.0) / ISO_CLASSES);
+    if (s->tf_2d)
+        snprintf(row, sizeof row, "Iso_Class(x, y, z) * %.17g", (ISO_TF_2D_ROWS - 1.0) / ISO_TF_2D_ROWS);
     static const char *const channel[4] = {"red", "green", "blue", "extinction"};
     static const char *const unit[4] = {"<3, 0, 0>", "<0, 3, 0>", "<0, 0, 3>", "1"};
     for (int c = color ? 0 : 3; c < (color ? 3 : 4); ++c) {
@@ -462,18 +462,18 @@ static void write_layer(FILE *f, const iso_povray_scene *s)
 }
 
 /* The weights of the two layers: scene/roi.h. */
-static void write_weights(FILE *f, const iso_focus *focus)
+static void write_weights(FILE *f, const iso_roi *roi)
 {
-    const double *lo = focus->lo, *hi = focus->hi;
+    const double *lo = roi->lo, *hi = roi->hi;
     fprintf(f, "// ---- the region of interest ------------------------------------------------\n"
                "// Iso_Inside is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
-               "#declare Iso_Focus_Outside = function (x, y, z) {\n"
+               "#declare Iso_Roi_Outside = function (x, y, z) {\n"
                "    max(%.17g - x, x - %.17g, %.17g - y, y - %.17g, %.17g - z, z - %.17g) }\n"
-               "#declare Iso_Focus_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Focus_Outside(x, y, z) / %.17g)) }\n"
-               "#declare Iso_Focus_Weight = function (x, y, z) { pow(Iso_Focus_Part(x, y, z), 2) * (3 - 2 * Iso_Focus_Part(x, y, z)) }\n"
-               "#declare Iso_Inside = density { function { Iso_Focus_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
-               "#declare Iso_Outside = density { function { 1 - Iso_Focus_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
-            lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(focus->band, 1e-9));
+               "#declare Iso_Roi_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Roi_Outside(x, y, z) / %.17g)) }\n"
+               "#declare Iso_Roi_Weight = function (x, y, z) { pow(Iso_Roi_Part(x, y, z), 2) * (3 - 2 * Iso_Roi_Part(x, y, z)) }\n"
+               "#declare Iso_Inside = density { function { Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
+               "#declare Iso_Outside = density { function { 1 - Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
+            lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(roi->band, 1e-9));
 }
 
 /* The text with its declared names made those of the finer layer; what the user sets is shared. */
@@ -510,7 +510,7 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
     write_placement(f, s);
     write_layer(f, s);
     if (s->inner) {
-        write_weights(f, s->view->focus);
+        write_weights(f, s->view->roi);
         write_inner(f, s->inner);
     }
     if (s->options->isosurface)

@@ -28,7 +28,7 @@ typedef struct iso_povray_scene {
     double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
     const struct iso_povray_scene *inner;    /* the region of interest's data and TF; or NULL */
     const iso_view *view;
-    const iso_class_tables *classes; /* the view's; NULL for a surface */
+    const iso_tf_2d *tf_2d; /* the view's; NULL for a surface */
     const iso_tf_table *tf;          /* the view's, or the envelope of the classes */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;

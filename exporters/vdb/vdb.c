@@ -22,7 +22,7 @@ const char *iso_vdb_version(void) { return iso_vdb_door_version(); }
 typedef struct level_source {
     const iso_level *level;
     iso_code code;
-    const uint8_t *classes;
+    const uint8_t *tf_2d;
 } level_source;
 
 static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
@@ -42,16 +42,16 @@ static void read_directions(const void *user, size_t x, size_t y, size_t z, size
     iso_code_decode_all(s->code, s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z), out, count);
 }
 
-static void read_classes(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+static void read_tf_2d(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
     const level_source *s = user;
-    const uint8_t *from = s->classes + voxel_at(&s->level->geometry, x, y, z);
+    const uint8_t *from = s->tf_2d + voxel_at(&s->level->geometry, x, y, z);
     for (size_t i = 0; i < count; ++i)
         out[i] = (float)(from[i] / 255.0);
 }
 
 /* World of a voxel's centre: origin + index_to_world (ijk + 1/2). */
-static void centre_transform(const iso_geometry *g, double m[3][4])
+static void center_transform(const iso_geometry *g, double m[3][4])
 {
     iso_vec3 first = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
     const double translation[3] = {first.x, first.y, first.z};
@@ -82,7 +82,7 @@ static iso_vdb_source describe(const iso_geometry *g, const char *made_from, con
     memcpy(source.size, g->size, sizeof source.size);
     memcpy(source.box_index, g->box_index, sizeof source.box_index);
     iso_geometry_spacing_mm(g, source.spacing_mm);
-    centre_transform(g, source.index_to_world);
+    center_transform(g, source.index_to_world);
     return source;
 }
 
@@ -132,7 +132,7 @@ static void read_reversed_activity(const void *user, size_t x, size_t y, size_t 
 /* A level's grids: those that can be read. `common` is complete but for what tells them apart; its transform is
  * reversed where rows are to be. */
 typedef struct level_readers {
-    read_row *scalar, *directions, *classes;
+    read_row *scalar, *directions, *tf_2d;
 } level_readers;
 
 static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers, bool reversed,
@@ -144,7 +144,7 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         read_row *read;
     } grids[] = {{"density", "the scalar", 1, readers->scalar},
                  {"gradient", "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3, readers->directions},
-                 {"class", "second value of the transfer function: 0 in its first row, 1 in its last", 1, readers->classes}};
+                 {"class", "second value of the transfer function: 0 in its first row, 1 in its last", 1, readers->tf_2d}};
     for (size_t i = 0; i < sizeof grids / sizeof *grids; ++i) {
         char name[40];
         iso_vdb_source source = *common;
@@ -175,14 +175,14 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
                             const iso_vdb_options *opt, iso_error *err)
 {
     const iso_level *level = &p->levels[k];
-    const level_source user = {level, p->options.code, opt->classes};
+    const level_source user = {level, p->options.code, opt->tf_2d};
     iso_vdb_source source = describe(&level->geometry, p->source, opt);
     source.pad = opt->pad_voxels;
     source.user = &user;
     source.level = (int)k;
     source.value_min = level->min;
     source.value_max = level->max;
-    const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->classes ? read_classes : NULL};
+    const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->tf_2d ? read_tf_2d : NULL};
     const bool reversed = iso_vdb_reverses_x(&level->geometry);
     if (reversed)
         reverse_x(&source);
@@ -246,7 +246,7 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
     if (count == 0 || first >= p->level_count || count > p->level_count - first)
         return iso_fail(err, ISO_E_RANGE, "%s: levels %zu to %zu, the pyramid has levels 0 to %zu", path, first,
                         first + count - 1, p->level_count - 1);
-    if (opt->classes && count != 1)
+    if (opt->tf_2d && count != 1)
         return iso_fail(err, ISO_E_RANGE, "%s: classes of %zu levels, they belong to one", path, count);
     const size_t limit = 64;
     if (opt->pad_voxels > limit)

@@ -7,7 +7,7 @@
 #include "atlas/atlas.h"
 #include "encode/decode_double.h"
 
-static iso_vec3 centre_of(const iso_geometry *g, size_t i)
+static iso_vec3 center_of(const iso_geometry *g, size_t i)
 {
     return iso_v3((double)(i % g->size[0]) + 0.5, (double)(i / g->size[0] % g->size[1]) + 0.5,
                   (double)(i / (g->size[0] * g->size[1])) + 0.5);
@@ -25,7 +25,7 @@ iso_status iso_atlas_true_normals(const iso_atlas_scene *scene, iso_pyramid *p, 
     iso_level *l = &p->levels[level];
     for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
         iso_vec3 n;
-        scene->field(iso_geometry_to_world(&l->geometry, centre_of(&l->geometry, i)), &n);
+        scene->field(iso_geometry_to_world(&l->geometry, center_of(&l->geometry, i)), &n);
         put_direction(l, i, n);
     }
     return ISO_OK;
@@ -69,7 +69,7 @@ static iso_vec3 from_angles(double azimuth, double z)
 static iso_vec3 filtered_direction(const iso_atlas_scene *scene, const iso_geometry *g, size_t voxel, bool angles)
 {
     enum { coarse = 4 };
-    const iso_vec3 at = centre_of(g, voxel);
+    const iso_vec3 at = center_of(g, voxel);
     const double x[3] = {at.x / coarse - 0.5, at.y / coarse - 0.5, at.z / coarse - 0.5};
     iso_vec3 vector = {0, 0, 0};
     double azimuth = 0, cosine = 0;

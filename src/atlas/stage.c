@@ -10,7 +10,7 @@
 #include "options/cli.h"
 #include "render/reference.h"
 
-static const double colour[3] = {0.95, 0.72, 0.5};
+static const double color[3] = {0.95, 0.72, 0.5};
 static const iso_shading shading = {.ambient = 0.1, .diffuse = 0.65, .specular = 0.25, .power = 20};
 static const double step_voxels = 0.25, unit_distance_mm = 1e-3;
 
@@ -58,7 +58,7 @@ static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
     const double shown[2][5] = {{0, 0, 1, 1, 1}, {0, 0, 1, 0, 0}};
     for (size_t i = 0; i < 5; ++i) {
         points[i] = (iso_tf_point){.value = values[s->band][i], .opacity = opacity * shown[s->band][i]};
-        memcpy(points[i].rgb_linear, colour, sizeof colour);
+        memcpy(points[i].rgb_linear, color, sizeof color);
     }
     return (iso_tf){.point_count = s->band ? 5 : 4, .points = points, .range = {0, 1}, .unit_distance = unit_distance_mm, .table_size = 512};
 }

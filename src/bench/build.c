@@ -282,9 +282,9 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
         status = time_central(b, &v, &t, err);
     const size_t memory = (size_t)(b->memory_mb * 1048576);
     if (status == ISO_OK && b->volume)
-        status = bench_files_of(b->volume, &b->opt, b->files, memory, b->runs, &t.files, err);
+        status = iso_bench_files_of(b->volume, &b->opt, b->files, memory, b->runs, &t.files, err);
     else if (status == ISO_OK && b->files)
-        status = bench_files(&v, &b->opt, b->files, memory, b->runs, &t.files, err);
+        status = iso_bench_files(&v, &b->opt, b->files, memory, b->runs, &t.files, err);
     if (status == ISO_OK)
         report(cli, b, &t);
     iso_volume_destroy(&v);

@@ -48,7 +48,7 @@ typedef struct bench_method {
     const char *name;
     bool adapt;
     iso_adapt_options options;
-    iso_joint_split classes; /* a table over value and class, or 0 */
+    iso_second_value tf_2d; /* a table over value and class, or 0 */
 } bench_method;
 
 static const bench_method all_methods[] = {
@@ -61,14 +61,14 @@ static const bench_method all_methods[] = {
     {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
     {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
     {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
-    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_DEVIATION},
-    {"gradient-classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SPLIT_GRADIENT},
+    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_DEVIATION},
+    {"gradient-classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_GRADIENT},
 };
 enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
 typedef struct case_result {
     double ssim_dissimilarity, flip, rmse;
-    iso_adapt_judgement judgement;
+    iso_adapt_judgment judgment;
 } case_result;
 
 /* Sums of the logarithms of error / error of the original, by level (0: of all), and how often a method fell behind it. */
@@ -112,7 +112,7 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
 }
 
 static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, const iso_tf_table *table,
-                         iso_class_tables *classes, iso_image *image, iso_error *err)
+                         iso_tf_2d *tf_2d, iso_image *image, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(run->renderer);
     iso_tf_table own = view->tf;
@@ -122,22 +122,22 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     opt.step_voxels = run->step_voxels;
     opt.threads = run->cli->threads;
     view->tf = *table;
-    view->classes = classes; /* lent */
+    view->tf_2d = tf_2d; /* lent */
     iso_status status = iso_render_with(&run->renderers, p, level, view, &opt, image, NULL, &progress, err);
     view->tf = own;
-    view->classes = NULL;
+    view->tf_2d = NULL;
     return status;
 }
 
 /* All views of one level with one table. */
 static iso_status measure(bench_run *run, const iso_pyramid *p, size_t level, iso_view *views, const iso_image *finest,
-                          const iso_tf_table *table, iso_class_tables *classes, case_result *r, iso_error *err)
+                          const iso_tf_table *table, iso_tf_2d *tf_2d, case_result *r, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         iso_image image;
         iso_metrics m;
-        status = render(run, p, level, &views[i], table, classes, &image, err);
+        status = render(run, p, level, &views[i], table, tf_2d, &image, err);
         if (status != ISO_OK)
             break;
         status = iso_metrics_measure(&finest[i], &image, &m, err);
@@ -173,17 +173,17 @@ static void note_case(bench_run *run, int block, const char *volume, const char 
         if (!run->wanted[m])
             continue;
         const case_result *r = &results[m];
-        const char *kept = all_methods[m].options.fall_back && r->judgement.use_original ? "  original kept" : "";
+        const char *kept = all_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
         add_to_sums(sums, m, level, r, &results[0]);
         json_array_append_new(run->cases, json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
                                                     iso_renderer_name(run->renderer), "volume", volume, "held", block == HELD, "tf", tf,
                                                     "level", (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
                                                     r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse, "rms_voxels_original",
-                                                    r->judgement.rms_original, "rms_voxels_adapted", r->judgement.rms_adapted,
-                                                    "fell_back", r->judgement.use_original));
+                                                    r->judgment.rms_original, "rms_voxels_adapted", r->judgment.rms_adapted,
+                                                    "fell_back", r->judgment.use_original));
         if (!run->cli->json)
             printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", iso_renderer_name(run->renderer), volume, tf, level,
-                   all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgement.rms_original, r->judgement.rms_adapted, kept);
+                   all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgment.rms_original, r->judgment.rms_adapted, kept);
     }
     fflush(stdout);
 }
@@ -199,13 +199,13 @@ static iso_status run_level(bench_run *run, int block, const char *volume, const
             continue;
         iso_adapt_options opt = all_methods[m].options;
         opt.threads = run->cli->threads;
-        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgement, err);
-        iso_class_tables classes = {0};
-        if (status == ISO_OK && all_methods[m].classes)
-            status = iso_adapt_classes(p, NULL, level, all_methods[m].classes, &views[0].tf, &opt, &classes, err);
+        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgment, err);
+        iso_tf_2d tf_2d = {0};
+        if (status == ISO_OK && all_methods[m].tf_2d)
+            status = iso_adapt_tf_2d(p, NULL, level, all_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
         if (status == ISO_OK)
-            status = measure(run, p, level, views, finest, &table, all_methods[m].classes ? &classes : NULL, &results[m], err);
-        iso_class_tables_destroy(&classes);
+            status = measure(run, p, level, views, finest, &table, all_methods[m].tf_2d ? &tf_2d : NULL, &results[m], err);
+        iso_tf_2d_destroy(&tf_2d);
         iso_tf_table_destroy(&table);
     }
     if (status == ISO_OK)

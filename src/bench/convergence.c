@@ -22,7 +22,7 @@
 #include "compare/statistics.h"
 #include "povray/povray.h"
 
-ISO_EMBED(convergence_gp, "src/bench/convergence.gp");
+ISO_EMBED(iso_convergence_gp, "src/bench/convergence.gp");
 
 enum { most_steps = 8 };
 
@@ -149,7 +149,7 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, o->output, "convergence.csv", err);
     if (status == ISO_OK)
-        status = iso_gnuplot_draw(out.temp_path, "convergence", csv, convergence_gp, o->format, err);
+        status = iso_gnuplot_draw(out.temp_path, "convergence", csv, iso_convergence_gp, o->format, err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

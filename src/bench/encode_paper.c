@@ -111,14 +111,14 @@ static iso_vec3 random_unit(uint64_t *state)
 }
 
 /* Within `radius` of centre, uniform. */
-static iso_vec3 random_in_cap(iso_vec3 centre, double radius, uint64_t *state)
+static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
 {
     for (;;) {
         iso_vec3 across = random_unit(state);
-        across = iso_normalize(iso_madd(across, centre, -iso_dot(across, centre)));
+        across = iso_normalize(iso_madd(across, center, -iso_dot(across, center)));
         double cosine = 1 - uniform(state) * (1 - cos(radius));
         if (iso_norm(across) > 0.5)
-            return iso_madd(iso_scale(centre, cosine), across, sqrt(1 - cosine * cosine));
+            return iso_madd(iso_scale(center, cosine), across, sqrt(1 - cosine * cosine));
     }
 }
 
@@ -158,12 +158,12 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err)
     size_t outside = 0;
     double worst = 0, pair_mean = 0, pair_max = 0;
     for (int i = 0; i < TRIPLES; ++i) {
-        iso_vec3 centre = random_unit(&state), corners[3], e = {0, 0, 0};
+        iso_vec3 center = random_unit(&state), corners[3], e = {0, 0, 0};
         double weights[3], sum = 0;
         for (int c = 0; c < 3; ++c)
             sum += weights[c] = -log(1 - uniform(&state));
         for (int c = 0; c < 3; ++c) {
-            corners[c] = random_in_cap(centre, 15 * degree, &state);
+            corners[c] = random_in_cap(center, 15 * degree, &state);
             e = iso_madd(e, warp(corners[c]), weights[c] / sum);
         }
         double by = outside_deg(iso_decode_region48(e), corners);

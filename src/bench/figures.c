@@ -10,8 +10,8 @@
 #include "base/file.h"
 #include "report/gnuplot.h"
 
-ISO_EMBED(levels_gp, "src/bench/levels.gp");
-ISO_EMBED(weights_gp, "src/bench/weights.gp");
+ISO_EMBED(iso_levels_gp, "src/bench/levels.gp");
+ISO_EMBED(iso_weights_gp, "src/bench/weights.gp");
 
 static const char *text_of(const json_t *c, const char *key)
 {
@@ -91,7 +91,7 @@ static iso_status draw(const json_t *cases, bool by_level, const char *dir, iso_
         return iso_fail(err, ISO_E_MEMORY, "bench consistency: no memory for a figure's data");
     write_rows(cases, by_level, f);
     fclose(f);
-    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? levels_gp : weights_gp, "svg", err);
+    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? iso_levels_gp : iso_weights_gp, "svg", err);
     free(csv);
     return status;
 }

@@ -108,7 +108,7 @@ static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t cou
     return status;
 }
 
-iso_status bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
+iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
                           size_t runs, bench_files_times *t, iso_error *err)
 {
     char *pyramid = iso_path_join(folder, "isoshade-bench.iso");
@@ -132,13 +132,13 @@ iso_status bench_files_of(const char *volume, const iso_pyramid_options *opt, co
     return status;
 }
 
-iso_status bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
+iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
                        bench_files_times *t, iso_error *err)
 {
     char *volume = iso_path_join(folder, "isoshade-bench.nrrd");
     iso_status status = volume ? iso_volume_save(v, volume, false, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = bench_files_of(volume, opt, folder, memory_bytes, runs, t, err);
+        status = iso_bench_files_of(volume, opt, folder, memory_bytes, runs, t, err);
     if (volume)
         unlink(volume);
     free(volume);

@@ -19,8 +19,8 @@
 #include "bench/shading_method.h"
 #include "report/gnuplot.h"
 
-ISO_EMBED(filters_gp, "src/bench/filters.gp");
-ISO_EMBED(holes_gp, "src/bench/holes.gp");
+ISO_EMBED(iso_filters_gp, "src/bench/filters.gp");
+ISO_EMBED(iso_holes_gp, "src/bench/holes.gp");
 
 enum { LEVELS = 4, VIEWS = 2 };
 
@@ -175,7 +175,7 @@ static iso_status draw_filters(const filters_run *run, const char *dir, iso_erro
                 fprintf(memory, "%s,%s,%zu,%.4f,%.6f\n", scenes[at].name, methods[m].name, k, figure_of(run, at, m, k, true),
                         figure_of(run, at, m, k, false));
     fclose(memory);
-    iso_status status = iso_gnuplot_draw(dir, "filters", text, filters_gp, run->format, err);
+    iso_status status = iso_gnuplot_draw(dir, "filters", text, iso_filters_gp, run->format, err);
     free(text);
     return status;
 }
@@ -276,7 +276,7 @@ static iso_status draw_holes(const filters_run *run, const iso_shading_subject *
     fclose(memory);
     iso_status status = write_panel(&s->finest[0], dir, "finest", err);
     if (status == ISO_OK)
-        status = iso_gnuplot_draw(dir, "holes", text, holes_gp, run->format, err);
+        status = iso_gnuplot_draw(dir, "holes", text, iso_holes_gp, run->format, err);
     free(text);
     return status;
 }

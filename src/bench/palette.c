@@ -125,7 +125,7 @@ static iso_status ellipsoid_sets(const palette_bench *b, bool on_surface, iso_di
     return status;
 }
 
-iso_status palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err)
+iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err)
 {
     json_t *rows = json_array();
     iso_direction_set *sets = calloc((size_t)b->seeds, sizeof *sets);
@@ -211,7 +211,7 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
     return status;
 }
 
-iso_status palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err)
+iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err)
 {
     json_t *rows = json_array();
     float *v = malloc(3 * ASSIGN_COUNT * sizeof *v);
@@ -242,7 +242,7 @@ iso_status palette_bench_assign(const palette_bench *b, json_t *root, iso_error 
 
 /* ---- volumes ------------------------------------------------------------------------------ */
 
-iso_status palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
+iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
                                 iso_error *err)
 {
     iso_gradient_options gradient = iso_gradient_defaults();
@@ -268,14 +268,14 @@ iso_status palette_bench_sample(const palette_bench *b, const char *path, iso_di
  * 6 * 48^2 cells of 1.9 degrees. All are measured on the finer bundles. */
 #define ANNEAL_CELLS 48
 
-iso_status palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
+iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
 {
     static const iso_palette_method methods[] = {ISO_PALETTE_KMEANS, ISO_PALETTE_KMEANSPP, ISO_PALETTE_ANNEAL,
                                                  ISO_PALETTE_FACES, ISO_PALETTE_FIBONACCI};
     const char *name = iso_path_base(path);
     iso_direction_set set, coarse = {0};
     double seconds;
-    iso_status status = palette_bench_sample(b, path, &set, &seconds, err);
+    iso_status status = iso_palette_bench_sample(b, path, &set, &seconds, err);
     if (status != ISO_OK)
         return status;
     status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
@@ -339,7 +339,7 @@ static iso_status sweep_case(const palette_bench *b, const iso_direction_set *se
     return ISO_OK;
 }
 
-iso_status palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err)
+iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err)
 {
     static const sweep sweeps[] = {
         {"START_PROB", 6, {0.01, 0.05, 0.2, 0.4, 0.6, 0.9}},
@@ -353,7 +353,7 @@ iso_status palette_bench_sensitivity(const palette_bench *b, const char *volume,
     double seconds;
     iso_status status;
     if (volume) {
-        status = palette_bench_sample(b, volume, &all, &seconds, err);
+        status = iso_palette_bench_sample(b, volume, &all, &seconds, err);
         if (status == ISO_OK)
             status = iso_direction_set_coarsen(&all, ANNEAL_CELLS, &set, err);
     } else {
@@ -382,16 +382,16 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
     size_t count = b->cli->argument_count;
     iso_status status = ISO_OK;
     if (b->sensitivity)
-        return palette_bench_sensitivity(b, count ? b->cli->arguments[0] : NULL, root, err);
+        return iso_palette_bench_sensitivity(b, count ? b->cli->arguments[0] : NULL, root, err);
     if (count == 0) {
-        status = palette_bench_ellipsoid(b, root, err);
-        return status == ISO_OK ? palette_bench_assign(b, root, err) : status;
+        status = iso_palette_bench_ellipsoid(b, root, err);
+        return status == ISO_OK ? iso_palette_bench_assign(b, root, err) : status;
     }
     json_t *volumes = json_array(), *images = json_array();
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        status = palette_bench_volume(b, b->cli->arguments[i], volumes, err);
+        status = iso_palette_bench_volume(b, b->cli->arguments[i], volumes, err);
         if (status == ISO_OK && !b->no_images)
-            status = palette_bench_images(b, b->cli->arguments[i], images, err);
+            status = iso_palette_bench_images(b, b->cli->arguments[i], images, err);
     }
     json_object_set_new(root, "volumes", volumes);
     json_object_set_new(root, "images", images);

@@ -16,18 +16,18 @@ typedef struct palette_bench {
 } palette_bench;
 
 /* Table 1's shape, and its rivals, on the ellipsoid. */
-iso_status palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err);
+iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err);
 /* The nearest entry: speed, and how often it is not the nearest. */
-iso_status palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err);
+iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err);
 /* Figure 8: the annealing's parameters, on the ellipsoid or on a volume. */
-iso_status palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err);
+iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err);
 /* Table 1 on a volume. */
-iso_status palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err);
+iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err);
 /* Images of it from palettes and from codes, against those from floats. */
-iso_status palette_bench_images(const palette_bench *b, const char *path, json_t *rows, iso_error *err);
+iso_status iso_palette_bench_images(const palette_bench *b, const char *path, json_t *rows, iso_error *err);
 
 /* A volume's gradients in bundles, read slab by slab. */
-iso_status palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
+iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
                                 iso_error *err);
 
 #endif

@@ -228,7 +228,7 @@ static iso_status all_rows(stage *s, iso_error *err)
     return status == ISO_OK ? palette_rows(s, ISO_PALETTE_KMEANS, 1022, true, false, err) : status;
 }
 
-iso_status palette_bench_images(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
+iso_status iso_palette_bench_images(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
 {
     stage s = {.bench = b, .name = iso_path_base(path), .rows = rows};
     iso_pyramid_options build = iso_pyramid_defaults();

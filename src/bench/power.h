@@ -31,7 +31,7 @@ typedef struct iso_power_case {
     int first_seed;     /* of Cycles */
     int threads;
     iso_scene_agreement asked;
-    iso_limits lock_step[2]; /* the ray caster's, POV-Ray's */
+    iso_tolerances lock_step[2]; /* the ray caster's, POV-Ray's */
     iso_image converged, midpoint, povray; /* the reference's of the clean scene: limits, lock-steps */
     double brightest;   /* value of a pixel of `converged` */
 } iso_power_case;

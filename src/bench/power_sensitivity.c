@@ -17,7 +17,7 @@
 #include "bench/power.h"
 #include "report/gnuplot.h"
 
-ISO_EMBED(sensitivity_gp, "src/bench/sensitivity.gp");
+ISO_EMBED(iso_sensitivity_gp, "src/bench/sensitivity.gp");
 
 enum { most_scenes = 64 };
 
@@ -266,7 +266,7 @@ static iso_status draw(const study *s, iso_error *err)
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, s->opt->output, "sensitivity.csv", err);
     if (status == ISO_OK)
-        status = iso_gnuplot_draw(out.temp_path, "sensitivity", csv, sensitivity_gp, s->opt->format, err);
+        status = iso_gnuplot_draw(out.temp_path, "sensitivity", csv, iso_sensitivity_gp, s->opt->format, err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

@@ -17,7 +17,7 @@ typedef enum bench_texture {
     TEXTURE_UNIFORM,
     TEXTURE_OWN,
     TEXTURE_BAKED,
-    TEXTURE_CENTRES_OWN,
+    TEXTURE_CENTERS_OWN,
     TEXTURE_PAPER,
     TEXTURE_PAPER_MENDED,
     TEXTURE_COUNT
@@ -72,7 +72,7 @@ static double fill_quarter(const size_t count[3], uint8_t *levels)
 typedef struct bench_fields {
     const iso_pyramid *pyramid;
     iso_brick_field nodes;
-    iso_warp_field centres;
+    iso_warp_field centers;
 } bench_fields;
 
 /* One draw, after one that compiles. */
@@ -82,7 +82,7 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
     iso_scene scene = iso_bench_scene(opt, TF_DENSE, gradients);
     iso_gl_brick_options options = iso_gl_brick_defaults();
     iso_brick_field f = fields->nodes;
-    iso_warp_field warp = fields->centres;
+    iso_warp_field warp = fields->centers;
     iso_gl_brick_stats stats;
     iso_view view;
     iso_image image = {0};
@@ -132,8 +132,8 @@ static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const
 static void print_ratios(const double s[TEXTURE_COUNT])
 {
     printf("  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, mended %.2f (to centres-own); bricks / uniform %.3f\n",
-           s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTRES_OWN],
-           s[TEXTURE_PAPER_MENDED] / s[TEXTURE_CENTRES_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
+           s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
+           s[TEXTURE_PAPER_MENDED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
 }
 
 static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fields *fields, double transition,
@@ -290,18 +290,18 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&n);
-    status = iso_warp_field_of_level(&fields.centres, &p->levels[0], p->options.code, side, err);
-    size_t count[3] = {iso_warp_bricks(&fields.centres, 0), iso_warp_bricks(&fields.centres, 1),
-                       iso_warp_bricks(&fields.centres, 2)};
+    status = iso_warp_field_of_level(&fields.centers, &p->levels[0], p->options.code, side, err);
+    size_t count[3] = {iso_warp_bricks(&fields.centers, 0), iso_warp_bricks(&fields.centers, 1),
+                       iso_warp_bricks(&fields.centers, 2)};
     uint8_t *levels = malloc((iso_brick_count(&n) + count[0] * count[1] * count[2]));
     if (status == ISO_OK && !levels)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", iso_brick_count(&n));
     if (status == ISO_OK) {
-        uint8_t *of_centres = levels + iso_brick_count(&n);
+        uint8_t *of_centers = levels + iso_brick_count(&n);
         const double transition = fill_quarter(n.count, levels);
-        fill_quarter(count, of_centres);
+        fill_quarter(count, of_centers);
         fields.nodes = (iso_brick_field){.nodes = &n, .levels = levels};
-        fields.centres.levels = of_centres;
+        fields.centers.levels = of_centers;
         json_t *root = iso_cli_json(cli);
         status = run_brick_cases(cli, gl, &fields, transition, opt, root, err);
         if (status == ISO_OK && !opt->transition)
@@ -312,7 +312,7 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
             json_decref(root);
     }
     free(levels);
-    iso_warp_field_destroy(&fields.centres);
+    iso_warp_field_destroy(&fields.centers);
     iso_node_levels_destroy(&n);
     return status;
 }

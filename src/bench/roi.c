@@ -34,13 +34,13 @@ static double distance(const double a[4], const double b[4])
     return sqrt(sum);
 }
 
-/* Of the region of interest at an index of the level around it; kind: with the weights of focus. */
-static void emit_blended(const iso_roi_setup *s, const iso_focus *focus, const iso_tf_table *around, iso_vec3 index, double e[4])
+/* Of the region of interest at an index of the level around it; kind: with the weights of roi. */
+static void emit_blended(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around, iso_vec3 index, double e[4])
 {
-    const double w = iso_focus_weight(focus, index);
+    const double w = iso_roi_weight(roi, index);
     for (int c = 0; c < 4; ++c)
         e[c] = 0;
-    emit(s, &s->inner, iso_focus_inside(focus, index), &focus->tf, w, e);
+    emit(s, &s->inner, iso_roi_inside(roi, index), &roi->tf, w, e);
     emit(s, &s->outer, index, around, 1 - w, e);
 }
 
@@ -59,7 +59,7 @@ static void note(squares *q, double d)
 static double rms(const squares *q) { return q->count ? sqrt(q->sum / (double)q->count) : 0; }
 
 /* A point of a face of the box grown by `grown`, by number: spread over it by an additive recurrence. */
-static iso_vec3 face_point(const iso_focus *f, double grown, size_t i, double normal[3])
+static iso_vec3 face_point(const iso_roi *f, double grown, size_t i, double normal[3])
 {
     const int axis = (int)(i % 3), b = (axis + 1) % 3, c = (axis + 2) % 3;
     const bool upper = i / 3 % 2;
@@ -77,12 +77,12 @@ static iso_vec3 shifted(iso_vec3 p, const double normal[3], double by)
     return iso_v3(p.x + by * normal[0], p.y + by * normal[1], p.z + by * normal[2]);
 }
 
-iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_focus *focus, iso_error *err)
+iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi, iso_error *err)
 {
-    *s = (iso_roi_setup){.length_mm = iso_geometry_mean_spacing_mm(&p->levels[0].geometry), .focus = focus};
+    *s = (iso_roi_setup){.length_mm = iso_geometry_mean_spacing_mm(&p->levels[0].geometry), .roi = roi};
     iso_status status = iso_sampler_create(&s->outer, &p->levels[level], p->options.code, ISO_FROM_CODES, err);
     if (status == ISO_OK)
-        status = iso_sampler_create(&s->inner, &focus->level, p->options.code, ISO_FROM_CODES, err);
+        status = iso_sampler_create(&s->inner, &roi->level, p->options.code, ISO_FROM_CODES, err);
     return status;
 }
 
@@ -92,7 +92,7 @@ void iso_roi_setup_destroy(iso_roi_setup *s)
     iso_sampler_destroy(&s->inner);
 }
 
-iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_focus *focus, const iso_tf_table *around)
+iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around)
 {
     enum { points = 3000 };
     static const double limit = 1e-6; /* outer voxels to either side */
@@ -101,20 +101,20 @@ iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_focus *focus
     for (size_t i = 0; i < points; ++i) {
         double normal[3], before[4], behind[4];
         for (int band = 0; band < 2; ++band) {
-            iso_vec3 at = face_point(focus, band * focus->band, i, normal);
-            emit_blended(s, focus, around, shifted(at, normal, -limit), before);
-            emit_blended(s, focus, around, shifted(at, normal, limit), behind);
+            iso_vec3 at = face_point(roi, band * roi->band, i, normal);
+            emit_blended(s, roi, around, shifted(at, normal, -limit), before);
+            emit_blended(s, roi, around, shifted(at, normal, limit), behind);
             note(&step, distance(before, behind));
         }
         /* the finer level alone, a voxel of it apart; and what the two levels differ by in one place */
-        iso_vec3 at = iso_focus_inside(focus, face_point(focus, 0, i, normal));
+        iso_vec3 at = iso_roi_inside(roi, face_point(roi, 0, i, normal));
         double here[4] = {0}, outer[4] = {0};
         before[0] = before[1] = before[2] = before[3] = behind[0] = behind[1] = behind[2] = behind[3] = 0;
-        emit(s, &s->inner, shifted(at, normal, -0.5), &focus->tf, 1, before);
-        emit(s, &s->inner, shifted(at, normal, 0.5), &focus->tf, 1, behind);
+        emit(s, &s->inner, shifted(at, normal, -0.5), &roi->tf, 1, before);
+        emit(s, &s->inner, shifted(at, normal, 0.5), &roi->tf, 1, behind);
         note(&own, distance(before, behind));
-        emit(s, &s->inner, at, &focus->tf, 1, here);
-        emit(s, &s->outer, face_point(focus, 0, i, normal), around, 1, outer);
+        emit(s, &s->inner, at, &roi->tf, 1, here);
+        emit(s, &s->outer, face_point(roi, 0, i, normal), around, 1, outer);
         note(&change, distance(here, outer));
         for (int c = 0; c < 4; ++c) {
             inner_mean[c] += here[c] / points;
@@ -158,7 +158,7 @@ static double column_step(const iso_image *image, size_t column, size_t row0, si
     return rms(&q);
 }
 
-double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, const iso_focus_options *box)
+double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, const iso_roi_options *box)
 {
     const double x_scale = (double)image->width / (double)p->levels[0].geometry.size[0];
     const double y_scale = (double)image->height / (double)p->levels[0].geometry.size[1];
@@ -189,7 +189,7 @@ typedef struct bench_run {
     iso_pyramid pyramid;
     iso_view view;
     iso_tf_table adapted;
-    iso_focus_options box;
+    iso_roi_options box;
     json_t *cases;
 } bench_run;
 
@@ -197,19 +197,19 @@ typedef struct bench_run {
 static void choose_box(bench_run *run)
 {
     const size_t *n = run->pyramid.levels[0].geometry.size;
-    run->box = iso_focus_defaults();
+    run->box = iso_roi_defaults();
     for (int a = 0; a < 3; ++a) {
         run->box.lo[a] = a < 2 ? floor((double)n[a] / 3) : 0;
         run->box.hi[a] = a < 2 ? ceil(2 * (double)n[a] / 3) : (double)n[a];
     }
 }
 
-static iso_status render(const bench_run *run, size_t level, const iso_tf_table *tf, iso_focus *focus, iso_image *image, iso_error *err)
+static iso_status render(const bench_run *run, size_t level, const iso_tf_table *tf, iso_roi *roi, iso_image *image, iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
     iso_view view = run->view; /* lent */
     view.tf = *tf;
-    view.focus = focus;
+    view.roi = roi;
     return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, NULL, err);
 }
 
@@ -233,28 +233,28 @@ static void report(bench_run *run, const char *name, const iso_roi_step *step, d
 static iso_status run_variant(bench_run *run, const struct variant *v, const iso_image *finest, iso_error *err)
 {
     const iso_tf_table *around = v->adapted ? &run->adapted : &run->view.tf;
-    iso_focus focus;
+    iso_roi roi;
     iso_roi_setup setup = {0};
     iso_image image = {0};
     iso_metrics m = {0};
-    iso_focus_options box = run->box;
+    iso_roi_options box = run->box;
     box.band = v->blended ? box.band : 0;
-    iso_status status = iso_focus_create(&run->pyramid, (size_t)run->level, &run->view.tf, &box, &focus, err);
+    iso_status status = iso_roi_create(&run->pyramid, (size_t)run->level, &run->view.tf, &box, &roi, err);
     if (status == ISO_OK)
-        status = iso_roi_setup_create(&setup, &run->pyramid, (size_t)run->level, &focus, err);
+        status = iso_roi_setup_create(&setup, &run->pyramid, (size_t)run->level, &roi, err);
     if (status == ISO_OK)
-        status = render(run, (size_t)run->level, around, &focus, &image, err);
+        status = render(run, (size_t)run->level, around, &roi, &image, err);
     if (status == ISO_OK)
         status = iso_metrics_measure(finest, &image, &m, err);
     if (status == ISO_OK) {
-        iso_roi_step step = iso_roi_measure_step(&setup, &focus, around);
+        iso_roi_step step = iso_roi_measure_step(&setup, &roi, around);
         report(run, v->name, &step, iso_roi_image_step(&image, &run->pyramid, &run->box), &m);
     }
     if (status == ISO_OK && run->picture && v->blended && v->adapted)
         status = iso_image_save_png(&image, run->picture, 1, err);
     iso_image_destroy(&image);
     iso_roi_setup_destroy(&setup);
-    iso_focus_destroy(&focus);
+    iso_roi_destroy(&roi);
     return status;
 }
 

@@ -13,7 +13,7 @@
 
 enum { BRICK = 8, SIDE = 3, VOXELS = BRICK * SIDE };
 
-typedef enum scheme { OWN_NODES, BAKED, OWN_CENTRES, PAPER_WRITTEN, PAPER_MENDED, SCHEME_COUNT } scheme;
+typedef enum scheme { OWN_NODES, BAKED, OWN_CENTERS, PAPER_WRITTEN, PAPER_MENDED, SCHEME_COUNT } scheme;
 static const char *const scheme_names[SCHEME_COUNT] = {"nodes-own", "nodes-baked", "centres-own", "paper-written",
                                                        "paper-mended"};
 
@@ -110,7 +110,7 @@ static void measure(seams *s, int layouts, uint64_t *state, result results[SCHEM
  * second by a face. A plane across that edge, 2.4 voxels wide; stripes of equal values break where it jumps. */
 static iso_status draw(seams *s, const char *path, iso_error *err)
 {
-    static const scheme panels[] = {OWN_CENTRES, PAPER_WRITTEN, PAPER_MENDED, BAKED};
+    static const scheme panels[] = {OWN_CENTERS, PAPER_WRITTEN, PAPER_MENDED, BAKED};
     enum { panel = 280, gap = 8, count = 4 };
     const double width = 2.4;
     iso_image image;

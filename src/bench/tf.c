@@ -65,7 +65,7 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     for (int run = 0; run < b->runs && status == ISO_OK; ++run) {
         iso_joint_destroy(&joint);
         double start = iso_clock_seconds(), cpu = iso_cpu_seconds();
-        status = iso_joint_compute(p, level, bits, ISO_SPLIT_NONE, b->cli->threads, &joint, err);
+        status = iso_joint_compute(p, level, bits, ISO_SECOND_VALUE_NONE, b->cli->threads, &joint, err);
         t->histogram_seconds = fmin(t->histogram_seconds, iso_clock_seconds() - start);
         t->histogram_cpu_seconds = fmin(t->histogram_cpu_seconds, iso_cpu_seconds() - cpu);
         iso_adapter_destroy(adapter);
@@ -77,7 +77,7 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     if (status == ISO_OK)
         status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
     for (int run = 0; run < 10 * b->runs && status == ISO_OK; ++run) {
-        iso_adapt_judgement verdict;
+        iso_adapt_judgment verdict;
         double start = iso_clock_seconds();
         status = iso_adapter_update(adapter, tf, level0, level, &table, err);
         t->adapt_seconds = fmin(t->adapt_seconds, iso_clock_seconds() - start);
@@ -149,7 +149,7 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
     for (size_t k = 1; k < p->level_count; ++k)
         coarse += (double)iso_geometry_voxel_count(&p->levels[k].geometry);
     all += coarse;
-    const double value_table = histograms + levels * table, deviation_table = coarse + value_table + levels * ISO_CLASSES * table;
+    const double value_table = histograms + levels * table, deviation_table = coarse + value_table + levels * ISO_TF_2D_ROWS * table;
     json_object_set_new(root, "storage", json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "value_table_bytes", value_table,
                                                    "deviation_table_bytes", deviation_table, "four_bytes_a_coarse_voxel", 3 * coarse));
     if (!b->cli->json)

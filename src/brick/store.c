@@ -21,7 +21,7 @@ static void coordinates(const iso_node_levels *n, size_t i, size_t brick[3])
 }
 
 /* Does a brick of unchanged level hold other values than before? */
-static bool neighbours_changed(const iso_brick_store *store, const iso_brick_field *f, size_t i)
+static bool neighbors_changed(const iso_brick_store *store, const iso_brick_field *f, size_t i)
 {
     const iso_node_levels *n = f->nodes;
     size_t at[3], lo[3], hi[3];
@@ -66,7 +66,7 @@ iso_status iso_brick_store_update(iso_brick_store *store, const iso_brick_field 
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(+ : done, failed)
     for (size_t i = 0; i < (status == ISO_OK ? store->brick_count : 0); ++i) {
         bool same_level = store->levels[i] == f->levels[i];
-        if (store->bricks[i] && drawn[i] && same_level && !neighbours_changed(store, f, i))
+        if (store->bricks[i] && drawn[i] && same_level && !neighbors_changed(store, f, i))
             continue;
         if (!same_level || !drawn[i]) {
             free(store->bricks[i]);

@@ -85,7 +85,7 @@ static bool is_coarse(const iso_warp_field *f, const size_t brick[3], const int 
     return f->levels[index] > 0;
 }
 
-unsigned iso_warp_neighbours(const iso_warp_field *f, const size_t brick[3])
+unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3])
 {
     unsigned bits = 0;
     const int here[3] = {0, 0, 0};
@@ -148,7 +148,7 @@ static void sample_in(const iso_warp_field *f, const size_t brick[3], const doub
     const iso_vec3 low = {side * (double)brick[0], side * (double)brick[1], side * (double)brick[2]};
     iso_warp_fetch at = {.top = iso_sub(iso_v3(p[0], p[1], p[2]), low)};
     if (f->mode != ISO_WARP_NONE)
-        at = iso_warp_place(at.top, side, iso_warp_neighbours(f, brick), (int)f->mode);
+        at = iso_warp_place(at.top, side, iso_warp_neighbors(f, brick), (int)f->mode);
     const iso_vec3 top = iso_add(low, at.top), foot = iso_add(low, at.foot);
     if (at.part < 1)
         add_trilinear(f, brick, f->mode == ISO_WARP_WRITTEN ? sample_fixed_up : sample_fine,

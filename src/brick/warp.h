@@ -66,7 +66,7 @@ void iso_warp_field_destroy(iso_warp_field *f); /* accepts empty and NULL */
 static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis) { return f->size[axis] / f->brick_voxels; }
 
 /* A bit for each coarse neighbour (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
-unsigned iso_warp_neighbours(const iso_warp_field *f, const size_t brick[3]);
+unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);
 
 /* What a cache holds of a brick, for the field's mode: fine ones have side + 2 voxels along each axis, of the field as
  * it is or, as written, fixed up; coarse ones side / 2 + 1 samples. f->channels a sample, x fastest. */

@@ -8,7 +8,7 @@
 #include "chart/grid.h"
 #include "volume/input.h"
 #include "plan/plan.h"
-#include "tf/class_tables.h"
+#include "tf/tf_2d.h"
 
 enum { ISO_CHART_MAX_LEVELS = 32, ISO_CHART_MAX_OTHERS = 12 };
 
@@ -39,7 +39,7 @@ typedef struct iso_chart_bench {
     size_t other_count, replaced;
     iso_view view;
     iso_tf_table adapted[ISO_CHART_MAX_LEVELS];
-    iso_class_tables tables[ISO_CHART_MAX_LEVELS][2]; /* over deviation and over gradient */
+    iso_tf_2d tables[ISO_CHART_MAX_LEVELS][2]; /* over deviation and over gradient */
     iso_palette palettes[ISO_CHART_PALETTES];
     iso_node_levels nodes;
     iso_plan plan;

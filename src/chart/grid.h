@@ -46,7 +46,7 @@ typedef struct iso_chart_case {
     iso_code code;
     size_t palette;      /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
     bool adapted;        /* the level's own transfer function */
-    iso_joint_split table; /* adapted over two values (tf/class_tables.h), or ISO_SPLIT_NONE */
+    iso_second_value table; /* adapted over two values (tf/tf_2d.h), or ISO_SECOND_VALUE_NONE */
     bool preintegrated;
     double plan_error;   /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
     double step_voxels;

@@ -15,7 +15,7 @@
 #include "report/gnuplot.h"
 #include "chart/pareto.h"
 
-ISO_EMBED(pareto_gp, "src/chart/pareto.gp");
+ISO_EMBED(iso_pareto_gp, "src/chart/pareto.gp");
 
 /* ---- errors and fronts --------------------------------------------------------------- */
 
@@ -218,7 +218,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
         put_directions(f, r, c);
         if (c->adapted)
             fputs(" --adapt", f);
-        if (c->table != ISO_SPLIT_NONE)
+        if (c->table != ISO_SECOND_VALUE_NONE)
             put_option(f, "table", iso_chart_name_tf(c));
     }
     put_number(f, "step", c->step_voxels);
@@ -475,7 +475,7 @@ iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json,
         status = write_style(r, out.temp_path, err);
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
-        status = iso_gnuplot_draw(out.temp_path, "pareto", csv, pareto_gp, formats[i], err);
+        status = iso_gnuplot_draw(out.temp_path, "pareto", csv, iso_pareto_gp, formats[i], err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

@@ -10,7 +10,7 @@
 #include "compare/metrics.h"
 
 typedef struct compare_options {
-    iso_limits limits;
+    iso_tolerances limits;
     char *difference, *flip_map;
     double scale;
     int hdr;
@@ -26,7 +26,7 @@ static iso_status load(const char *path, iso_image *image, iso_error *err)
 }
 
 /* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
-static iso_status check_limits(iso_limits *l, iso_error *err)
+static iso_status check_limits(iso_tolerances *l, iso_error *err)
 {
     const struct { const char *name; double *value; } all[] = {
         {"--max-rmse", &l->rmse},
@@ -45,7 +45,7 @@ static iso_status check_limits(iso_limits *l, iso_error *err)
     return ISO_OK;
 }
 
-static json_t *describe_limits(const iso_limits *l)
+static json_t *describe_limits(const iso_tolerances *l)
 {
     json_t *o = json_object();
     const struct { const char *name; double value; } all[] = {

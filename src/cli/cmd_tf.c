@@ -41,7 +41,7 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
 {
     const char *input = a->cli->arguments[1];
     iso_adapt_options opt;
-    iso_adapt_judgement v;
+    iso_adapt_judgment v;
     iso_tf_table table = {0};
     iso_tf file = {0};
     char *path = adapted_path(a, level);
@@ -313,7 +313,7 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
             status = iso_adapter_create(joint, &opt, &adapter, err);
             if (status == ISO_OK)
                 status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
-            iso_adapt_judgement verdict = {0};
+            iso_adapt_judgment verdict = {0};
             if (status == ISO_OK)
                 status = iso_adapt_judge(joint, tf, &table, level0, &verdict, err);
             rms[i][j] = verdict.rms_adapted;
@@ -391,7 +391,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL, (size_t)a->level, opt.bits, ISO_SPLIT_NONE, opt.threads, &joint, err);
+        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL, (size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE, opt.threads, &joint, err);
     if (status == ISO_OK)
         status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
     if (status == ISO_OK && a->output)

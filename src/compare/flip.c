@@ -30,7 +30,7 @@ static const struct { double a1, b1, a2, b2; } sensitivity[3] = {
     {1, 0.0053, 0, 1e-5},       /* red - green */
     {34.1, 0.04, 13.5, 0.025},  /* blue - yellow */
 };
-static const double q_colour = 0.7, p_colour = 0.4, p_top = 0.95; /* sec. 4.1.3 */
+static const double q_color = 0.7, p_color = 0.4, p_top = 0.95; /* sec. 4.1.3 */
 static const double q_feature = 0.5, feature_width_deg = 0.082;   /* sec. 4.2 */
 
 typedef struct planes {
@@ -40,7 +40,7 @@ typedef struct planes {
 
 /* What is known of one image: adapted L*a*b* after the eye's filter, edges and points. */
 typedef struct percept {
-    planes colour;
+    planes color;
     double *edges, *points;
 } percept;
 
@@ -96,18 +96,18 @@ static double hyab(const double a[3], const double b[3])
 }
 
 /* The largest colour difference in the gamut: green against blue. */
-static double largest_colour_difference(void)
+static double largest_color_difference(void)
 {
     double green[3], blue[3];
     adapted_lab((double[3]){0, 1, 0}, green);
     adapted_lab((double[3]){0, 0, 1}, blue);
-    return pow(hyab(green, blue), q_colour);
+    return pow(hyab(green, blue), q_color);
 }
 
-/* Differences up to p_colour of the largest fill [0, p_top]; the rest is pressed above. */
+/* Differences up to p_color of the largest fill [0, p_top]; the rest is pressed above. */
 static double spread(double difference, double largest)
 {
-    double d = pow(difference, q_colour), knee = p_colour * largest;
+    double d = pow(difference, q_color), knee = p_color * largest;
     return d < knee ? p_top / knee * d : p_top + (d - knee) / (largest - knee) * (1 - p_top);
 }
 
@@ -211,20 +211,20 @@ static void detect_features(const double *luminance, double ppd, double *scratch
     }
     balance(edge, radius);
     balance(point, radius);
-    detect(luminance, &p->colour, edge, smooth, radius, scratch, scratch2, p->edges);
-    detect(luminance, &p->colour, point, smooth, radius, scratch, scratch2, p->points);
+    detect(luminance, &p->color, edge, smooth, radius, scratch, scratch2, p->edges);
+    detect(luminance, &p->color, point, smooth, radius, scratch, scratch2, p->points);
 }
 
 static void percept_destroy(percept *p)
 {
     for (int c = 0; c < 3; ++c)
-        free(p->colour.at[c]);
+        free(p->color.at[c]);
     free(p->edges);
     free(p->points);
 }
 
 /* scale, then the tone curve when tone is set, then clipped. */
-static void display_colour(const float *rgba, double scale, bool tone, double rgb[3])
+static void display_color(const float *rgba, double scale, bool tone, double rgb[3])
 {
     for (int c = 0; c < 3; ++c) {
         double x = scale * rgba[c];
@@ -239,18 +239,18 @@ static void display_colour(const float *rgba, double scale, bool tone, double rg
 static iso_status perceive(const iso_image *image, double ppd, double scale, bool tone, percept *p, iso_error *err)
 {
     size_t count = image->width * image->height;
-    *p = (percept){.colour = {.width = image->width, .height = image->height}};
+    *p = (percept){.color = {.width = image->width, .height = image->height}};
     double *opponent[3] = {calloc(count, 8), calloc(count, 8), calloc(count, 8)};
     double *scratch = calloc(count, 8);
     bool good = opponent[0] && opponent[1] && opponent[2] && scratch;
     for (int c = 0; c < 3; ++c)
-        good = (p->colour.at[c] = calloc(count, 8)) && good;
+        good = (p->color.at[c] = calloc(count, 8)) && good;
     p->edges = calloc(count, 8);
     p->points = calloc(count, 8);
     good = good && p->edges && p->points;
     for (size_t i = 0; good && i < count; ++i) {
         double rgb[3], out[3];
-        display_colour(image->rgba + 4 * i, scale, tone, rgb);
+        display_color(image->rgba + 4 * i, scale, tone, rgb);
         opponent_from_rgb(rgb, out);
         for (int c = 0; c < 3; ++c)
             opponent[c][i] = out[c];
@@ -258,15 +258,15 @@ static iso_status perceive(const iso_image *image, double ppd, double scale, boo
     if (good) {
         size_t radius = (size_t)ceil(3 * sqrt(0.04 / (2 * PI * PI)) * ppd); /* 3 sigma of the widest Gaussian */
         for (int c = 0; c < 3; ++c)
-            filter_channel(opponent[c], &p->colour, c, ppd, radius, scratch, p->colour.at[c]);
+            filter_channel(opponent[c], &p->color, c, ppd, radius, scratch, p->color.at[c]);
         for (size_t i = 0; i < count; ++i) {
             double rgb[3], lab[3];
-            rgb_from_opponent((double[3]){p->colour.at[0][i], p->colour.at[1][i], p->colour.at[2][i]}, rgb);
+            rgb_from_opponent((double[3]){p->color.at[0][i], p->color.at[1][i], p->color.at[2][i]}, rgb);
             for (int c = 0; c < 3; ++c)
                 rgb[c] = clip(rgb[c]);
             adapted_lab(rgb, lab);
             for (int c = 0; c < 3; ++c)
-                p->colour.at[c][i] = lab[c];
+                p->color.at[c][i] = lab[c];
             opponent[0][i] = (opponent[0][i] + 16) / 116;
         }
         detect_features(opponent[0], ppd, scratch, opponent[1], p);
@@ -284,13 +284,13 @@ static iso_status perceive(const iso_image *image, double ppd, double scale, boo
 /* Colour difference raised to 1 - feature difference (Eq. 7): what is kept of map is the larger. */
 static void combine(const percept *a, const percept *b, size_t count, float *map)
 {
-    double largest = largest_colour_difference();
+    double largest = largest_color_difference();
     for (size_t i = 0; i < count; ++i) {
-        double lab_a[3] = {a->colour.at[0][i], a->colour.at[1][i], a->colour.at[2][i]};
-        double lab_b[3] = {b->colour.at[0][i], b->colour.at[1][i], b->colour.at[2][i]};
-        double colour = spread(hyab(lab_a, lab_b), largest);
+        double lab_a[3] = {a->color.at[0][i], a->color.at[1][i], a->color.at[2][i]};
+        double lab_b[3] = {b->color.at[0][i], b->color.at[1][i], b->color.at[2][i]};
+        double color = spread(hyab(lab_a, lab_b), largest);
         double feature = fmax(fabs(a->edges[i] - b->edges[i]), fabs(a->points[i] - b->points[i]));
-        double value = pow(colour, 1 - pow(feature / sqrt(2), q_feature));
+        double value = pow(color, 1 - pow(feature / sqrt(2), q_feature));
         map[i] = fmaxf(map[i], (float)clip(value));
     }
 }

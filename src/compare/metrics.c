@@ -98,7 +98,7 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
     return status;
 }
 
-bool iso_metrics_within(const iso_metrics *m, const iso_limits *limits)
+bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *limits)
 {
     const double pairs[][2] = {
         {m->rmse, limits->rmse},           {m->max_abs, limits->max_abs},

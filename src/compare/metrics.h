@@ -25,12 +25,12 @@ typedef struct iso_metrics {
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err);
 
 /* What is allowed; a limit of 0 or less is not asked for. */
-typedef struct iso_limits {
+typedef struct iso_tolerances {
     double rmse, max_abs, p99_abs, ssim_dissimilarity, flip_mean;
-} iso_limits;
+} iso_tolerances;
 
 /* "agree" or "differ". NaN never agrees; without any limit only equality does. */
-bool iso_metrics_within(const iso_metrics *m, const iso_limits *limits);
+bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *limits);
 
 /* The keys of design.md: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
 json_t *iso_metrics_to_json(const iso_metrics *m);

@@ -127,15 +127,15 @@ static void keep_if_worst(workspace *w, const probe *p)
 /* Each of the worst moves to the worst of its neighbours, within a reach that shrinks. */
 static void climb(const iso_scheme *scheme, const iso_code_error_options *opt, workspace *w, uint64_t *state)
 {
-    enum { NEIGHBOURS = BATCH / CLIMBERS };
+    enum { NEIGHBORS = BATCH / CLIMBERS };
     double reach = 0.02;
     for (int step = 0; step < STEPS; ++step, reach *= 0.85) {
         for (int i = 0; i < BATCH; ++i)
-            w->probes[i] = moved(&w->worst[i / NEIGHBOURS], opt, reach, state);
+            w->probes[i] = moved(&w->worst[i / NEIGHBORS], opt, reach, state);
         judge(scheme, w->probes, BATCH, w->floats, w->bytes);
         for (int i = 0; i < BATCH; ++i)
-            if (w->probes[i].error_deg > w->worst[i / NEIGHBOURS].error_deg)
-                w->worst[i / NEIGHBOURS] = w->probes[i];
+            if (w->probes[i].error_deg > w->worst[i / NEIGHBORS].error_deg)
+                w->worst[i / NEIGHBORS] = w->probes[i];
     }
 }
 

@@ -124,10 +124,10 @@ ISO_INLINE void region48_lanes(float *px, float *py, float *pz)
         best_half = v8_select(better, half, best_half);
     }
     v8f j[3] = {best_half - 0.5f, v8_round(best_half * t.at_y - 0.5f), v8_round(best_half * t.at_z - 0.5f)};
-    v8f centre = v8_set(128);
-    v8_store(px, v8_select(undefined, centre, to_byte(x, high, low, j)));
-    v8_store(py, v8_select(undefined, centre, to_byte(y, high, low, j)));
-    v8_store(pz, v8_select(undefined, centre, to_byte(z, high, low, j)));
+    v8f center = v8_set(128);
+    v8_store(px, v8_select(undefined, center, to_byte(x, high, low, j)));
+    v8_store(py, v8_select(undefined, center, to_byte(y, high, low, j)));
+    v8_store(pz, v8_select(undefined, center, to_byte(z, high, low, j)));
 }
 
 /* This file is compiled with fused products (Makefile): the search gains a third

@@ -34,11 +34,11 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
     return status;
 }
 
-iso_status iso_cli_adapt_split(const iso_cli_adapted *a, iso_joint_split *split, iso_error *err)
+iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *split, iso_error *err)
 {
     static const char *const names[] = {"value", "deviation", "gradient"};
-    static const iso_joint_split splits[] = {ISO_SPLIT_NONE, ISO_SPLIT_DEVIATION, ISO_SPLIT_GRADIENT};
-    *split = ISO_SPLIT_NONE;
+    static const iso_second_value splits[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
+    *split = ISO_SECOND_VALUE_NONE;
     for (int i = 0; i < 3; ++i)
         if (!a->table || strcmp(a->table, names[i]) == 0) {
             *split = splits[i];
@@ -55,28 +55,28 @@ static bool is_told_how(const iso_cli_adapted *a)
 }
 
 /* The 1-D table stands beside the classes for what can show no other: a ColorRamp, an isosurface. */
-static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split, iso_adapt_options *opt,
+static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split, iso_adapt_options *opt,
                         iso_view *view, iso_error *err)
 {
     iso_tf_table table;
-    iso_class_tables *classes = NULL;
+    iso_tf_2d *tf_2d = NULL;
     iso_status status = ISO_OK;
-    if (split != ISO_SPLIT_NONE && level > 0) {
+    if (split != ISO_SECOND_VALUE_NONE && level > 0) {
         opt->fall_back = false;
-        classes = calloc(1, sizeof *classes);
-        status = classes ? iso_adapt_classes(p, dir, level, split, &view->tf, opt, classes, err)
+        tf_2d = calloc(1, sizeof *tf_2d);
+        status = tf_2d ? iso_adapt_tf_2d(p, dir, level, split, &view->tf, opt, tf_2d, err)
                          : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     if (status == ISO_OK)
         status = iso_adapt_level(p, dir, level, &view->tf, opt, &table, NULL, err);
     if (status != ISO_OK) {
-        iso_class_tables_destroy(classes);
-        free(classes);
+        iso_tf_2d_destroy(tf_2d);
+        free(tf_2d);
         return status;
     }
     iso_tf_table_destroy(&view->tf);
     view->tf = table;
-    view->classes = classes;
+    view->tf_2d = tf_2d;
     return ISO_OK;
 }
 
@@ -84,15 +84,15 @@ iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const 
                               int threads, iso_error *err)
 {
     iso_adapt_options opt;
-    iso_joint_split split;
+    iso_second_value split;
     if (!a->wanted && is_told_how(a))
         return iso_fail(err, ISO_E_USAGE, "--table, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
     if (!a->wanted)
         return ISO_OK;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
     if (status == ISO_OK)
-        status = iso_cli_adapt_split(a, &split, err);
-    if (status == ISO_OK && split != ISO_SPLIT_NONE)
+        status = iso_cli_adapt_second_value(a, &split, err);
+    if (status == ISO_OK && split != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with a --table over two values", a->bits, 8, 12, err);
     return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, split, &opt, view, err) : status;
 }

@@ -51,7 +51,7 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
                               int threads, iso_error *err);
 
-/* What --table says: ISO_SPLIT_NONE without it. */
-iso_status iso_cli_adapt_split(const iso_cli_adapted *a, iso_joint_split *split, iso_error *err);
+/* What --table says: ISO_SECOND_VALUE_NONE without it. */
+iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *split, iso_error *err);
 
 #endif

@@ -7,7 +7,7 @@
 
 void iso_cli_roi_defaults(iso_cli_roi *r)
 {
-    *r = (iso_cli_roi){.band = iso_focus_defaults().band};
+    *r = (iso_cli_roi){.band = iso_roi_defaults().band};
 }
 
 static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_error *err)
@@ -37,7 +37,7 @@ static iso_status inner_table(const iso_cli_adapted *adapted, const char *path, 
 iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p,
                             size_t level, iso_view *view, int threads, iso_error *err)
 {
-    iso_focus_options opt = iso_focus_defaults();
+    iso_roi_options opt = iso_roi_defaults();
     iso_tf_table table = {0};
     if (!r->box && (r->level != 0 || r->band != opt.band))
         return iso_fail(err, ISO_E_USAGE, "--roi-level and --roi-band go with --roi");
@@ -54,10 +54,10 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted
     opt.band = r->band;
     if (status == ISO_OK)
         status = inner_table(adapted, path, p, opt.level, &view->tf, threads, &table, err);
-    if (status == ISO_OK && !(view->focus = calloc(1, sizeof *view->focus)))
+    if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
         status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
     if (status == ISO_OK)
-        status = iso_focus_create(p, level, &table, &opt, view->focus, err);
+        status = iso_roi_create(p, level, &table, &opt, view->roi, err);
     iso_tf_table_destroy(&table);
     return status;
 }

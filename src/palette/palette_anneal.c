@@ -108,7 +108,7 @@ static void keep(annealer *a, double change)
             a->old_next[i] = a->new_next[i];
     }
     a->cost += change;
-    mesh_keep(m);
+    iso_mesh_keep(m);
 }
 
 static bool random_move(annealer *a, const iso_anneal_options *opt, iso_random *random)
@@ -116,7 +116,7 @@ static bool random_move(annealer *a, const iso_anneal_options *opt, iso_random *
     const double radians = acos(-1) / 180;
     uint32_t vertex = (uint32_t)iso_random_below(random, a->mesh.vertex_count);
     double angle = opt->move_deg[0] + (opt->move_deg[1] - opt->move_deg[0]) * iso_random_unit(random);
-    return mesh_move(&a->mesh, vertex, angle * radians, random);
+    return iso_mesh_move(&a->mesh, vertex, angle * radians, random);
 }
 
 /* So that a move that costs the mean change is accepted with START_PROB (section 4). The mean is of the sizes of the
@@ -130,7 +130,7 @@ static double start_temperature(annealer *a, const iso_anneal_options *opt, iso_
             continue;
         sum += fabs(reassign(a));
         ++tried;
-        mesh_revert(&a->mesh);
+        iso_mesh_revert(&a->mesh);
     }
     return tried ? -sum / (double)tried / log(opt->start_prob) : 0;
 }
@@ -139,7 +139,7 @@ static iso_status annealer_create(annealer *a, const iso_direction_set *set, siz
                                   iso_error *err)
 {
     *a = (annealer){.set = set};
-    iso_status status = mesh_create_random(&a->mesh, triangles, random, err);
+    iso_status status = iso_mesh_create_random(&a->mesh, triangles, random, err);
     if (status != ISO_OK)
         return status;
     a->old_face = calloc(triangles, sizeof *a->old_face);
@@ -165,7 +165,7 @@ static iso_status annealer_create(annealer *a, const iso_direction_set *set, siz
 
 static void annealer_destroy(annealer *a)
 {
-    mesh_destroy(&a->mesh);
+    iso_mesh_destroy(&a->mesh);
     free(a->old_face);
     free(a->new_face);
     free(a->old_next);
@@ -190,7 +190,7 @@ static void anneal(annealer *a, const iso_anneal_options *opt, iso_random *rando
                 ++stats->accepted;
                 keep(a, change);
             } else {
-                mesh_revert(&a->mesh);
+                iso_mesh_revert(&a->mesh);
             }
         }
         temperature *= opt->temp_fac;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void clusters_destroy(clusters *c)
+void iso_clusters_destroy(clusters *c)
 {
     free(c->r);
     for (int a = 0; a < 3; ++a)
@@ -18,7 +18,7 @@ void clusters_destroy(clusters *c)
     *c = (clusters){0};
 }
 
-iso_status clusters_create(clusters *c, const iso_direction_set *set, size_t count, iso_error *err)
+iso_status iso_clusters_create(clusters *c, const iso_direction_set *set, size_t count, iso_error *err)
 {
     *c = (clusters){.item_count = set->count, .count = count, .u = set->xyz};
     if (set->count >= NO_ITEM)
@@ -33,7 +33,7 @@ iso_status clusters_create(clusters *c, const iso_direction_set *set, size_t cou
     c->cluster = calloc(count, sizeof *c->cluster);
     if (!c->r || !c->axis[0] || !c->axis[1] || !c->axis[2] || !c->dots || !c->owner || !c->next || !c->previous ||
         !c->cluster) {
-        clusters_destroy(c);
+        iso_clusters_destroy(c);
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters of %zu bundles", count, set->count);
     }
     for (size_t i = 0; i < set->count; ++i)
@@ -41,7 +41,7 @@ iso_status clusters_create(clusters *c, const iso_direction_set *set, size_t cou
     return ISO_OK;
 }
 
-void clusters_set_entry(clusters *c, uint32_t k, const float *direction)
+void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction)
 {
     for (int a = 0; a < 3; ++a)
         c->axis[a][k] = direction[a];
@@ -49,14 +49,14 @@ void clusters_set_entry(clusters *c, uint32_t k, const float *direction)
 
 /* ---- seeds -------------------------------------------------------------------------- */
 
-void clusters_seed_random(clusters *c, iso_random *random)
+void iso_clusters_seed_random(clusters *c, iso_random *random)
 {
     /* Selection sampling: `count` of the items, each set equally likely. */
     size_t chosen = 0;
     for (size_t i = 0; i < c->item_count && chosen < c->count; ++i)
         if (iso_random_unit(random) * (double)(c->item_count - i) < (double)(c->count - chosen))
-            clusters_set_entry(c, (uint32_t)chosen++, c->u + 3 * i);
-    clusters_assign_all(c);
+            iso_clusters_set_entry(c, (uint32_t)chosen++, c->u + 3 * i);
+    iso_clusters_assign_all(c);
 }
 
 /* Items in planes, so that a pass over them vectorises. */
@@ -84,7 +84,7 @@ static double gain_of(const greedy *g, size_t count, const float *u)
 
 static void take_entry(clusters *c, greedy *g, uint32_t k, const float *u)
 {
-    clusters_set_entry(c, k, u);
+    iso_clusters_set_entry(c, k, u);
     for (size_t i = 0; i < c->item_count; ++i) {
         float dot = g->x[i] * u[0] + g->y[i] * u[1] + g->z[i] * u[2];
         if (dot > g->best[i]) {
@@ -132,7 +132,7 @@ static void seed_greedy(clusters *c, greedy *g, iso_random *random)
     }
 }
 
-iso_status clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err)
+iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err)
 {
     size_t n = c->item_count;
     float *planes = malloc(5 * n * sizeof *planes);
@@ -170,13 +170,13 @@ static uint32_t nearest_of_all(clusters *c, const float *u)
     return best;
 }
 
-void clusters_assign_all(clusters *c)
+void iso_clusters_assign_all(clusters *c)
 {
     for (size_t i = 0; i < c->item_count; ++i)
         c->owner[i] = nearest_of_all(c, c->u + 3 * i);
 }
 
-void clusters_find_neighbors(clusters *c, uint32_t k)
+void iso_clusters_find_neighbors(clusters *c, uint32_t k)
 {
     cluster *own = &c->cluster[k];
     float *dots = c->dots, u[3] = {c->axis[0][k], c->axis[1][k], c->axis[2][k]};
@@ -220,7 +220,7 @@ static uint32_t nearest_from(clusters *c, uint32_t k, const float *u)
     return own->neighbor_count + 1 < c->count ? nearest_of_all(c, u) : best;
 }
 
-double clusters_collect(clusters *c)
+double iso_clusters_collect(clusters *c)
 {
     for (size_t k = 0; k < c->count; ++k) {
         memset(c->cluster[k].sum, 0, sizeof c->cluster[k].sum);
@@ -265,24 +265,24 @@ static bool fill_empty(clusters *c)
         if (worst_cost < 0)
             return any;
         c->owner[worst] = k;
-        clusters_collect(c);
+        iso_clusters_collect(c);
         any = true;
     }
     return any;
 }
 
-double clusters_lloyd(clusters *c, size_t rounds)
+double iso_clusters_lloyd(clusters *c, size_t rounds)
 {
-    double total = clusters_collect(c);
+    double total = iso_clusters_collect(c);
     for (size_t round = 0; round < rounds; ++round) {
         if (fill_empty(c))
-            total = clusters_collect(c);
+            total = iso_clusters_collect(c);
         for (uint32_t k = 0; k < c->count; ++k)
-            clusters_find_neighbors(c, k);
+            iso_clusters_find_neighbors(c, k);
         for (size_t i = 0; i < c->item_count; ++i)
             c->owner[i] = nearest_from(c, c->owner[i], c->u + 3 * i);
         double before = total;
-        total = clusters_collect(c);
+        total = iso_clusters_collect(c);
         if (!(total - before > 1e-9 * total))
             break;
     }

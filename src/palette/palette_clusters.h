@@ -32,27 +32,27 @@ typedef struct clusters {
     cluster *cluster;
 } clusters;
 
-iso_status clusters_create(clusters *c, const iso_direction_set *set, size_t count, iso_error *err);
-void clusters_destroy(clusters *c);
+iso_status iso_clusters_create(clusters *c, const iso_direction_set *set, size_t count, iso_error *err);
+void iso_clusters_destroy(clusters *c);
 
 static inline float clusters_dot(const clusters *c, uint32_t k, const float *u)
 {
     return c->axis[0][k] * u[0] + c->axis[1][k] * u[1] + c->axis[2][k] * u[2];
 }
-void clusters_set_entry(clusters *c, uint32_t k, const float *direction);
+void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction);
 
 /* Seeds: count entries, and each item's owner. */
-void clusters_seed_random(clusters *c, iso_random *random);
-iso_status clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
+void iso_clusters_seed_random(clusters *c, iso_random *random);
+iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
 
 /* Nearest entry among all, for every item. */
-void clusters_assign_all(clusters *c);
+void iso_clusters_assign_all(clusters *c);
 /* Each entry's nearest others. */
-void clusters_find_neighbors(clusters *c, uint32_t k);
+void iso_clusters_find_neighbors(clusters *c, uint32_t k);
 /* Assigns and recentres until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that
  * lose all items go to the item that costs most. Returns the sum of |S|. */
-double clusters_lloyd(clusters *c, size_t rounds);
+double iso_clusters_lloyd(clusters *c, size_t rounds);
 /* The lists of items, S and |S| from the owners. Returns the sum of |S|. */
-double clusters_collect(clusters *c);
+double iso_clusters_collect(clusters *c);
 
 #endif

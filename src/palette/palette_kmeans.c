@@ -258,7 +258,7 @@ static void relocate(search *s, uint32_t k, uint32_t target, const float side[3]
         move_item(s, item, second_best(c, item, &dot));
     }
     float middle[3] = {c->axis[0][target], c->axis[1][target], c->axis[2][target]};
-    clusters_set_entry(c, k, side);
+    iso_clusters_set_entry(c, k, side);
     memset(c->cluster[k].sum, 0, sizeof c->cluster[k].sum);
     c->cluster[k].norm = 0;
     /* Those that are clearly on its side of the middle; the exchange does the rest. */
@@ -273,7 +273,7 @@ static void relocate(search *s, uint32_t k, uint32_t target, const float side[3]
         if (u[0] * across[0] + u[1] * across[1] + u[2] * across[2] > even * 0.5f)
             move_item(s, i, k);
     }
-    clusters_find_neighbors(c, k);
+    iso_clusters_find_neighbors(c, k);
     /* Those around it do not know it yet; it takes the place of their farthest neighbour. */
     cluster *own = &c->cluster[k];
     for (uint32_t j = 0; j < own->neighbor_count; ++j) {
@@ -298,7 +298,7 @@ static void undo(search *s)
         const saved_cluster *save = &s->saved[i];
         memcpy(c->cluster[save->k].sum, save->sum, sizeof save->sum);
         c->cluster[save->k].norm = save->norm;
-        clusters_set_entry(c, save->k, save->axis);
+        iso_clusters_set_entry(c, save->k, save->axis);
     }
 }
 
@@ -362,7 +362,7 @@ static void refresh(search *s)
 {
     clusters *c = s->c;
     for (uint32_t k = 0; k < c->count; ++k)
-        clusters_find_neighbors(c, k);
+        iso_clusters_find_neighbors(c, k);
     for (uint32_t k = 0; k < c->count; ++k)
         rate(s, k);
 }
@@ -421,13 +421,13 @@ static iso_status improve(clusters *c, size_t trials, iso_random *random, const 
         status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters of %zu bundles", n, c->item_count);
     } else {
         for (uint32_t k = 0; k < n; ++k)
-            clusters_find_neighbors(c, k);
+            iso_clusters_find_neighbors(c, k);
         for (uint32_t k = 0; k < n; ++k)
             queue(&s, k);
         exchange(&s, 30);
         search_swaps(&s, trials * n, random, progress);
         for (uint32_t k = 0; k < n; ++k)
-            clusters_find_neighbors(c, k);
+            iso_clusters_find_neighbors(c, k);
         for (uint32_t k = 0; k < n; ++k)
             queue(&s, k);
         exchange(&s, 30);
@@ -442,10 +442,10 @@ static iso_status improve(clusters *c, size_t trials, iso_random *random, const 
 static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, iso_error *err)
 {
     size_t wanted = c->count;
-    clusters_set_entry(c, 0, set->xyz);
+    iso_clusters_set_entry(c, 0, set->xyz);
     memset(c->owner, 0, c->item_count * sizeof *c->owner);
     c->count = 1;
-    clusters_collect(c);
+    iso_clusters_collect(c);
     while (c->count < wanted) {
         size_t now = c->count, room = wanted - now;
         double *gain = malloc(now * sizeof *gain);
@@ -460,15 +460,15 @@ static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, i
                 break;
             gain[k] = -2;
             ++c->count;
-            clusters_set_entry(c, fresh, side);
+            iso_clusters_set_entry(c, fresh, side);
             c->cluster[fresh] = (cluster){.head = NO_ITEM};
         }
         free(gain);
         /* Every cluster of one item: cannot be, as there are more items than entries. */
         if (c->count == now)
             break;
-        clusters_assign_all(c);
-        clusters_lloyd(c, 20);
+        iso_clusters_assign_all(c);
+        iso_clusters_lloyd(c, 20);
     }
     return ISO_OK;
 }
@@ -504,13 +504,13 @@ static iso_status coarsen(const iso_direction_set *set, size_t entries, iso_dire
 static iso_status fit_search(clusters *c, const iso_palette_options *opt, iso_random *random,
                              const iso_progress *progress, iso_error *err)
 {
-    iso_status status = clusters_seed_greedy(c, random, err);
+    iso_status status = iso_clusters_seed_greedy(c, random, err);
     if (status != ISO_OK)
         return status;
-    clusters_lloyd(c, 20);
+    iso_clusters_lloyd(c, 20);
     status = improve(c, opt->swap_trials, random, progress, err);
     /* The exchange looks at neighbours only; this makes each item's owner the nearest of all. */
-    clusters_lloyd(c, 2);
+    iso_clusters_lloyd(c, 2);
     return status;
 }
 
@@ -527,17 +527,17 @@ static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso
         return fit_search(c, opt, random, progress, err);
     }
     if (status == ISO_OK)
-        status = clusters_create(&few, &coarse, c->count, err);
+        status = iso_clusters_create(&few, &coarse, c->count, err);
     if (status == ISO_OK)
         status = fit_search(&few, opt, random, progress, err);
     for (uint32_t k = 0; status == ISO_OK && k < c->count; ++k)
         for (int a = 0; a < 3; ++a)
             c->axis[a][k] = few.axis[a][k];
-    clusters_destroy(&few);
+    iso_clusters_destroy(&few);
     iso_direction_set_destroy(&coarse);
     if (status == ISO_OK) {
-        clusters_assign_all(c);
-        clusters_lloyd(c, 10);
+        iso_clusters_assign_all(c);
+        iso_clusters_lloyd(c, 10);
     }
     return status;
 }
@@ -551,12 +551,12 @@ static iso_status fit_clusters(clusters *c, const iso_direction_set *set, const 
     case ISO_PALETTE_KMEANS:
         return set->count > SEARCH_BUNDLES * c->count ? fit_large(c, set, opt, &random, progress, err)
                                                       : fit_search(c, opt, &random, progress, err);
-    case ISO_PALETTE_LLOYD: clusters_seed_random(c, &random); break;
+    case ISO_PALETTE_LLOYD: iso_clusters_seed_random(c, &random); break;
     case ISO_PALETTE_LBG: status = grow_by_splitting(c, set, err); break;
-    default: status = clusters_seed_greedy(c, &random, err);
+    default: status = iso_clusters_seed_greedy(c, &random, err);
     }
     if (status == ISO_OK)
-        clusters_lloyd(c, 200);
+        iso_clusters_lloyd(c, 200);
     return status;
 }
 
@@ -566,7 +566,7 @@ iso_status iso_palette_fit_kmeans(const iso_direction_set *set, const iso_palett
     if (set->count <= opt->directions)
         return one_entry_each(set, palette, err);
     clusters c;
-    iso_status status = clusters_create(&c, set, opt->directions, err);
+    iso_status status = iso_clusters_create(&c, set, opt->directions, err);
     if (status == ISO_OK)
         status = fit_clusters(&c, set, opt, progress, err);
     if (status == ISO_OK)
@@ -574,6 +574,6 @@ iso_status iso_palette_fit_kmeans(const iso_direction_set *set, const iso_palett
     for (size_t k = 0; status == ISO_OK && k < opt->directions; ++k)
         for (size_t a = 0; a < 3; ++a)
             palette->xyz[3 * (k + 1) + a] = c.axis[a][k];
-    clusters_destroy(&c);
+    iso_clusters_destroy(&c);
     return status;
 }

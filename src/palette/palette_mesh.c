@@ -200,14 +200,14 @@ static bool drag(mesh *m, uint32_t vertex, const path *p)
     return false;
 }
 
-bool mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random)
+bool iso_mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random)
 {
     path p = random_path(m->position[vertex], angle, random);
     m->moved_vertex = vertex;
     m->moved_from = p.from;
     m->too_many = false;
     if (!drag(m, vertex, &p)) {
-        mesh_revert(m);
+        iso_mesh_revert(m);
         return false;
     }
     m->position[vertex] = iso_normalize(path_at(&p, angle));
@@ -216,7 +216,7 @@ bool mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random)
         const uint32_t *v = m->triangle[t].v;
         save(m, t, true);
         if (!(volume(m->position[v[0]], m->position[v[1]], m->position[v[2]]) > LEAST_VOLUME)) {
-            mesh_revert(m);
+            iso_mesh_revert(m);
             return false;
         }
         t = m->triangle[t].n[(corner_of(m, t, vertex) + 1) % 3];
@@ -226,20 +226,20 @@ bool mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random)
             push_edge(m, m->patch[i], side);
     make_convex(m);
     if (m->too_many) {
-        mesh_revert(m);
+        iso_mesh_revert(m);
         return false;
     }
     return true;
 }
 
-void mesh_keep(mesh *m)
+void iso_mesh_keep(mesh *m)
 {
     for (size_t i = 0; i < m->saved_count; ++i)
         m->mark[m->saved[i].triangle] = 0;
     m->saved_count = m->patch_count = 0;
 }
 
-void mesh_revert(mesh *m)
+void iso_mesh_revert(mesh *m)
 {
     m->position[m->moved_vertex] = m->moved_from;
     for (size_t i = 0; i < m->saved_count; ++i)
@@ -247,10 +247,10 @@ void mesh_revert(mesh *m)
     for (size_t i = 0; i < m->saved_count; ++i)
         for (int c = 0; c < 3; ++c)
             m->triangle_of[m->saved[i].before.v[c]] = m->saved[i].triangle;
-    mesh_keep(m);
+    iso_mesh_keep(m);
 }
 
-bool mesh_is_convex(const mesh *m)
+bool iso_mesh_is_convex(const mesh *m)
 {
     for (uint32_t t = 0; t < m->triangle_count; ++t) {
         const uint32_t *v = m->triangle[t].v;
@@ -306,7 +306,7 @@ static void insert(mesh *m, uint32_t t, iso_vec3 p)
     push_edge(m, second, 0);
     push_edge(m, third, 0);
     make_convex(m);
-    mesh_keep(m);
+    iso_mesh_keep(m);
 }
 
 static uint32_t triangle_at(const mesh *m, iso_vec3 p)
@@ -323,7 +323,7 @@ static uint32_t triangle_at(const mesh *m, iso_vec3 p)
     return best;
 }
 
-iso_status mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err)
+iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err)
 {
     size_t vertices = triangle_count / 2 + 2; /* Euler */
     *m = (mesh){0};
@@ -335,7 +335,7 @@ iso_status mesh_create_random(mesh *m, size_t triangle_count, iso_random *random
     m->mark = calloc(triangle_count, 1);
     m->edges = malloc(EDGE_ROOM * sizeof *m->edges);
     if (!m->position || !m->triangle_of || !m->triangle || !m->saved || !m->patch || !m->mark || !m->edges) {
-        mesh_destroy(m);
+        iso_mesh_destroy(m);
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu triangles", triangle_count);
     }
     start_tetrahedron(m, random);
@@ -351,7 +351,7 @@ iso_status mesh_create_random(mesh *m, size_t triangle_count, iso_random *random
     return ISO_OK;
 }
 
-void mesh_destroy(mesh *m)
+void iso_mesh_destroy(mesh *m)
 {
     free(m->position);
     free(m->triangle_of);

@@ -48,16 +48,16 @@ typedef struct mesh {
 
 /* A random one of an even number of triangles, at least 8: four vertices are a randomly turned tetrahedron, so that
  * the centre is inside, the others are uniform on the sphere. */
-iso_status mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err);
-void mesh_destroy(mesh *m);
+iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err);
+void iso_mesh_destroy(mesh *m);
 
 /* Moves a vertex by an angle in a random direction. False where the conditions cannot be kept: nothing has changed
  * then. After true the caller reads the patch, and keeps or reverts the move. */
-bool mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random);
-void mesh_keep(mesh *m);
-void mesh_revert(mesh *m);
+bool iso_mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random);
+void iso_mesh_keep(mesh *m);
+void iso_mesh_revert(mesh *m);
 
 /* Whether every edge is convex and every triangle seen from the centre is positive: for tests. */
-bool mesh_is_convex(const mesh *m);
+bool iso_mesh_is_convex(const mesh *m);
 
 #endif

@@ -13,13 +13,13 @@
 
 /* ---- rows to what is stored ---- */
 
-size_t emit_rows_count(const iso_cascade *c)
+size_t iso_emit_rows_count(const iso_cascade *c)
 {
     const size_t n = row_stride(c, 0);
     return (3 + 3 + 3 + 1 + 1 + 1 + 1) * n + 64 + iso_gradient_scratch_count(c->size[0][0]) + 16;
 }
 
-emit_rows take_emit_rows(const iso_cascade *c, scratch *s)
+emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s)
 {
     const size_t n = row_stride(c, 0);
     emit_rows r;
@@ -36,7 +36,7 @@ emit_rows take_emit_rows(const iso_cascade *c, scratch *s)
     return r;
 }
 
-void level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *r)
+void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *r)
 {
     iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g[0], r->g[1], r->g[2]);
 }
@@ -73,7 +73,7 @@ static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t
     }
 }
 
-void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *r)
+void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *r)
 {
     if (z < out->first || !(out->codes || out->directions || out->magnitude))
         return;
@@ -81,7 +81,7 @@ void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, siz
     store_codes(c, out, 0, y, z, r);
 }
 
-void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
                  size_t stride, emit_rows *r)
 {
     if (z < out->first)
@@ -115,9 +115,9 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
         memcpy(t->out[0].scalar + ((z - t->out[0].first) * c->size[0][1] + y) * n, r->row, n * sizeof(float));
     if (c->state_count == 0)
         return;
-    level0_gradients(c, t->in, y, z, r);
+    iso_cascade_level0_gradients(c, t->in, y, z, r);
     iso_state_from_gradients(c->opt.direction_filter, 1, r->g[0], r->g[1], r->g[2], n, acc, stride, add);
-    emit_level0(c, &t->out[0], y, z, r);
+    iso_emit_level0(c, &t->out[0], y, z, r);
 }
 
 static size_t carry_row_floats(const iso_cascade *c)
@@ -158,7 +158,7 @@ static void store_coarse(tile *t, size_t k, size_t y, size_t z, float *own)
             memcpy(out->scalar + row * n, scalar, n * sizeof *scalar);
     }
     if (c->state_count > 0)
-        emit_coarse(c, out, k, y, z, own, stride, &t->rows);
+        iso_emit_coarse(c, out, k, y, z, own, stride, &t->rows);
     if (c->carry && k == c->tile_top && t->base == 0)
         for (size_t i = 0; i <= c->state_count; ++i)
             memcpy(carry_row(c, y, z) + i * n, own + i * stride, n * sizeof *own);
@@ -197,7 +197,7 @@ static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add
 
 static size_t tile_scratch_count(const iso_cascade *c)
 {
-    size_t count = emit_rows_count(c);
+    size_t count = iso_emit_rows_count(c);
     for (size_t k = 0; k < c->level_count; ++k)
         count += 3 * (c->state_count + 1) * row_stride(c, k);
     return count;
@@ -208,7 +208,7 @@ static tile make_tile(iso_cascade *c, const iso_planes *in, const iso_cascade_ou
 {
     tile t = {.c = c, .in = in, .out = out, .base = base, .top = top};
     scratch s = {memory};
-    t.rows = take_emit_rows(c, &s);
+    t.rows = iso_take_emit_rows(c, &s);
     for (size_t k = 0; k <= top; ++k) {
         const size_t count = (c->state_count + 1) * row_stride(c, k);
         t.acc[k][0] = take(&s, count);
@@ -308,7 +308,7 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
                               top[1], top[2]);
     }
     if (status == ISO_OK)
-        status = wide_create(c, err);
+        status = iso_cascade_wide_create(c, err);
     if (status != ISO_OK) {
         iso_cascade_destroy(c);
         return status;
@@ -321,7 +321,7 @@ void iso_cascade_destroy(iso_cascade *c)
 {
     if (!c)
         return;
-    wide_destroy(c);
+    iso_cascade_wide_destroy(c);
     free(c->carry);
     free(c);
 }
@@ -412,7 +412,7 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
     iso_status status = run_tiles(c, in, out, 0, c->tile_top, z0 / step, (z1 + step - 1) / step, err);
     if (status == ISO_OK && c->carry && z1 == last)
         status = run_tiles(c, in, out, c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2], err);
-    return status == ISO_OK ? wide_feed(c, in, z0, z1, out, err) : status;
+    return status == ISO_OK ? iso_cascade_wide_feed(c, in, z0, z1, out, err) : status;
 }
 
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max)

@@ -57,20 +57,20 @@ typedef struct emit_rows {
     uint32_t *packed;
     uint8_t *bytes;
 } emit_rows;
-size_t emit_rows_count(const iso_cascade *c);
-emit_rows take_emit_rows(const iso_cascade *c, scratch *s);
+size_t iso_emit_rows_count(const iso_cascade *c);
+emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s);
 
 /* The gradients of a row of level 0, to rows->g. */
-void level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
+void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
 /* Stores the directions of the row's gradients. */
-void emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
+void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
 /* Stores a row of directions of a coarse level from its state. */
-void emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
                  size_t stride, emit_rows *rows);
 
 /* cascade_wide.c */
-iso_status wide_create(iso_cascade *c, iso_error *err);
-void wide_destroy(iso_cascade *c);
-iso_status wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err);
+iso_status iso_cascade_wide_create(iso_cascade *c, iso_error *err);
+void iso_cascade_wide_destroy(iso_cascade *c);
+iso_status iso_cascade_wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err);
 
 #endif

@@ -17,7 +17,7 @@ enum { BLOCK_ROWS = 16 };
 enum { BATCH_LEAST = 8, BATCH_MOST = 32 };
 #define BATCH_BYTES ((size_t)64 << 20)
 
-/* What one call of wide_feed works with. */
+/* What one call of iso_cascade_wide_feed works with. */
 typedef struct wide_run {
     iso_cascade *c;
     wide_channel *channel;
@@ -32,7 +32,7 @@ static size_t slot_floats(const iso_cascade *c, const wide_channel *w, size_t co
     return w->components * c->size[coarse][0] * c->size[coarse][1];
 }
 
-iso_status wide_create(iso_cascade *c, iso_error *err)
+iso_status iso_cascade_wide_create(iso_cascade *c, iso_error *err)
 {
     const iso_taps taps = iso_taps_gauss(c->opt.gauss_radius, c->opt.gauss_sigma_voxels);
     if (!c->scalar_means)
@@ -54,7 +54,7 @@ iso_status wide_create(iso_cascade *c, iso_error *err)
     return ISO_OK;
 }
 
-void wide_destroy(iso_cascade *c)
+void iso_cascade_wide_destroy(iso_cascade *c)
 {
     for (size_t i = 0; i < c->wide_count; ++i)
         for (size_t k = 0; k + 1 < c->level_count; ++k)
@@ -76,7 +76,7 @@ typedef struct block {
 static size_t block_scratch_count(const iso_cascade *c, const wide_channel *w)
 {
     const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
-    return emit_rows_count(c) + w->components * n + n + w->taps.count + 16 +
+    return iso_emit_rows_count(c) + w->components * n + n + w->taps.count + 16 +
            (2 * BLOCK_ROWS + w->taps.count) * w->components * half + half + 64;
 }
 
@@ -86,7 +86,7 @@ static block make_block(const wide_run *r)
     const wide_channel *w = r->channel;
     const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
     scratch s = {r->memory + (size_t)iso_thread_index() * r->per_thread};
-    block b = {.rows = take_emit_rows(c, &s)};
+    block b = {.rows = iso_take_emit_rows(c, &s)};
     b.state = take(&s, w->components * n);
     b.padded = take(&s, n + w->taps.count);
     b.narrow = take(&s, (2 * BLOCK_ROWS + w->taps.count) * w->components * half);
@@ -108,11 +108,11 @@ static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, si
         iso_planes_row(r->in, y, z, b->state);
         return b->state;
     }
-    level0_gradients(c, r->in, y, z, &b->rows);
+    iso_cascade_level0_gradients(c, r->in, y, z, &b->rows);
     iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0],
                              b->state, *stride, false);
     if (own)
-        emit_level0(c, &r->out[0], y, z, &b->rows);
+        iso_emit_level0(c, &r->out[0], y, z, &b->rows);
     return b->state;
 }
 
@@ -164,7 +164,7 @@ static void finish_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
         if (!r->channel->is_scalar) {
             block b = make_block(r);
             iso_eq1_finish(row, nx * ny, nx, c->opt.eq1_exponent);
-            emit_coarse(c, out, k, y, z, row, nx * ny, &b.rows);
+            iso_emit_coarse(c, out, k, y, z, row, nx * ny, &b.rows);
         } else if (z >= out->first) {
             iso_row_range(row, nx, &lo, &hi);
             if (out->scalar)
@@ -215,7 +215,7 @@ static void feed_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
     }
 }
 
-iso_status wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
+iso_status iso_cascade_wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
 {
     for (size_t i = 0; i < c->wide_count; ++i) {
         wide_run r = {.c = c, .channel = &c->wide[i], .in = in, .out = out};

@@ -139,7 +139,7 @@ static size_t buffer_bytes(const stream *s, size_t slab)
     size_t bytes = STREAM_INPUT_SETS * planes_capacity(s, slab) * input_plane_bytes(s) + iso_cascade_bytes(s->cascade);
     for (size_t k = 0; k < s->out.level_count; ++k) {
         const stream_level *l = &s->out.levels[k];
-        bytes += 2 * iso_cascade_capacity(s->cascade, k, slab) * stream_level_plane_bytes(l, s->opt);
+        bytes += 2 * iso_cascade_capacity(s->cascade, k, slab) * iso_stream_level_plane_bytes(l, s->opt);
         for (int i = 0; i < FILE_COUNT; ++i)
             bytes += l->files[i].stored ? ISO_BIGFILE_BYTES : 0;
     }
@@ -184,7 +184,7 @@ static iso_status choose_slab(stream *s, iso_error *err)
 static size_t baton_bytes(const stream *s)
 {
     size_t plane_floats;
-    size_t bytes = sizeof(baton) + stream_tails_bytes(&s->out);
+    size_t bytes = sizeof(baton) + iso_stream_tails_bytes(&s->out);
     if (iso_cascade_carry(s->cascade, &plane_floats))
         bytes += (size_t)iso_ranks_count(s->how->ranks) * ((s->plan.slab >> iso_cascade_carry_level(s->cascade)) + 1) *
                  plane_floats * sizeof(float);
@@ -193,8 +193,8 @@ static size_t baton_bytes(const stream *s)
 
 static iso_status create_buffers(stream *s, iso_error *err)
 {
-    bool good = stream_input_create(&s->input, s->source, planes_capacity(s, s->plan.slab)) &&
-                stream_output_create(&s->out, s->cascade, s->plan.slab, s->opt);
+    bool good = iso_stream_input_create(&s->input, s->source, planes_capacity(s, s->plan.slab)) &&
+                iso_stream_output_create(&s->out, s->cascade, s->plan.slab, s->opt);
     s->out.in_turns = !is_alone(s);
     if (good && s->out.in_turns)
         good = (s->baton = aligned_alloc(64, baton_bytes(s))) != NULL;
@@ -332,7 +332,7 @@ static void request_slab(stream *s, size_t i)
     if (i >= slab_count(s))
         return;
     const slab b = slab_at(s, i);
-    stream_input_request(&s->input, b.read_from, b.read_to);
+    iso_stream_input_request(&s->input, b.read_from, b.read_to);
 }
 
 static iso_status feed_slab(stream *s, const slab *b, const stream_planes *planes, iso_error *err)
@@ -342,11 +342,11 @@ static iso_status feed_slab(stream *s, const slab *b, const stream_planes *plane
     iso_cascade_out out[STREAM_MAX_LEVELS];
     const double start = iso_clock_seconds();
     if (is_alone(s))
-        stream_output_copy_begun(&s->out);
+        iso_stream_output_copy_begun(&s->out);
     else
         for (size_t k = 0; k < s->out.level_count; ++k)
             s->out.levels[k].first = iso_cascade_complete(s->cascade, k, b->z0);
-    stream_output_targets(&s->out, out);
+    iso_stream_output_targets(&s->out, out);
     iso_status status = iso_cascade_feed(s->cascade, &in, b->from, b->z1, out, err);
     s->report->seconds_build += iso_clock_seconds() - start;
     return status;
@@ -357,13 +357,13 @@ static void list_slab(stream *s, const slab *b, const stream_planes *planes)
     size_t complete[STREAM_MAX_LEVELS];
     for (size_t k = 0; k < s->out.level_count; ++k)
         complete[k] = iso_cascade_complete(s->cascade, k, b->z1);
-    stream_output_list(&s->out, complete, planes->data, planes->first);
+    iso_stream_output_list(&s->out, complete, planes->data, planes->first);
 }
 
 static iso_status wait_for_writers(stream *s, iso_error *err)
 {
     const double start = iso_clock_seconds();
-    iso_status status = stream_output_wait(&s->out, err);
+    iso_status status = iso_stream_output_wait(&s->out, err);
     s->report->seconds_write += iso_clock_seconds() - start;
     return status;
 }
@@ -371,7 +371,7 @@ static iso_status wait_for_writers(stream *s, iso_error *err)
 static iso_status wait_for_planes(stream *s, const stream_planes **planes, iso_error *err)
 {
     const double start = iso_clock_seconds();
-    iso_status status = stream_input_wait(&s->input, planes, err);
+    iso_status status = iso_stream_input_wait(&s->input, planes, err);
     s->report->seconds_read += iso_clock_seconds() - start;
     return status;
 }
@@ -383,7 +383,7 @@ static iso_status note_if_due(stream *s, json_t *job, size_t z, size_t done, iso
 {
     if (z <= done || !progress_is_due(s, z))
         return ISO_OK;
-    iso_status status = stream_output_sync(&s->out, err);
+    iso_status status = iso_stream_output_sync(&s->out, err);
     return status == ISO_OK ? note_progress(s, job, z, err) : status;
 }
 
@@ -403,7 +403,7 @@ static iso_status do_slab(stream *s, size_t i, json_t *job, size_t done, iso_err
     if (status != ISO_OK)
         return status;
     list_slab(s, &b, planes);
-    stream_output_start(&s->out);
+    iso_stream_output_start(&s->out);
     return ISO_OK;
 }
 
@@ -437,7 +437,7 @@ static char *baton_tails(const stream *s)
 
 static float *baton_carry(const stream *s)
 {
-    return (float *)(void *)(baton_tails(s) + stream_tails_bytes(&s->out));
+    return (float *)(void *)(baton_tails(s) + iso_stream_tails_bytes(&s->out));
 }
 
 /* The ranges so far, and the carry's planes from slab `oldest` on, into the baton. */
@@ -474,7 +474,7 @@ static iso_status take_baton(stream *s, size_t i, iso_status status, iso_error *
 {
     const int count = iso_ranks_count(s->how->ranks);
     const double start = iso_clock_seconds();
-    iso_status written = stream_output_wait(&s->out, status == ISO_OK ? err : NULL);
+    iso_status written = iso_stream_output_wait(&s->out, status == ISO_OK ? err : NULL);
     status = status == ISO_OK ? written : status;
     if (i > 0)
         iso_ranks_receive(s->how->ranks, (int)((i - 1) % (size_t)count), s->baton, baton_bytes(s));
@@ -524,12 +524,12 @@ static iso_status do_slab_in_turn(stream *s, size_t i, iso_status status, iso_er
         status = take_baton(s, i, status, err);
     if (status == ISO_OK) {
         list_slab(s, &b, planes);
-        stream_tails_set(&s->out, baton_tails(s));
-        stream_tails_advance(&s->out, baton_tails(s));
+        iso_stream_tails_set(&s->out, baton_tails(s));
+        iso_stream_tails_advance(&s->out, baton_tails(s));
     }
     pass_baton(s, i, status, err);
     if (status == ISO_OK)
-        stream_output_start(&s->out);
+        iso_stream_output_start(&s->out);
     return status;
 }
 
@@ -540,7 +540,7 @@ static iso_status run_in_turns(stream *s, json_t *job, const iso_progress *progr
     const size_t count = (size_t)iso_ranks_count(s->how->ranks), rank = (size_t)iso_ranks_index(s->how->ranks);
     iso_status status = ISO_OK;
     if (rank == 0)
-        stream_tails_get(&s->out, baton_tails(s));
+        iso_stream_tails_get(&s->out, baton_tails(s));
     request_slab(s, rank);
     for (size_t i = rank; i < slab_count(s); i += count) {
         const size_t safe = i >= count ? slab_at(s, i - count).z0 : 0;
@@ -549,7 +549,7 @@ static iso_status run_in_turns(stream *s, json_t *job, const iso_progress *progr
         if (status == ISO_OK && rank == 0 && safe > s->plan.start && progress_is_due(s, safe))
             status = note_progress(s, job, safe, err);
     }
-    iso_status written = stream_output_wait(&s->out, status == ISO_OK ? err : NULL);
+    iso_status written = iso_stream_output_wait(&s->out, status == ISO_OK ? err : NULL);
     iso_progress_report(progress, "build", 1);
     return status == ISO_OK ? written : status;
 }
@@ -575,7 +575,7 @@ static iso_status set_up(stream *s, double *scale, iso_error *err)
         status = iso_cascade_create(&s->header.geometry, s->header.type, s->opt, *scale, &s->cascade, err);
     if (status != ISO_OK)
         return status;
-    stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);
+    iso_stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);
     s->out.direct = s->how->direct || iso_geometry_voxel_count(&s->header.geometry) * iso_type_bytes(s->header.type) >= DIRECT_BYTES;
     s->overlap = longest_warm_up(s);
     return choose_slab(s, err);
@@ -593,7 +593,7 @@ static iso_status begin(stream *s, const json_t *job, bool resumed, size_t *done
         s->out.levels[k].first = iso_cascade_complete(s->cascade, k, *done);
     s->report->resumed_at_plane = *done;
     s->plan.start = is_alone(s) ? iso_cascade_warm_up(s->cascade, *done) : *done;
-    iso_status status = stream_output_open(&s->out, s->output.temp_path, err);
+    iso_status status = iso_stream_output_open(&s->out, s->output.temp_path, err);
     if (status == ISO_OK)
         status = take_up_carry(s, s->output.temp_path, *done, err);
     size_t plane_floats;
@@ -625,7 +625,7 @@ static iso_status begin_all(stream *s, const char *dir, double scale, json_t **j
     iso_ranks_broadcast(s->how->ranks, &s->plan, sizeof s->plan);
     status = create_buffers(s, err);
     if (status == ISO_OK && !is_first(s)) {
-        status = stream_output_join(&s->out, s->plan.folder, err);
+        status = iso_stream_output_join(&s->out, s->plan.folder, err);
         status = status == ISO_OK ? take_up_carry(s, s->plan.folder, s->plan.start, err) : status;
     }
     return iso_ranks_agree(s->how->ranks, status, err);
@@ -643,8 +643,8 @@ static iso_status close_in_turns(stream *s, iso_error *err)
     const int rank = iso_ranks_index(s->how->ranks);
     iso_status status = ISO_OK;
     if (rank == last) {
-        stream_tails_set(&s->out, baton_tails(s));
-        status = stream_output_close(&s->out, err);
+        iso_stream_tails_set(&s->out, baton_tails(s));
+        status = iso_stream_output_close(&s->out, err);
     }
     status = iso_ranks_agree(s->how->ranks, status, err);
     if (status != ISO_OK || last == 0)
@@ -702,7 +702,7 @@ static iso_status describe_and_commit(stream *s, iso_error *err)
 
 static iso_status finish(stream *s, iso_error *err)
 {
-    iso_status status = is_alone(s) ? stream_output_close(&s->out, err) : close_in_turns(s, err);
+    iso_status status = is_alone(s) ? iso_stream_output_close(&s->out, err) : close_in_turns(s, err);
     if (status == ISO_OK && is_first(s))
         status = describe_and_commit(s, err);
     return iso_ranks_agree(s->how->ranks, status, err);
@@ -712,8 +712,8 @@ static void clean_up(stream *s, bool keep)
 {
     s->report->seconds_reading = s->input.seconds_busy;
     s->report->seconds_writing = s->out.seconds_busy;
-    stream_input_destroy(&s->input);
-    stream_output_destroy(&s->out);
+    iso_stream_input_destroy(&s->input);
+    iso_stream_output_destroy(&s->out);
     iso_bigfile_abandon(s->carry);
     free(s->baton);
     iso_cascade_destroy(s->cascade);

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 
-bool stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity)
+bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity)
 {
     const iso_volume *v = iso_source_volume(source);
     *in = (stream_input){.source = source, .capacity = capacity};
@@ -19,7 +19,7 @@ bool stream_input_create(stream_input *in, iso_volume_source *source, size_t cap
     return good;
 }
 
-void stream_input_destroy(stream_input *in)
+void iso_stream_input_destroy(stream_input *in)
 {
     if (in->reading)
         pthread_join(in->thread, NULL);
@@ -47,7 +47,7 @@ static void *read_set(void *user)
     return NULL;
 }
 
-void stream_input_request(stream_input *in, size_t from, size_t to)
+void iso_stream_input_request(stream_input *in, size_t from, size_t to)
 {
     in->newest = (in->newest + 1) % STREAM_INPUT_SETS;
     in->set[in->newest].first = from;
@@ -57,7 +57,7 @@ void stream_input_request(stream_input *in, size_t from, size_t to)
         read_set(in);
 }
 
-iso_status stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err)
+iso_status iso_stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err)
 {
     if (in->reading)
         pthread_join(in->thread, NULL);

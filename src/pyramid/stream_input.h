@@ -29,13 +29,13 @@ typedef struct stream_input {
 } stream_input;
 
 /* Memory for sets of `capacity` planes. False when there is none. */
-bool stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity);
-void stream_input_destroy(stream_input *in); /* accepts an empty one */
+bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity);
+void iso_stream_input_destroy(stream_input *in); /* accepts an empty one */
 
 /* Starts to read the planes `from` to `to` (not included) into the set after the newest one; those that the newest one
  * holds are copied. Both only grow from call to call. What was asked for before must have been waited for. */
-void stream_input_request(stream_input *in, size_t from, size_t to);
+void iso_stream_input_request(stream_input *in, size_t from, size_t to);
 /* Waits for what was asked for. */
-iso_status stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err);
+iso_status iso_stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct stream_tail {
     XXH3_state_t hash;
 } stream_tail;
 
-void stream_output_describe(stream_output *o, const iso_geometry *geometry, iso_type input, const iso_pyramid_options *opt)
+void iso_stream_output_describe(stream_output *o, const iso_geometry *geometry, iso_type input, const iso_pyramid_options *opt)
 {
     iso_geometry g = *geometry;
     pthread_mutex_init(&o->mutex, NULL);
@@ -33,12 +33,12 @@ void stream_output_describe(stream_output *o, const iso_geometry *geometry, iso_
     }
 }
 
-size_t stream_file_plane_bytes(const stream_level *l, int i)
+size_t iso_stream_file_plane_bytes(const stream_level *l, int i)
 {
     return l->geometry.size[0] * l->geometry.size[1] * l->files[i].components * iso_type_bytes(l->files[i].type);
 }
 
-size_t stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt)
+size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt)
 {
     const size_t n = l->geometry.size[0] * l->geometry.size[1];
     return n * (3 + (l->converts ? sizeof(float) : 0) + (opt->keep_float ? 3 * sizeof(float) : 0) +
@@ -56,7 +56,7 @@ static bool create_set(const stream_level *l, const iso_pyramid_options *opt, is
            (out->magnitude || !opt->keep_magnitude);
 }
 
-bool stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt)
+bool iso_stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt)
 {
     bool good = true;
     for (size_t k = 0; k < o->level_count; ++k) {
@@ -67,9 +67,9 @@ bool stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, c
     return good;
 }
 
-void stream_output_destroy(stream_output *o)
+void iso_stream_output_destroy(stream_output *o)
 {
-    stream_output_wait(o, NULL);
+    iso_stream_output_wait(o, NULL);
     for (size_t k = 0; k < o->level_count; ++k) {
         stream_level *l = &o->levels[k];
         for (int set = 0; set < 2; ++set) {
@@ -126,7 +126,7 @@ static iso_status open_file(stream_output *o, const char *path, const char *head
     XXH3_64bits_reset(l->hash[i]);
     if (join)
         return iso_bigfile_join(path, o->direct, &l->file[i], err);
-    l->files[i].bytes = l->first ? strlen(header) + l->first * stream_file_plane_bytes(l, i) : 0;
+    l->files[i].bytes = l->first ? strlen(header) + l->first * iso_stream_file_plane_bytes(l, i) : 0;
     iso_status status = iso_bigfile_open(path, o->direct, l->files[i].bytes, &l->file[i], err);
     if (status != ISO_OK)
         return status;
@@ -155,19 +155,19 @@ static iso_status open_files(stream_output *o, const char *dir, bool join, iso_e
     return status;
 }
 
-iso_status stream_output_open(stream_output *o, const char *dir, iso_error *err)
+iso_status iso_stream_output_open(stream_output *o, const char *dir, iso_error *err)
 {
     return open_files(o, dir, false, err);
 }
 
-iso_status stream_output_join(stream_output *o, const char *dir, iso_error *err)
+iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *err)
 {
     return open_files(o, dir, true, err);
 }
 
-iso_status stream_output_sync(stream_output *o, iso_error *err)
+iso_status iso_stream_output_sync(stream_output *o, iso_error *err)
 {
-    iso_status status = stream_output_wait(o, err);
+    iso_status status = iso_stream_output_wait(o, err);
     for (size_t k = 0; k < o->level_count; ++k)
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (o->levels[k].file[i])
@@ -175,9 +175,9 @@ iso_status stream_output_sync(stream_output *o, iso_error *err)
     return status;
 }
 
-iso_status stream_output_close(stream_output *o, iso_error *err)
+iso_status iso_stream_output_close(stream_output *o, iso_error *err)
 {
-    iso_status status = stream_output_wait(o, err);
+    iso_status status = iso_stream_output_wait(o, err);
     for (size_t k = 0; k < o->level_count; ++k)
         for (int i = 0; i < FILE_COUNT; ++i) {
             stream_level *l = &o->levels[k];
@@ -200,7 +200,7 @@ static void list_pointers(const iso_cascade_out *out, char *data[FILE_COUNT])
     data[FILE_MAGNITUDE] = (char *)out->magnitude;
 }
 
-void stream_output_copy_begun(stream_output *o)
+void iso_stream_output_copy_begun(stream_output *o)
 {
     for (size_t k = 0; k < o->level_count; ++k) {
         stream_level *l = &o->levels[k];
@@ -208,14 +208,14 @@ void stream_output_copy_begun(stream_output *o)
         list_pointers(&l->set[o->active], to);
         list_pointers(&l->set[!o->active], from);
         for (int i = 0; i < FILE_COUNT; ++i) {
-            const size_t plane = stream_file_plane_bytes(l, i);
+            const size_t plane = iso_stream_file_plane_bytes(l, i);
             if (to[i])
                 memcpy(to[i], from[i] + l->written * plane, (l->capacity - l->written) * plane);
         }
     }
 }
 
-void stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS])
+void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS])
 {
     for (size_t k = 0; k < o->level_count; ++k) {
         out[k] = o->levels[k].set[o->active];
@@ -223,7 +223,7 @@ void stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MA
     }
 }
 
-void stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first)
+void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first)
 {
     o->item_count = 0;
     for (size_t k = 0; k < o->level_count; ++k) {
@@ -231,12 +231,12 @@ void stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVEL
         char *data[FILE_COUNT];
         list_pointers(&l->set[o->active], data);
         const char *scalar = l->converts ? data[FILE_SCALAR]
-                                         : input + (l->first - input_first) * stream_file_plane_bytes(l, FILE_SCALAR);
+                                         : input + (l->first - input_first) * iso_stream_file_plane_bytes(l, FILE_SCALAR);
         l->written = complete[k] > l->first ? complete[k] - l->first : 0;
         for (int i = 0; i < FILE_COUNT && l->written > 0; ++i)
             if (l->files[i].stored)
                 o->items[o->item_count++] = (stream_item){l, i, i == FILE_SCALAR ? scalar : data[i],
-                                                          l->written * stream_file_plane_bytes(l, i)};
+                                                          l->written * iso_stream_file_plane_bytes(l, i)};
         l->first += l->written;
     }
 }
@@ -266,7 +266,7 @@ static void *write_items(void *user)
     return NULL;
 }
 
-void stream_output_start(stream_output *o)
+void iso_stream_output_start(stream_output *o)
 {
     atomic_store(&o->next_item, 0);
     while (o->writer_count < STREAM_WRITERS &&
@@ -277,7 +277,7 @@ void stream_output_start(stream_output *o)
     o->active = !o->active;
 }
 
-iso_status stream_output_wait(stream_output *o, iso_error *err)
+iso_status iso_stream_output_wait(stream_output *o, iso_error *err)
 {
     for (; o->writer_count > 0; --o->writer_count)
         pthread_join(o->writers[o->writer_count - 1], NULL);
@@ -301,7 +301,7 @@ static stream_tail *tail_of(const stream_output *o, void *tails, const stream_le
     return NULL;
 }
 
-size_t stream_tails_bytes(const stream_output *o)
+size_t iso_stream_tails_bytes(const stream_output *o)
 {
     size_t count = 0;
     for (size_t k = 0; k < o->level_count; ++k)
@@ -310,7 +310,7 @@ size_t stream_tails_bytes(const stream_output *o)
     return count * sizeof(stream_tail);
 }
 
-void stream_tails_get(const stream_output *o, void *tails)
+void iso_stream_tails_get(const stream_output *o, void *tails)
 {
     stream_tail *tail = tails;
     for (size_t k = 0; k < o->level_count; ++k)
@@ -331,7 +331,7 @@ static void adopt_hash(XXH3_state_t *own, const XXH3_state_t *state)
     own->extSecret = secret;
 }
 
-void stream_tails_set(stream_output *o, const void *tails)
+void iso_stream_tails_set(stream_output *o, const void *tails)
 {
     const stream_tail *tail = tails;
     for (size_t k = 0; k < o->level_count; ++k)
@@ -344,7 +344,7 @@ void stream_tails_set(stream_output *o, const void *tails)
             }
 }
 
-void stream_tails_advance(stream_output *o, void *tails)
+void iso_stream_tails_advance(stream_output *o, void *tails)
 {
 #pragma omp parallel for schedule(dynamic, 1)
     for (size_t n = 0; n < o->item_count; ++n) {

@@ -56,41 +56,41 @@ typedef struct stream_output {
 } stream_output;
 
 /* Levels as the options and the size give them; no memory yet. */
-void stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input, const iso_pyramid_options *opt);
+void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input, const iso_pyramid_options *opt);
 /* Of one plane of level k in each set, and of one plane of a file. */
-size_t stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
-size_t stream_file_plane_bytes(const stream_level *l, int file);
+size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
+size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
 
 /* Memory for slabs of this many planes. False when there is none. */
-bool stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);
-void stream_output_destroy(stream_output *o); /* waits; leaves the files as they are */
+bool iso_stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);
+void iso_stream_output_destroy(stream_output *o); /* waits; leaves the files as they are */
 
 /* Opens the files in the folder, each at its level's plane `first`: new with their headers, or what an earlier build left. */
-iso_status stream_output_open(stream_output *o, const char *dir, iso_error *err);
+iso_status iso_stream_output_open(stream_output *o, const char *dir, iso_error *err);
 /* Opens what another rank has opened. */
-iso_status stream_output_join(stream_output *o, const char *dir, iso_error *err);
+iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *err);
 
 /* What the last slab began and did not complete goes on in the active set. */
-void stream_output_copy_begun(stream_output *o);
+void iso_stream_output_copy_begun(stream_output *o);
 /* Where the slab's planes go. */
-void stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
+void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
 /* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's planes. */
-void stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first);
+void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first);
 /* Begins to write what is listed; the other set becomes active. */
-void stream_output_start(stream_output *o);
-iso_status stream_output_wait(stream_output *o, iso_error *err);
+void iso_stream_output_start(stream_output *o);
+iso_status iso_stream_output_wait(stream_output *o, iso_error *err);
 /* What has been written is in the files. */
-iso_status stream_output_sync(stream_output *o, iso_error *err);
+iso_status iso_stream_output_sync(stream_output *o, iso_error *err);
 /* Cuts and closes; levels[].files have their sizes and checksums. */
-iso_status stream_output_close(stream_output *o, iso_error *err);
+iso_status iso_stream_output_close(stream_output *o, iso_error *err);
 
 /* In turns. Tails are bytes, aligned to 64, that any rank understands. */
-size_t stream_tails_bytes(const stream_output *o);
-/* Where the files stand that stream_output_open() has opened. */
-void stream_tails_get(const stream_output *o, void *tails);
+size_t iso_stream_tails_bytes(const stream_output *o);
+/* Where the files stand that iso_stream_output_open() has opened. */
+void iso_stream_tails_get(const stream_output *o, void *tails);
 /* Goes on from there. Nothing is being written. */
-void stream_tails_set(stream_output *o, const void *tails);
+void iso_stream_tails_set(stream_output *o, const void *tails);
 /* From the tails before the items to those after them; hashes the items. The tails have been set. */
-void stream_tails_advance(stream_output *o, void *tails);
+void iso_stream_tails_advance(stream_output *o, void *tails);
 
 #endif

@@ -19,7 +19,7 @@ iso_reference_options iso_reference_defaults(void)
 typedef struct layer {
     const iso_sampler *sampler;
     const iso_tf_table *tf;
-    const iso_class_tables *classes; /* in place of tf, or NULL */
+    const iso_tf_2d *tf_2d; /* in place of tf, or NULL */
     const size_t *bends;             /* bends_create() */
     double scale, offset[3];         /* its index = scale * index of the level that is rendered - offset */
 } layer;
@@ -54,11 +54,11 @@ static void mark_bends(const iso_tf_table *tf, size_t *bends)
 }
 
 /* bends[i]: how many of the TF's entries below i are bends, in any class. To be freed. */
-static size_t *bends_create(const iso_tf_table *tf, const iso_class_tables *classes)
+static size_t *bends_create(const iso_tf_table *tf, const iso_tf_2d *tf_2d)
 {
     size_t *bends = calloc(tf->count + 1, sizeof *bends);
-    for (int c = 0; bends && c < (classes ? ISO_CLASSES : 1); ++c)
-        mark_bends(classes ? &classes->tables[c] : tf, bends);
+    for (int c = 0; bends && c < (tf_2d ? ISO_TF_2D_ROWS : 1); ++c)
+        mark_bends(tf_2d ? &tf_2d->tables[c] : tf, bends);
     for (size_t i = 0; bends && i < tf->count; ++i)
         bends[i + 1] += bends[i];
     return bends;
@@ -82,8 +82,8 @@ static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
 static void classify(const layer *l, iso_vec3 p, double rgbs[4])
 {
     double s = iso_sample_scalar(l->sampler, p);
-    if (l->classes)
-        iso_class_lookup(l->classes, s, iso_class_coordinate(iso_sample_bytes(l->sampler, l->classes->bytes, p)), rgbs);
+    if (l->tf_2d)
+        iso_tf_2d_lookup(l->tf_2d, s, iso_tf_2d_coordinate(iso_sample_bytes(l->sampler, l->tf_2d->bytes, p)), rgbs);
     else
         iso_tf_lookup(l->tf, s, rgbs);
 }
@@ -108,10 +108,10 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
     return rgbs[3];
 }
 
-/* The same of all layers: two media in one place (focus.h). */
+/* The same of all layers: two media in one place (roi.h). */
 static double emission(const ray_state *ray, double t, double color[3])
 {
-    double w = ray->inner ? iso_focus_weight(ray->view->focus, iso_madd(ray->origin, ray->direction, t)) : 0, inner[3];
+    double w = ray->inner ? iso_roi_weight(ray->view->roi, iso_madd(ray->origin, ray->direction, t)) : 0, inner[3];
     if (w <= 0)
         return layer_emission(ray, ray->layer, t, color);
     double sigma = w * layer_emission(ray, ray->inner, t, inner);
@@ -236,7 +236,7 @@ static double to_next_plane(double p, double d)
 }
 
 /* The first face of the region of interest or of its band, likewise. */
-static double to_next_face(const iso_focus *f, iso_vec3 index, iso_vec3 direction)
+static double to_next_face(const iso_roi *f, iso_vec3 index, iso_vec3 direction)
 {
     const double p[3] = {index.x, index.y, index.z}, d[3] = {direction.x, direction.y, direction.z};
     double least = INFINITY;
@@ -257,10 +257,10 @@ static double cell_end(const ray_state *ray, double a, double least, double t1)
     double step = fmin(to_next_plane(p.x, ray->direction.x),
                        fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
     if (ray->inner) {
-        const iso_focus *f = ray->view->focus;
-        const iso_vec3 q = iso_focus_inside(f, p), d = iso_scale(ray->direction, f->scale);
+        const iso_roi *f = ray->view->roi;
+        const iso_vec3 q = iso_roi_inside(f, p), d = iso_scale(ray->direction, f->scale);
         step = fmin(step, to_next_face(f, p, ray->direction));
-        if (iso_focus_weight(f, p) > 0)
+        if (iso_roi_weight(f, p) > 0)
             step = fmin(step, fmin(to_next_plane(q.x, d.x), fmin(to_next_plane(q.y, d.y), to_next_plane(q.z, d.z))));
     }
     return fmin(a + least + step, t1);
@@ -380,7 +380,7 @@ static void render_pixel(const layer l[2], const iso_view *view, const iso_refer
     const iso_geometry *g = &l->sampler->level->geometry, *finest = iso_view_step_geometry(view, g);
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.layer = &l[0], .inner = view->focus ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.layer = &l[0], .inner = view->roi ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -410,9 +410,9 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
     if (!(opt->tolerance > 0) || opt->intervals < 1)
         return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g and intervals %zu must be above 0", opt->tolerance,
                         opt->intervals);
-    if (view->classes && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
+    if (view->tf_2d && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
-    if (view->focus && (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED || opt->quadrature == ISO_QUADRATURE_FIRST_HIT))
+    if (view->roi && (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED || opt->quadrature == ISO_QUADRATURE_FIRST_HIT))
         return iso_fail(err, ISO_E_USAGE, "reference: a region of interest is neither pre-integrated nor a surface");
     return ISO_OK;
 }
@@ -421,11 +421,11 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
 static iso_status render_all(const iso_sampler *sampler, const iso_sampler *inner, const iso_view *view,
                              const iso_reference_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
 {
-    const iso_focus *f = view->focus;
+    const iso_roi *f = view->roi;
     /* The tables of all classes have one range and count, so the first serves for them where entries are counted. */
-    const iso_tf_table *tf = view->classes ? &view->classes->tables[0] : &view->tf;
-    size_t *bends = bends_create(tf, view->classes), *inner_bends = f ? bends_create(&f->tf, NULL) : NULL;
-    layer l[2] = {{.sampler = sampler, .tf = tf, .classes = view->classes, .bends = bends, .scale = 1}};
+    const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->tables[0] : &view->tf;
+    size_t *bends = bends_create(tf, view->tf_2d), *inner_bends = f ? bends_create(&f->tf, NULL) : NULL;
+    layer l[2] = {{.sampler = sampler, .tf = tf, .tf_2d = view->tf_2d, .bends = bends, .scale = 1}};
     if (f)
         l[1] = (layer){.sampler = inner, .tf = &f->tf, .bends = inner_bends, .scale = f->scale,
                        .offset = {f->offset[0], f->offset[1], f->offset[2]}};
@@ -463,8 +463,8 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
     iso_status status = check_options(view, opt, err);
     if (status == ISO_OK)
         status = iso_sampler_create(&sampler, level, code, opt->source, err);
-    if (status == ISO_OK && view->focus)
-        status = iso_sampler_create(&inner, &view->focus->level, code, opt->source, err);
+    if (status == ISO_OK && view->roi)
+        status = iso_sampler_create(&inner, &view->roi->level, code, opt->source, err);
     if (status == ISO_OK)
         status = render_all(&sampler, &inner, view, opt, image, progress, err);
     iso_sampler_destroy(&inner);
@@ -480,7 +480,7 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     iso_level level;
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->classes || view->focus))
+    if (status == ISO_OK && (view->tf_2d || view->roi))
         status = iso_fail(err, ISO_E_RANGE, "reference: bricks have neither classes nor a region of interest");
     if (status != ISO_OK)
         return status;
@@ -495,7 +495,7 @@ iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_leve
     const iso_sampler sampler = {.level = level, .source = ISO_FROM_FLOAT, .warp = field};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->classes || view->focus || field->channels != ISO_WARP_CHANNELS))
+    if (status == ISO_OK && (view->tf_2d || view->roi || field->channels != ISO_WARP_CHANNELS))
         status = iso_fail(err, ISO_E_RANGE, "reference: warped bricks need four channels and one table");
     return status == ISO_OK ? render_all(&sampler, NULL, view, opt, image, progress, err) : status;
 }

@@ -116,7 +116,7 @@ static void scale_extinction(iso_tf_table *tf, double factor)
         tf->entries[i] = (float)(factor * (double)tf->entries[i]);
 }
 
-static void raise_colours(iso_tf_table *tf, double exponent)
+static void raise_colors(iso_tf_table *tf, double exponent)
 {
     for (size_t i = 0; i < tf->count * 4; ++i)
         if (i % 4 != 3)
@@ -136,7 +136,7 @@ void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t k, iso_view *view)
     case ISO_FAULT_MIRRORED: mirror_x(&level->geometry); break;
     case ISO_FAULT_STALE: reverse_scalar(level); break;
     case ISO_FAULT_UNIT: scale_extinction(&view->tf, 1.1); break;
-    case ISO_FAULT_SRGB: raise_colours(&view->tf, 2.2); break;
+    case ISO_FAULT_SRGB: raise_colors(&view->tf, 2.2); break;
     case ISO_FAULT_RANGE: lengthen_range(&view->tf, 1); break;
     case ISO_FAULT_AXIS_SWAP: change_directions(level, p->options.code, swap_xy, NULL); break;
     case ISO_FAULT_NOT_INVERSE_TRANSPOSE:
@@ -168,10 +168,10 @@ static void turn_lights(iso_view *view, double angle)
 /* About the centre of the box, so that the rest stays where it is. */
 static void lengthen_x(iso_geometry *g, double factor)
 {
-    const iso_vec3 centre = iso_geometry_box_center_mm(g);
+    const iso_vec3 center = iso_geometry_box_center_mm(g);
     for (int r = 0; r < 3; ++r)
         g->index_to_world.m[r][0] *= factor;
-    g->origin_mm = iso_add(g->origin_mm, iso_sub(centre, iso_geometry_box_center_mm(g)));
+    g->origin_mm = iso_add(g->origin_mm, iso_sub(center, iso_geometry_box_center_mm(g)));
 }
 
 static void deviate(iso_deviation deviation, double amount, iso_level *level, iso_code code, iso_view *view)
@@ -183,7 +183,7 @@ static void deviate(iso_deviation deviation, double amount, iso_level *level, is
     case ISO_DEVIATION_SPACING: lengthen_x(&level->geometry, percent); break;
     case ISO_DEVIATION_CAMERA: view->camera.half_height *= percent; break;
     case ISO_DEVIATION_UNIT: scale_extinction(&view->tf, percent); break;
-    case ISO_DEVIATION_GAMMA: raise_colours(&view->tf, percent); break;
+    case ISO_DEVIATION_GAMMA: raise_colors(&view->tf, percent); break;
     case ISO_DEVIATION_RANGE: lengthen_range(&view->tf, amount); break;
     case ISO_DEVIATION_DIRECTIONS: change_directions(level, code, turn_by, &oblique); break;
     case ISO_DEVIATION_LIGHT: turn_lights(view, angle); break;

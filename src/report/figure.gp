@@ -7,12 +7,12 @@ stats data skip 1 using 1 nooutput
 count = int(STATS_records)
 array kind[count]; array file[count]; array wide[count]; array high[count]
 array left[count]; array right[count]; array bottom[count]; array top[count]; array middle[count]
-array title[count]; array note[count]; array side[count]; array bar[count]; array bar_text[count]; array bar_colour[count]
+array title[count]; array note[count]; array side[count]; array bar[count]; array bar_text[count]; array bar_color[count]
 stats data skip 1 using (i = int($0) + 1, kind[i] = $1, file[i] = strcol(2), wide[i] = int($3), high[i] = int($4), 0) nooutput
 stats data skip 1 using (i = int($0) + 1, left[i] = $5, right[i] = $6, bottom[i] = $7, top[i] = $8, 0) nooutput
 stats data skip 1 using (i = int($0) + 1, title[i] = strcol(9), note[i] = strcol(10), side[i] = strcol(11), 0) nooutput
 stats data skip 1 using (i = int($0) + 1, bar[i] = $12, bar_text[i] = strcol(13), low = $14, up = $15, in_logs = int($16), 0) nooutput
-stats data skip 1 using (i = int($0) + 1, width = $17, height = $18, bar_colour[i] = strcol(19), middle[i] = $20, 0) nooutput
+stats data skip 1 using (i = int($0) + 1, width = $17, height = $18, bar_color[i] = strcol(19), middle[i] = $20, 0) nooutput
 load 'style.gp'
 set datafile missing
 unset border
@@ -55,8 +55,8 @@ do for [i = 1:count] {
     }
     if (bar[i] > 0) {
         # A rectangle: the ends of a line would add to its length.
-        set object 1 rectangle from graph 0.05, graph 0.05 to graph 0.05 + bar[i], screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 1.8 / height front fillcolor rgb bar_colour[i] fillstyle solid noborder
-        set label bar_text[i] at graph 0.05, screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 0.75 * line(note_pt) / height left front noenhanced font note_font textcolor rgb bar_colour[i]
+        set object 1 rectangle from graph 0.05, graph 0.05 to graph 0.05 + bar[i], screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 1.8 / height front fillcolor rgb bar_color[i] fillstyle solid noborder
+        set label bar_text[i] at graph 0.05, screen bottom[i] + 0.05 * (top[i] - bottom[i]) + 0.75 * line(note_pt) / height left front noenhanced font note_font textcolor rgb bar_color[i]
     }
     unset colorbox
     if (kind[i] == 1 && legend == 0) {

@@ -12,7 +12,7 @@
 #include "report/gnuplot.h"
 #include "compare/srgb.h"
 
-ISO_EMBED(figure_gp, "src/report/figure.gp");
+ISO_EMBED(iso_figure_gp, "src/report/figure.gp");
 
 /* Print sizes; journals ask for 6 points at least. Titles become smaller before words stand in each other's way. */
 static const double largest_title_pt = 8, smallest_pt = 6, note_pt = 6.2;
@@ -319,7 +319,7 @@ double iso_figure_bar_mm(double width_mm)
 }
 
 /* Dark on what is bright in the corner that the bar stands in, bright on what is dark. */
-static const char *bar_colour(const iso_image *image)
+static const char *bar_color(const iso_image *image)
 {
     double sum = 0;
     size_t count = 0;
@@ -357,7 +357,7 @@ static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t
     put_text(csv, lines);
     fprintf(csv, "%.6f,", bar);
     put_text(csv, bar_text);
-    fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f,%s,%.6f\n", f->low, f->high, f->in_logs, l->width * px, l->height * px, bar_colour(&p->a),
+    fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f,%s,%.6f\n", f->low, f->high, f->in_logs, l->width * px, l->height * px, bar_color(&p->a),
             1 - (y + 0.5 * side_mm(f, l)) / l->height);
     return status;
 }
@@ -370,7 +370,7 @@ static iso_status write_panels(const iso_figure_sheet *f, const char *dir, FILE 
     if (status != ISO_OK)
         return status;
     fputs("kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,figure_height,"
-          "bar_colour,side_middle\n", csv);
+          "bar_color,side_middle\n", csv);
     for (size_t i = 0; i < f->count && status == ISO_OK; ++i)
         status = write_panel(f, &l, i, dir, csv, err);
     fprintf(script, "# Print sizes in points, and where the colour legend stands, as parts of the figure.\n"
@@ -378,7 +378,7 @@ static iso_status write_panels(const iso_figure_sheet *f, const char *dir, FILE 
     fprintf(script, "legend_left = %.6f; legend_bottom = %.6f; legend_width = %.6f; legend_height = %.6f\n", l.legend.left / l.width,
             1 - (l.legend.top + l.legend.height) / l.height, l.legend.width / l.width, l.legend.height / l.height);
     fprintf(script, "legend_text = '%s'\n", l.legend_text);
-    fputs(figure_gp, script);
+    fputs(iso_figure_gp, script);
     return status;
 }
 

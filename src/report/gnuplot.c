@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/process.h"
 
-ISO_EMBED(chart_style_gp, "src/report/style.gp");
+ISO_EMBED(iso_gnuplot_style_gp, "src/report/style.gp");
 
 static iso_status write_beside(const char *dir, const char *name, const char *ending, const char *content,
                                iso_error *err)
@@ -74,7 +74,7 @@ iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, 
         return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     iso_status status = ISO_OK;
     if (!iso_path_exists(style))
-        status = write_beside(dir, "style", ".gp", chart_style_gp, err);
+        status = write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err);
     free(style);
     if (status == ISO_OK)
         status = write_beside(dir, name, ".csv", csv, err);

@@ -192,7 +192,7 @@ static bool gates_hold(const iso_report_agreement *row)
     return true;
 }
 
-static bool has_limits(const iso_limits *l)
+static bool has_limits(const iso_tolerances *l)
 {
     return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
 }
@@ -217,7 +217,7 @@ static json_t *gates_json(const iso_report_agreement *row)
     return list;
 }
 
-static json_t *limits_json(const iso_limits *l)
+static json_t *limits_json(const iso_tolerances *l)
 {
     const struct { const char *key; double value; } all[] = {
         {"rmse", l->rmse},

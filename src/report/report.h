@@ -63,7 +63,7 @@ typedef struct iso_report_agreement {
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
     iso_metrics metrics;
     double error_bar;              /* RMSE that the discretisation alone explains; NaN: not measured */
-    iso_limits limits;
+    iso_tolerances limits;
     size_t gate_count;
     iso_report_gate gates[ISO_REPORT_MAX_GATES];
     json_t *statistics;            /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */

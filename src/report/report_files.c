@@ -14,11 +14,11 @@
 #include "report/gnuplot.h"
 #include "report/report.h"
 
-ISO_EMBED(report_html, "src/report/report.html");
-ISO_EMBED(report_css, "src/report/report.css");
-ISO_EMBED(report_js, "src/report/report.js");
-ISO_EMBED(report_agreement_gp, "src/report/agreement.gp");
-ISO_EMBED(report_consistency_gp, "src/report/consistency.gp");
+ISO_EMBED(iso_report_html, "src/report/report.html");
+ISO_EMBED(iso_report_css, "src/report/report.css");
+ISO_EMBED(iso_report_js, "src/report/report.js");
+ISO_EMBED(iso_report_agreement_gp, "src/report/agreement.gp");
+ISO_EMBED(iso_report_consistency_gp, "src/report/consistency.gp");
 
 static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
 {
@@ -245,8 +245,8 @@ static iso_status make_chart(const char *charts, const chart_kind *kind, const j
 iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *inlined, iso_error *err)
 {
     const chart_kind kinds[] = {
-        {"agreement", "agreement", report_agreement_gp, put_agreement_csv},
-        {"consistency", "consistency", report_consistency_gp, put_consistency_csv},
+        {"agreement", "agreement", iso_report_agreement_gp, put_agreement_csv},
+        {"consistency", "consistency", iso_report_consistency_gp, put_consistency_csv},
     };
     iso_status status = ISO_OK;
     char *charts = iso_path_join(dir, "charts");
@@ -279,7 +279,7 @@ static void put_html(FILE *f, const char *s)
 /* The template with its marks @NAME@ filled in. */
 static void put_page(FILE *f, const json_t *root, const json_t *inlined)
 {
-    for (const char *at = report_html; *at;) {
+    for (const char *at = iso_report_html; *at;) {
         const char *mark = strchr(at, '@');
         const char *end = mark ? strchr(mark + 1, '@') : NULL;
         if (!end) {
@@ -290,9 +290,9 @@ static void put_page(FILE *f, const json_t *root, const json_t *inlined)
         size_t length = (size_t)(end - mark) + 1;
         at = end + 1;
         if (strncmp(mark, "@STYLE@", length) == 0)
-            fputs(report_css, f);
+            fputs(iso_report_css, f);
         else if (strncmp(mark, "@SCRIPT@", length) == 0)
-            fputs(report_js, f);
+            fputs(iso_report_js, f);
         else if (strncmp(mark, "@DATA@", length) == 0)
             put_json(f, root);
         else if (strncmp(mark, "@INLINED@", length) == 0)

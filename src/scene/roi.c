@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-iso_focus_options iso_focus_defaults(void)
+iso_roi_options iso_roi_defaults(void)
 {
-    return (iso_focus_options){.band = ISO_FOCUS_BAND};
+    return (iso_roi_options){.band = ISO_ROI_BAND};
 }
 
-void iso_focus_destroy(iso_focus *f)
+void iso_roi_destroy(iso_roi *f)
 {
     if (!f)
         return;
@@ -18,10 +18,10 @@ void iso_focus_destroy(iso_focus *f)
     free(f->level.codes);
     free(f->level.directions);
     iso_tf_table_destroy(&f->tf);
-    *f = (iso_focus){0};
+    *f = (iso_roi){0};
 }
 
-static iso_status check(const iso_pyramid *p, size_t around, const iso_focus_options *opt, iso_error *err)
+static iso_status check(const iso_pyramid *p, size_t around, const iso_roi_options *opt, iso_error *err)
 {
     if (around >= p->level_count || opt->level >= around)
         return iso_fail(err, ISO_E_RANGE, "region of interest: level %zu inside of level %zu, must be finer", opt->level, around);
@@ -62,10 +62,10 @@ static iso_status crop_level(const iso_level *from, const size_t first[3], const
     return ISO_OK;
 }
 
-iso_status iso_focus_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_focus_options *opt,
-                            iso_focus *f, iso_error *err)
+iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_roi_options *opt,
+                            iso_roi *f, iso_error *err)
 {
-    *f = (iso_focus){.number = opt->level, .band = opt->band};
+    *f = (iso_roi){.number = opt->level, .band = opt->band};
     iso_status status = check(p, around, opt, err);
     if (status != ISO_OK)
         return status;
@@ -91,11 +91,11 @@ iso_status iso_focus_create(const iso_pyramid *p, size_t around, const iso_tf_ta
     if (status == ISO_OK)
         status = crop_level(inner, first, count, &f->level, err);
     if (status != ISO_OK)
-        iso_focus_destroy(f);
+        iso_roi_destroy(f);
     return status;
 }
 
-double iso_focus_weight(const iso_focus *f, iso_vec3 index)
+double iso_roi_weight(const iso_roi *f, iso_vec3 index)
 {
     const double p[3] = {index.x, index.y, index.z};
     double outside = 0;

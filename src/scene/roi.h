@@ -25,35 +25,35 @@
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
 
-#define ISO_FOCUS_BAND 2.0 /* voxels of the level around it */
+#define ISO_ROI_BAND 2.0 /* voxels of the level around it */
 
-typedef struct iso_focus {
+typedef struct iso_roi {
     iso_level level; /* owned: scalar, codes and directions of the finer level in the box and its band, and two voxels more */
     size_t number;   /* of that level */
     iso_tf_table tf; /* owned: of that level */
     double scale, offset[3]; /* index in `level` = scale * index in the level around it - offset */
     double lo[3], hi[3];     /* the box, in the index of the level around it */
     double band;
-} iso_focus;
+} iso_roi;
 
 /* What to make: the box in voxels of level 0, the level inside, the band (0: none, a hard switch). */
-typedef struct iso_focus_options {
+typedef struct iso_roi_options {
     double lo[3], hi[3];
     size_t level;
     double band;
-} iso_focus_options;
-iso_focus_options iso_focus_defaults(void);
+} iso_roi_options;
+iso_roi_options iso_roi_defaults(void);
 
 /* around: the level that is rendered outside. tf is copied. ISO_E_RANGE: a box that
  * is empty or outside the volume, a level that is not finer; ISO_E_MEMORY. */
-iso_status iso_focus_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_focus_options *opt,
-                            iso_focus *focus, iso_error *err);
-void iso_focus_destroy(iso_focus *focus); /* accepts empty and NULL */
+iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_roi_options *opt,
+                            iso_roi *roi, iso_error *err);
+void iso_roi_destroy(iso_roi *roi); /* accepts empty and NULL */
 
 /* Of the finer level, at an index of the level around it. */
-double iso_focus_weight(const iso_focus *focus, iso_vec3 index);
+double iso_roi_weight(const iso_roi *roi, iso_vec3 index);
 
-static inline iso_vec3 iso_focus_inside(const iso_focus *f, iso_vec3 index)
+static inline iso_vec3 iso_roi_inside(const iso_roi *f, iso_vec3 index)
 {
     return iso_v3(f->scale * index.x - f->offset[0], f->scale * index.y - f->offset[1], f->scale * index.z - f->offset[2]);
 }

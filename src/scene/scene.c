@@ -305,16 +305,16 @@ void iso_view_destroy(iso_view *view)
     if (!view)
         return;
     iso_tf_table_destroy(&view->tf);
-    iso_class_tables_destroy(view->classes);
-    free(view->classes);
-    iso_focus_destroy(view->focus);
-    free(view->focus);
+    iso_tf_2d_destroy(view->tf_2d);
+    free(view->tf_2d);
+    iso_roi_destroy(view->roi);
+    free(view->roi);
     *view = (iso_view){0};
 }
 
 const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level)
 {
-    return view->focus ? &view->focus->level.geometry : level;
+    return view->roi ? &view->roi->level.geometry : level;
 }
 
 double iso_view_mm_per_pixel(const iso_view *view, const iso_geometry *level0)

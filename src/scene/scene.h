@@ -29,7 +29,7 @@
 #ifndef ISO_SCENE_H
 #define ISO_SCENE_H
 
-#include "tf/class_tables.h"
+#include "tf/tf_2d.h"
 #include "tf/tf.h"
 
 #define ISO_MAX_LIGHTS 8
@@ -119,8 +119,8 @@ typedef struct iso_view {
     double background[3];
     double step_voxels;
     iso_tf_table tf;
-    iso_class_tables *classes; /* of the level that is rendered, in place of tf; owned, or NULL */
-    struct iso_focus *focus;   /* a finer level inside a box (focus.h); owned, or NULL */
+    iso_tf_2d *tf_2d; /* of the level that is rendered, in place of tf; owned, or NULL */
+    struct iso_roi *roi;   /* a finer level inside a box (roi.h); owned, or NULL */
 } iso_view;
 
 /* value_min/max: of level 0. */

@@ -203,10 +203,10 @@ static void prepare(const iso_adapter *a, const iso_tf_table *tf, double length_
     for (size_t i = 0; i < a->z.count; ++i) {
         double rgbs[4];
         iso_tf_lookup(tf, a->z.lo + (double)i * a->z.step, rgbs);
-        double w = averaged_quantity(a->average, rgbs[3], length_mm), colour_weight = a->average == ISO_AVERAGE_RGBA ? 1 : w;
+        double w = averaged_quantity(a->average, rgbs[3], length_mm), color_weight = a->average == ISO_AVERAGE_RGBA ? 1 : w;
         for (int c = 0; c < 3; ++c) {
             out[i].plain[c] = rgbs[c];
-            out[i].rgbw[c] = colour_weight * rgbs[c];
+            out[i].rgbw[c] = color_weight * rgbs[c];
         }
         out[i].rgbw[3] = w;
         out[i].extinction = rgbs[3];
@@ -236,9 +236,9 @@ static row_sums sum_row(const iso_adapter *a, const weighted_tf *tf, size_t row)
 /* Colour and extinction of the sums. */
 static void finish_row(const iso_adapter *a, const row_sums *r, double length_mm, float entry[4])
 {
-    double mean = r->rgbw[3], colour_sum = a->average == ISO_AVERAGE_RGBA ? 1 : mean;
+    double mean = r->rgbw[3], color_sum = a->average == ISO_AVERAGE_RGBA ? 1 : mean;
     for (int c = 0; c < 3; ++c)
-        entry[c] = (float)(colour_sum > 0 ? r->rgbw[c] / colour_sum : r->plain[c]);
+        entry[c] = (float)(color_sum > 0 ? r->rgbw[c] / color_sum : r->plain[c]);
     double extinction = a->average == ISO_AVERAGE_EXTINCTION ? mean : mean < 1 ? -log1p(-mean) / length_mm : r->largest;
     entry[3] = (float)fmin(extinction, r->largest);
 }
@@ -336,8 +336,8 @@ static void blend_class(const row_sums *all, double count, row_sums *r)
     r->largest = fmax(r->largest, all->largest);
 }
 
-static iso_status fill_class_tables(const iso_adapter *all, const iso_adapter *split, const iso_tf_table *tf, double length_mm,
-                                    iso_tf_table tables[ISO_CLASSES], iso_error *err)
+static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *split, const iso_tf_table *tf, double length_mm,
+                                    iso_tf_table tables[ISO_TF_2D_ROWS], iso_error *err)
 {
     weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
     if (!prepared)
@@ -345,20 +345,20 @@ static iso_status fill_class_tables(const iso_adapter *all, const iso_adapter *s
     prepare(all, tf, length_mm, prepared);
     for (size_t row = 0; row < all->s.count; ++row) {
         row_sums of_all = sum_row(all, prepared, row);
-        for (size_t c = 0; c < ISO_CLASSES; ++c) {
+        for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c) {
             row_sums own = sum_row(split, prepared, c * all->s.count + row);
             blend_class(&of_all, split->row_count[c * all->s.count + row], &own);
             finish_row(all, &own, length_mm, tables[c].entries + 4 * row);
         }
     }
-    for (size_t c = 0; c < ISO_CLASSES; ++c)
+    for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
         fill_empty_rows(all, &tables[c], length_mm);
     free(prepared);
     return ISO_OK;
 }
 
 /* The class coordinate of each voxel of the level, in a byte. */
-static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_joint_split split, int threads, uint8_t **bytes,
+static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_second_value split, int threads, uint8_t **bytes,
                               iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
@@ -370,35 +370,35 @@ static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_joint_spli
     }
     iso_status status = iso_joint_class_coordinates(p, level, split, threads, planes, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_CLASSES - 1)) + 0.5f);
+        (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_TF_2D_ROWS - 1)) + 0.5f);
     free(planes);
     return status;
 }
 
-iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split,
-                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_class_tables *out, iso_error *err)
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split,
+                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
 {
     iso_joint joint = {0}, joint_split = {0};
     iso_adapter *all = NULL, *by_class = NULL;
-    *out = (iso_class_tables){0};
+    *out = (iso_tf_2d){0};
     iso_adapt_options split_opt = *opt; /* classes take a row's bulk and its tail apart by themselves */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
         split_opt.window = ISO_CLASS_WINDOW;
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SPLIT_NONE, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SECOND_VALUE_NONE, opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_joint_obtain(p, dir, level, opt->bits, split, opt->threads, &joint_split, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, &split_opt, &all, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint_split, &split_opt, &by_class, err);
-    for (size_t c = 0; c < ISO_CLASSES && status == ISO_OK; ++c)
+    for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->tables[c], err);
     if (status == ISO_OK && joint.entry_count > 0)
-        status = fill_class_tables(all, by_class, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
+        status = fill_tf_2d(all, by_class, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
     if (status == ISO_OK)
         status = class_bytes(p, level, split, opt->threads, &out->bytes, err);
     if (status != ISO_OK)
-        iso_class_tables_destroy(out);
+        iso_tf_2d_destroy(out);
     iso_adapter_destroy(all);
     iso_adapter_destroy(by_class);
     iso_joint_destroy(&joint);
@@ -434,7 +434,7 @@ static double row_error(const seen *sums, double count, const seen *s)
 }
 
 iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
-                           iso_adapt_judgement *judgement, iso_error *err)
+                           iso_adapt_judgment *judgment, iso_error *err)
 {
     const double length_mm = iso_geometry_mean_spacing_mm(level0), n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
     double original_sum = 0, adapted_sum = 0;
@@ -462,9 +462,9 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
         adapted_sum += row_error(&sums, row_count, &other);
     }
     free(at_z);
-    judgement->rms_original = sqrt(original_sum / n);
-    judgement->rms_adapted = sqrt(adapted_sum / n);
-    judgement->use_original = !(judgement->rms_adapted < judgement->rms_original);
+    judgment->rms_original = sqrt(original_sum / n);
+    judgment->rms_adapted = sqrt(adapted_sum / n);
+    judgment->use_original = !(judgment->rms_adapted < judgment->rms_original);
     return ISO_OK;
 }
 
@@ -481,19 +481,19 @@ static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_err
 }
 
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgement *judgement, iso_error *err)
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err)
 {
     const iso_geometry *level0 = &p->levels[0].geometry;
     iso_joint joint = {0};
     iso_adapter *adapter = NULL;
-    iso_adapt_judgement verdict = {.use_original = true};
+    iso_adapt_judgment verdict = {.use_original = true};
     *table = (iso_tf_table){0};
     if (level == 0) {
-        if (judgement)
-            *judgement = verdict;
+        if (judgment)
+            *judgment = verdict;
         return copy_table(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SPLIT_NONE, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SECOND_VALUE_NONE, opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);
     if (status == ISO_OK)
@@ -505,8 +505,8 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
         iso_tf_table_destroy(table);
         status = copy_table(tf, table, err);
     }
-    if (judgement)
-        *judgement = verdict;
+    if (judgment)
+        *judgment = verdict;
     iso_adapter_destroy(adapter);
     iso_joint_destroy(&joint);
     return status;

@@ -31,7 +31,7 @@
 #ifndef ISO_TF_ADAPT_H
 #define ISO_TF_ADAPT_H
 
-#include "tf/class_tables.h"
+#include "tf/tf_2d.h"
 #include "tf/histogram.h"
 #include "tf/tf.h"
 
@@ -87,29 +87,29 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * that shares its value with a thin structure are the bulk of their row, the
  * structure is its tail, and a tail beyond 1.75 deviations is cut off. Over 3
  * deviations it lights the tissue up (doc/adaptive-tf.md). */
-typedef struct iso_adapt_judgement {
+typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted;
     bool use_original;
-} iso_adapt_judgement;
+} iso_adapt_judgment;
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
-                           iso_adapt_judgement *judgement, iso_error *err);
+                           iso_adapt_judgment *judgment, iso_error *err);
 
 /* All of it for one level of a pyramid: what renderers and exporters call. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
  * of tf. judgement may be NULL. */
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgement *judgement,
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
                            iso_error *err);
 
 /* The better table where one value has two meanings: over value and class
- * (class_tables.h), by the deviation inside the coarse voxel or by the level's
+ * (tf_2d.h), by the deviation inside the coarse voxel or by the level's
  * gradient, for `level` alone. Each class's row is drawn to the row of all classes by
  * ISO_CLASS_PSEUDO_COUNTS of its voxels. level: at least 1; bits: at most 12.
  * ISO_E_RANGE, ISO_E_MEMORY. */
 #define ISO_CLASS_PSEUDO_COUNTS 16
 #define ISO_CLASS_WINDOW 3.0 /* of the flat weight, where the options leave it open */
-iso_status iso_adapt_classes(const iso_pyramid *p, const char *dir, size_t level, iso_joint_split split,
-                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_class_tables *out, iso_error *err);
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split,
+                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that
  * tabulating it gives the same entries back within rounding. */

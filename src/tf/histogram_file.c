@@ -9,12 +9,12 @@
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
-static char *file_path(const char *dir, size_t level, int bits, iso_joint_split split)
+static char *file_path(const char *dir, size_t level, int bits, iso_second_value split)
 {
     char *path = NULL;
-    if (split != ISO_SPLIT_NONE)
-        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, split == ISO_SPLIT_GRADIENT ? 'g' : 'x',
-                        ISO_CLASSES) < 0 ? NULL : path;
+    if (split != ISO_SECOND_VALUE_NONE)
+        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, split == ISO_SECOND_VALUE_GRADIENT ? 'g' : 'x',
+                        ISO_TF_2D_ROWS) < 0 ? NULL : path;
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
 
@@ -84,18 +84,18 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 }
 
 /* Fills the rows from the file's numbers; false when they are not what save writes. */
-static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_joint_split split,
+static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_second_value split,
                             iso_joint *j, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     bool sparse = n[0] == 3 && z->count != 3;
     size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
-    size_t classes = split == ISO_SPLIT_NONE ? 1 : ISO_CLASSES, rows = s->count * classes;
+    size_t tf_2d = split == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, rows = s->count * tf_2d;
     if (!sparse && (n[0] != z->count || n[1] != rows))
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
-    *j = (iso_joint){.z = *z, .s = *s, .split = split, .class_count = classes, .entry_count = entries};
+    *j = (iso_joint){.z = *z, .s = *s, .split = split, .class_count = tf_2d, .entry_count = entries};
     j->row_start = calloc(rows + 1, sizeof *j->row_start);
     j->entry_z = malloc((entries + 1) * sizeof *j->entry_z);
     j->entry_count_of = malloc((entries + 1) * sizeof *j->entry_count_of);
@@ -120,7 +120,7 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     return ISO_OK;
 }
 
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_joint_split split,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value split,
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
@@ -149,7 +149,7 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
     return status;
 }
 
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_joint_split split, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value split, int threads,
                             iso_joint *j, iso_error *err)
 {
     iso_bins z, s;

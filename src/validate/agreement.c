@@ -27,18 +27,18 @@ static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 /* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighbouring
  * entries differ by most of an opacity, that becomes some 1e-5.
  * POV-Ray writes 16 bits a channel, which round by 7.6e-6 of the brightest that there can be. */
-iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp)
+iso_tolerances iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp)
 {
     if (renderer == ISO_WITH_POVRAY)
-        return (iso_limits){.max_abs = sharp ? 2e-4 : fmax(2e-5, 1e-5 * iso_povray_peak(view))};
-    return sharp ? (iso_limits){.rmse = 5e-6, .max_abs = 2e-4} : (iso_limits){.rmse = 1e-6, .max_abs = 2e-5};
+        return (iso_tolerances){.max_abs = sharp ? 2e-4 : fmax(2e-5, 1e-5 * iso_povray_peak(view))};
+    return sharp ? (iso_tolerances){.rmse = 5e-6, .max_abs = 2e-4} : (iso_tolerances){.rmse = 1e-6, .max_abs = 2e-5};
 }
 
 /* Floats of texels, colours and a ray's sums: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999
  * (doc/validation.md). */
-iso_limits iso_validate_exact_lock_step(void)
+iso_tolerances iso_validate_exact_lock_step(void)
 {
-    return (iso_limits){.rmse = 5e-7, .max_abs = 1e-5};
+    return (iso_tolerances){.rmse = 5e-7, .max_abs = 1e-5};
 }
 
 double iso_validate_error_bar(const iso_scene_agreement *asked) { return asked->sharp ? sharp_bar : smooth_bar; }
@@ -262,7 +262,7 @@ static void add_gate(iso_report_agreement *row, const char *name, double value, 
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l, iso_report_agreement *row)
 {
     row->error_bar = l->bar;
-    row->limits = (iso_limits){.rmse = l->allowed};
+    row->limits = (iso_tolerances){.rmse = l->allowed};
     add_gate(row, "error bar", l->bar, iso_validate_error_bar(asked));
     add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {

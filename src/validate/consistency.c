@@ -137,13 +137,13 @@ static iso_status measure_images(iso_validation *v, const iso_pyramid *p, const 
 static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
                                   iso_report_consistency row, iso_error *err)
 {
-    const iso_adapt_judgement *judgement = &v->level_tfs[row.level].judgement;
+    const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
     char name[64], why[160];
     iso_status status = ISO_OK;
     row.adapted = true;
-    if (judgement->use_original) {
+    if (judgment->use_original) {
         snprintf(why, sizeof why, "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",
-                 judgement->rms_adapted, judgement->rms_original);
+                 judgment->rms_adapted, judgment->rms_original);
         row.original_kept = why;
     } else {
         snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", m->name, row.level);

@@ -35,7 +35,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels", v->pyramid->level_count);
     for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
-        status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgement, err);
+        status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
     }
     return status;
 }
@@ -78,18 +78,18 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
 
 /* The same of a table over two values. */
 static iso_status compare_table(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
-                                iso_joint_split split, iso_error *err)
+                                iso_second_value split, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_class_tables classes, *own = view->classes;
+    iso_tf_2d tf_2d, *own = view->tf_2d;
     opt.threads = v->threads;
-    iso_status status = iso_adapt_classes(p, NULL, level, split, &v->view->tf, &opt, &classes, err);
+    iso_status status = iso_adapt_tf_2d(p, NULL, level, split, &v->view->tf, &opt, &tf_2d, err);
     if (status != ISO_OK)
         return status;
-    view->classes = &classes;
-    status = compare(v, p, m, level, view, split == ISO_SPLIT_GRADIENT ? &gradient_tf : &deviation_tf, err);
-    view->classes = own;
-    iso_class_tables_destroy(&classes);
+    view->tf_2d = &tf_2d;
+    status = compare(v, p, m, level, view, split == ISO_SECOND_VALUE_GRADIENT ? &gradient_tf : &deviation_tf, err);
+    view->tf_2d = own;
+    iso_tf_2d_destroy(&tf_2d);
     return status;
 }
 
@@ -110,10 +110,10 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     if (!covered)
         status = compare(v, p, m, level, &view, &original_tf, err);
     view.tf = v->level_tfs[level].table;
-    if (status == ISO_OK && !v->level_tfs[level].judgement.use_original)
+    if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
-    for (int split = ISO_SPLIT_DEVIATION; split <= ISO_SPLIT_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
-        status = compare_table(v, p, m, level, &view, (iso_joint_split)split, err);
+    for (int split = ISO_SECOND_VALUE_DEVIATION; split <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
+        status = compare_table(v, p, m, level, &view, (iso_second_value)split, err);
     return status;
 }
 

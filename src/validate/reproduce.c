@@ -8,7 +8,7 @@
 #include "base/words.h"
 #include "validate/validate.h"
 
-static void put_limits(FILE *f, const iso_limits *l)
+static void put_limits(FILE *f, const iso_tolerances *l)
 {
     const struct { const char *option; double value; } all[] = {
         {"--max-rmse", l->rmse},
@@ -42,7 +42,7 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, iso_rende
 }
 
 char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
-                             const char *image_a, const iso_limits *limits)
+                             const char *image_a, const iso_tolerances *limits)
 {
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
     if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))

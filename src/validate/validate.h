@@ -20,7 +20,7 @@
 /* What a level is shown with when the TF is to be adapted to it. Pyramids that differ in their directions alone share it. */
 typedef struct iso_level_tf {
     iso_tf_table table;            /* of the level; the original where that is kept */
-    iso_adapt_judgement judgement; /* use_original: adapting was refused; so at level 0 */
+    iso_adapt_judgment judgment; /* use_original: adapting was refused; so at level 0 */
 } iso_level_tf;
 
 typedef struct iso_validation {
@@ -85,14 +85,14 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 /* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
  * does. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
-                             const char *image_a, const iso_limits *limits);
+                             const char *image_a, const iso_tolerances *limits);
 
 /* The gates, for all who use them: nobody has a copy of his own.
  * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in
  * 16 bits a channel of how bright the view can be; a TF that is steep (sharp) multiplies the difference. */
-iso_limits iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp);
+iso_tolerances iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp);
 /* The same of the ray caster with exact lookups (render/gl/raycaster.h), of any TF. */
-iso_limits iso_validate_exact_lock_step(void);
+iso_tolerances iso_validate_exact_lock_step(void);
 /* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
 enum { ISO_VALIDATE_POVRAY_INTERVALS = 128 };
 /* How the limit of a renderer is sought: first step, what ends the halving. */

@@ -123,7 +123,7 @@ static double millimetres(int units)
 }
 
 /* The affine of voxel centres; false when the file gives only spacings. */
-static bool centre_affine(const nifti_header *h, double m[3][4])
+static bool center_affine(const nifti_header *h, double m[3][4])
 {
     if (h->sform_code > 0) {
         memcpy(m, h->srow, sizeof h->srow);
@@ -147,7 +147,7 @@ static void read_geometry(const nifti_header *h, iso_volume *header)
     double spacing[3] = {h->pixdim[1] * mm, h->pixdim[2] * mm, h->pixdim[3] * mm};
     size_t size[3] = {(size_t)h->dim[1], (size_t)h->dim[2], (size_t)h->dim[3]};
     *g = iso_geometry_axis_aligned(size, spacing);
-    header->notes.world_is_ras = centre_affine(h, m);
+    header->notes.world_is_ras = center_affine(h, m);
     if (!header->notes.world_is_ras)
         return;
     for (int r = 0; r < 3; ++r)

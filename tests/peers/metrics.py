@@ -76,16 +76,16 @@ def check_flip(folder, reference, test, map_path):
     import matplotlib.pyplot
     theirs = matplotlib.pyplot.imread(map_path)[..., :3]
     magma = numpy.array([matplotlib.pyplot.get_cmap("magma")(i)[:3] for i in range(256)])
-    table = {tuple(colour): i for i, colour in enumerate(numpy.round(255 * magma).astype(int).tolist())}
-    colours = numpy.round(255 * theirs).astype(int).reshape(-1, 3)
-    steps = numpy.array([table.get(tuple(c), -1) for c in colours.tolist()])
+    table = {tuple(color): i for i, color in enumerate(numpy.round(255 * magma).astype(int).tolist())}
+    colors = numpy.round(255 * theirs).astype(int).reshape(-1, 3)
+    steps = numpy.array([table.get(tuple(c), -1) for c in colors.tolist()])
     if (steps < 0).any():
         sys.exit(f"{map_path}: has colours that are none of magma's")
     own = os.path.join(folder, "map.exr")
-    grey = os.path.join(folder, "authors.ppm")
+    gray = os.path.join(folder, "authors.ppm")
     mean = compare(reference, test, "--flip-map", own)["flip_mean"]
-    write_ppm(grey, numpy.repeat((steps / 255).reshape(*theirs.shape[:2], 1), 3, axis=2))
-    apart = compare(own, grey)
+    write_ppm(gray, numpy.repeat((steps / 255).reshape(*theirs.shape[:2], 1), 3, axis=2))
+    apart = compare(own, gray)
     # Half a step of 8 bits, and the 16 bits of the picture on the way.
     same = apart["p99_abs"] <= 0.5 / 255 + 2e-5 and apart["max_abs"] <= 0.67 / 255 and abs(mean - steps.mean() / 255) <= 1e-4
     print(f"flip  mean of the authors' map {steps.mean() / 255:.6f} (8 bits)  isoshade {mean:.6f}; largest difference of a pixel "

@@ -30,7 +30,7 @@ POINTS = {"dense": [(0, (0.2, 0.3, 0.9), 0.002), (1, (1, 0.9, 0.7), 0.02)],
 WANTED = {"dense": 1.5, "sparse": 6.0}
 
 
-def normalise(v):
+def normalize(v):
     length = math.sqrt(sum(x * x for x in v))
     return tuple(x / length for x in v)
 
@@ -104,7 +104,7 @@ def vtk_scene(args, tf):
 
 def vtk_camera(image, camera):
     """The fitted camera of isoshade: the sphere round the box of whole voxels."""
-    forward = normalise(DIRECTION)
+    forward = normalize(DIRECTION)
     spacing, size, origin = image.GetSpacing(), image.GetDimensions(), image.GetOrigin()
     center = [o + 0.5 * (n - 1) * h for o, n, h in zip(origin, size, spacing)]
     radius = MARGIN * 0.5 * math.sqrt(sum((n * h) ** 2 for n, h in zip(size, spacing)))
@@ -113,9 +113,9 @@ def vtk_camera(image, camera):
     camera.SetPosition([c - distance * f for c, f in zip(center, forward)])
     camera.SetViewUp(UP)
     camera.SetViewAngle(FOV)
-    right = normalise(cross(forward, UP))
+    right = normalize(cross(forward, UP))
     up = cross(right, forward)
-    return normalise([LIGHT[0] * r + LIGHT[1] * u - LIGHT[2] * f for r, u, f in zip(right, up, forward)]), center
+    return normalize([LIGHT[0] * r + LIGHT[1] * u - LIGHT[2] * f for r, u, f in zip(right, up, forward)]), center
 
 
 def vtk_main(args):

@@ -18,7 +18,7 @@ ISO_EMBED(iso_warp_map_glsl, "src/brick/warp_map.h");
 ISO_EMBED(iso_transition_glsl, "src/render/gl/shaders/transition.glsl");
 ISO_EMBED(iso_points_glsl, "src/render/gl/shaders/points.glsl");
 ISO_EMBED(iso_first_hit_glsl, "src/render/gl/shaders/first_hit.glsl");
-ISO_EMBED(iso_focus_glsl, "src/render/gl/shaders/focus.glsl");
+ISO_EMBED(iso_roi_glsl, "src/render/gl/shaders/roi.glsl");
 ISO_EMBED(iso_raycast_glsl, "src/render/gl/shaders/raycast.glsl");
 ISO_EMBED(iso_probe_glsl, "src/render/gl/shaders/probe.glsl");
 ISO_EMBED(iso_fullscreen_glsl, "src/render/gl/shaders/fullscreen.glsl");
@@ -28,7 +28,7 @@ static const struct {
 } shader_files[] = {
     {"code_decode.h", iso_code_decode_glsl},
     {"first_hit.glsl", iso_first_hit_glsl},
-    {"focus.glsl", iso_focus_glsl},
+    {"roi.glsl", iso_roi_glsl},
     {"fullscreen.glsl", iso_fullscreen_glsl},
     {"points.glsl", iso_points_glsl},
     {"probe.glsl", iso_probe_glsl},

@@ -15,11 +15,11 @@
 #include "render/sampler.h"
 #include "tf/integral.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS, UNIT_FOCUS_SCALAR, UNIT_FOCUS_TF, UNIT_FOCUS_DIRECTIONS };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS, UNIT_ROI_SCALAR, UNIT_ROI_TF, UNIT_ROI_DIRECTIONS };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
-    GLuint scalar, directions, tf, tf_sums, occupancy, palette, classes; /* directions: the indices, with a palette */
+    GLuint scalar, directions, tf, tf_sums, occupancy, palette, tf_2d; /* directions: the indices, with a palette */
     bool skip_empty;
     double value_per_texel; /* value = min + texel * value_per_texel */
     double direction_scale, direction_offset;
@@ -131,13 +131,13 @@ static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
 
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[] = {t->scalar, t->directions, t->tf, t->tf_sums, t->occupancy, t->palette, t->classes};
+    const GLuint names[] = {t->scalar, t->directions, t->tf, t->tf_sums, t->occupancy, t->palette, t->tf_2d};
     glDeleteTextures(sizeof names / sizeof *names, names);
 }
 
 static double bytes_of(const level_textures *t)
 {
-    const GLuint solid[] = {t->scalar, t->directions, t->occupancy, t->classes}, flat[] = {t->tf, t->tf_sums, t->palette};
+    const GLuint solid[] = {t->scalar, t->directions, t->occupancy, t->tf_2d}, flat[] = {t->tf, t->tf_sums, t->palette};
     double bytes = 0;
     for (size_t i = 0; i < sizeof solid / sizeof *solid; ++i)
         bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, solid[i]);
@@ -200,7 +200,7 @@ static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, c
     const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
     bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
                 gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
-    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "classes", &t->classes, err);
+    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "classes", &t->tf_2d, err);
     uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
     if (status == ISO_OK && wide && !plane)
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu classes", plane_count);
@@ -215,23 +215,23 @@ static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, c
 }
 
 /* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
-static iso_status upload_classes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
-                                 const iso_class_tables *classes, level_textures *t, iso_error *err)
+static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
+                                 const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
 {
-    const iso_tf_table *tables = classes->tables;
+    const iso_tf_table *tables = tf_2d->tables;
     size_t row = 4 * tables[0].count;
     iso_tf_table envelope = {0};
-    float *rows = malloc(ISO_CLASSES * row * sizeof *rows);
-    iso_status status = rows ? iso_class_envelope(classes, &envelope, err)
-                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_CLASSES, tables[0].count);
-    for (size_t c = 0; c < ISO_CLASSES && status == ISO_OK; ++c)
+    float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
+    iso_status status = rows ? iso_tf_2d_envelope(tf_2d, &envelope, err)
+                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_TF_2D_ROWS, tables[0].count);
+    for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_CLASSES, rows, &t->tf, err);
+        status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_TF_2D_ROWS, rows, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_CLASSES);
     if (status == ISO_OK)
-        status = upload_class_bytes(gl, level, classes->bytes, t, err);
+        status = upload_class_bytes(gl, level, tf_2d->bytes, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
         status = upload_occupancy(gl, level, opt, &envelope, t, err);
@@ -246,16 +246,16 @@ static bool is_from_palette(iso_direction_source source)
 }
 
 /* The finer level of a region of interest. */
-static iso_status upload_focus(const iso_gl *gl, const iso_focus *f, iso_code code, iso_direction_source source, level_textures *t,
+static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, iso_direction_source source, level_textures *t,
                                iso_error *err)
 {
     *t = (level_textures){0};
-    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_SCALAR);
+    glActiveTexture(GL_TEXTURE0 + UNIT_ROI_SCALAR);
     iso_status status = upload_scalar(gl, &f->level, t, err);
-    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_TF);
+    glActiveTexture(GL_TEXTURE0 + UNIT_ROI_TF);
     if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err);
-    glActiveTexture(GL_TEXTURE0 + UNIT_FOCUS_DIRECTIONS);
+    glActiveTexture(GL_TEXTURE0 + UNIT_ROI_DIRECTIONS);
     if (status == ISO_OK)
         status = source == ISO_FROM_CODES ? upload_codes(gl, &f->level, code, t, err)
                                           : upload_vectors(gl, &f->level, code, source, t, err);
@@ -273,8 +273,8 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
     iso_status status = upload_scalar(gl, level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    if (status == ISO_OK && view->classes)
-        status = upload_classes(gl, level, opt, view->classes, t, err);
+    if (status == ISO_OK && view->tf_2d)
+        status = upload_tf_2d(gl, level, opt, view->tf_2d, t, err);
     else if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF_SUMS);
@@ -293,7 +293,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     float entries[12];
     iso_tf_table below = opt->surface ? iso_gl_surface_tf(opt->surface, level->min, level->max, entries) : *tf;
-    if (status == ISO_OK && !view->classes)
+    if (status == ISO_OK && !view->tf_2d)
         status = upload_occupancy(gl, level, opt, &below, t, err);
     if (status != ISO_OK)
         destroy_textures(t);
@@ -339,7 +339,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_float(program, "on_the_fly_eps", ISO_ON_THE_FLY_EPS);
 }
 
-static void set_focus(GLuint program, const iso_focus *f, const iso_geometry *around, const level_textures *t)
+static void set_roi(GLuint program, const iso_roi *f, const iso_geometry *around, const level_textures *t)
 {
     const size_t *size = around->size, *own = f->level.geometry.size;
     double scale[3], offset[3];
@@ -347,18 +347,18 @@ static void set_focus(GLuint program, const iso_focus *f, const iso_geometry *ar
         scale[a] = f->scale * (double)size[a] / (double)own[a];
         offset[a] = -f->offset[a] / (double)own[a];
     }
-    iso_gl_set_int(program, "focus_scalar", UNIT_FOCUS_SCALAR);
-    iso_gl_set_int(program, "focus_tf", UNIT_FOCUS_TF);
-    iso_gl_set_int(program, "focus_directions", UNIT_FOCUS_DIRECTIONS);
+    iso_gl_set_int(program, "roi_scalar", UNIT_ROI_SCALAR);
+    iso_gl_set_int(program, "roi_tf", UNIT_ROI_TF);
+    iso_gl_set_int(program, "roi_directions", UNIT_ROI_DIRECTIONS);
     double entries = (double)(f->tf.count - 1) / (f->tf.hi - f->tf.lo);
-    iso_gl_set_float(program, "focus_tf_scale", t->value_per_texel * entries);
-    iso_gl_set_float(program, "focus_tf_offset", (f->level.min - f->tf.lo) * entries);
-    iso_gl_set_int(program, "focus_tf_count", (int)f->tf.count);
-    iso_gl_set_vec3(program, "focus_place_scale", iso_v3(scale[0], scale[1], scale[2]));
-    iso_gl_set_vec3(program, "focus_place_offset", iso_v3(offset[0], offset[1], offset[2]));
-    iso_gl_set_vec3(program, "focus_lo", iso_v3(f->lo[0], f->lo[1], f->lo[2]));
-    iso_gl_set_vec3(program, "focus_hi", iso_v3(f->hi[0], f->hi[1], f->hi[2]));
-    iso_gl_set_float(program, "focus_band", f->band);
+    iso_gl_set_float(program, "roi_tf_scale", t->value_per_texel * entries);
+    iso_gl_set_float(program, "roi_tf_offset", (f->level.min - f->tf.lo) * entries);
+    iso_gl_set_int(program, "roi_tf_count", (int)f->tf.count);
+    iso_gl_set_vec3(program, "roi_place_scale", iso_v3(scale[0], scale[1], scale[2]));
+    iso_gl_set_vec3(program, "roi_place_offset", iso_v3(offset[0], offset[1], offset[2]));
+    iso_gl_set_vec3(program, "roi_lo", iso_v3(f->lo[0], f->lo[1], f->lo[2]));
+    iso_gl_set_vec3(program, "roi_hi", iso_v3(f->hi[0], f->hi[1], f->hi[2]));
+    iso_gl_set_float(program, "roi_band", f->band);
     iso_gl_set_vec3(program, "index_per_p", iso_v3((double)size[0], (double)size[1], (double)size[2]));
 }
 
@@ -374,12 +374,12 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
-             "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define FOCUS %d\n",
+             "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define ROI %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty, view->classes ? ISO_CLASSES : 0, opt->preintegrated,
+             view->shading.specular > 0, skip_empty, view->tf_2d ? ISO_TF_2D_ROWS : 0, opt->preintegrated,
              opt->exact_lookups,
-             opt->surface ? (int)opt->surface->output + 1 : 0, view->focus != NULL);
+             opt->surface ? (int)opt->surface->output + 1 : 0, view->roi != NULL);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
 
@@ -390,30 +390,30 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
     const double step_voxels = opt->step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
     *image = (iso_image){0};
-    if (opt->surface && (view->classes || !isfinite(opt->surface->iso)))
+    if (opt->surface && (view->tf_2d || !isfinite(opt->surface->iso)))
         return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no deviation classes");
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
-    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->focus))
+    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->roi))
         return iso_fail(err, ISO_E_USAGE, "gl: exact lookups are for the integral by midpoints, without a region of interest");
-    if (view->classes && opt->preintegrated)
+    if (view->tf_2d && opt->preintegrated)
         return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
-    if (view->focus && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
+    if (view->roi && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
         return iso_fail(err, ISO_E_USAGE, "gl: a region of interest takes codes, decoded or float directions, and no surface or "
                                           "pre-integration");
     GLuint program;
-    level_textures textures, focus_textures = {0};
+    level_textures textures, roi_textures = {0};
     iso_gl_stats stats = {0};
     const double start = iso_clock_seconds();
-    if (view->focus)
+    if (view->roi)
         with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = upload(gl, level, code, opt, view, &textures, err);
     if (status != ISO_OK)
         return status;
-    if (view->focus)
-        status = upload_focus(gl, view->focus, code, opt->source, &focus_textures, err);
+    if (view->roi)
+        status = upload_roi(gl, view->roi, code, opt->source, &roi_textures, err);
     if (status == ISO_OK)
         status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);
     if (status == ISO_OK)
@@ -422,15 +422,15 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         glUseProgram(program);
         iso_gl_set_camera(program, &level->geometry, view,
                           step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry)));
-        set_field(program, level, &textures, opt, view->classes ? &view->classes->tables[0] : &view->tf);
+        set_field(program, level, &textures, opt, view->tf_2d ? &view->tf_2d->tables[0] : &view->tf);
         iso_gl_set_light(program, view);
-        if (view->focus)
-            set_focus(program, view->focus, &level->geometry, &focus_textures);
+        if (view->roi)
+            set_roi(program, view->roi, &level->geometry, &roi_textures);
     }
     double least = INFINITY;
     if (status == ISO_OK) {
         glFinish();
-        stats.texture_bytes = bytes_of(&textures) + bytes_of(&focus_textures);
+        stats.texture_bytes = bytes_of(&textures) + bytes_of(&roi_textures);
         stats.upload_seconds = iso_clock_seconds() - start;
         status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &least, &stats, err);
     }
@@ -439,7 +439,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (seconds)
         *seconds = least;
     destroy_textures(&textures);
-    destroy_textures(&focus_textures);
+    destroy_textures(&roi_textures);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;

@@ -11,13 +11,13 @@
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_NEIGHBOURS, UNIT_POINTS };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_NEIGHBORS, UNIT_POINTS };
 
 typedef struct warp_cache {
     const iso_warp_field *field;
     size_t count[3]; /* bricks */
     size_t size[3];  /* texels of the cache */
-    GLuint scalar, directions, tf, occupancy, layout, neighbours;
+    GLuint scalar, directions, tf, occupancy, layout, neighbors;
     bool skip_empty, shaded;
     double zero, per_texel; /* value = zero + texel * per_texel */
 } warp_cache;
@@ -33,7 +33,7 @@ static void brick_at(const warp_cache *c, size_t i, size_t brick[3])
 
 static void destroy_cache(warp_cache *c)
 {
-    const GLuint names[6] = {c->scalar, c->directions, c->tf, c->occupancy, c->layout, c->neighbours};
+    const GLuint names[6] = {c->scalar, c->directions, c->tf, c->occupancy, c->layout, c->neighbors};
     glDeleteTextures(6, names);
 }
 
@@ -147,7 +147,7 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
     for (size_t i = 0; status == ISO_OK && i < count; ++i) {
         size_t brick[3];
         brick_at(c, i, brick);
-        bits[i] = iso_warp_neighbours(c->field, brick);
+        bits[i] = iso_warp_neighbors(c->field, brick);
         /* The low corner of a fine brick is a texel past its border's, that of a coarse one in its first sample. */
         const double corner = c->field->levels[i] ? 0.5 : 1;
         for (size_t a = 0; held[i] && a < 3; ++a)
@@ -157,9 +157,9 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
     glActiveTexture(GL_TEXTURE0 + UNIT_LAYOUT);
     if (status == ISO_OK)
         status = upload_table(gl, c, GL_RGBA32F, GL_RGBA, GL_FLOAT, texels, &c->layout, err);
-    glActiveTexture(GL_TEXTURE0 + UNIT_NEIGHBOURS);
+    glActiveTexture(GL_TEXTURE0 + UNIT_NEIGHBORS);
     if (status == ISO_OK)
-        status = upload_table(gl, c, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, bits, &c->neighbours, err);
+        status = upload_table(gl, c, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, bits, &c->neighbors, err);
     free(texels);
     free(bits);
     return status;
@@ -236,7 +236,7 @@ static void set_field(GLuint program, const warp_cache *c, const iso_level *leve
     iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
     iso_gl_set_int(program, "layout_of_bricks", UNIT_LAYOUT);
-    iso_gl_set_int(program, "coarse_neighbours", UNIT_NEIGHBOURS);
+    iso_gl_set_int(program, "coarse_neighbors", UNIT_NEIGHBORS);
     iso_gl_set_int(program, "points", UNIT_POINTS);
     iso_gl_set_float(program, "brick_side", side);
     iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));

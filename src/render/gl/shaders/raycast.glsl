@@ -8,9 +8,9 @@
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
 // voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, class_tables.h; 0 or absent: one),
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, tf_2d.h; 0 or absent: one),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
-// integral; else first_hit.glsl instead), EXACT (0, absent or 1: textures are filtered here and values classified, in double), FOCUS (0, absent or 1: focus.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
+// integral; else first_hit.glsl instead), EXACT (0, absent or 1: textures are filtered here and values classified, in double), ROI (0, absent or 1: roi.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
 // them), POINTS (absent, or points.glsl instead).
 
 uniform dvec2 image_size;
@@ -439,15 +439,15 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
 #ifndef FIRST_HIT
 #define FIRST_HIT 0
 #endif
-#ifndef FOCUS
-#define FOCUS 0
+#ifndef ROI
+#define ROI 0
 #endif
 #ifdef POINTS
 #include "points.glsl"
 #elif FIRST_HIT
 #include "first_hit.glsl"
-#elif FOCUS
-#include "focus.glsl"
+#elif ROI
+#include "roi.glsl"
 #else
 void main()
 {

@@ -6,7 +6,7 @@
 
 #include "warp_map.h"
 
-uniform usampler3D coarse_neighbours; // 26 bits a brick; none for coarse ones
+uniform usampler3D coarse_neighbors; // 26 bits a brick; none for coarse ones
 uniform float brick_side;             // voxels of a brick of level 0
 
 // The second fetch of the place that address_in() gave last.
@@ -22,7 +22,7 @@ vec4 address_in(ivec3 brick, vec3 p)
     foot_part = 0.0;
     vec3 inwards = min(in_brick, 1.0 - in_brick) * brick_side;
     if (min(inwards.x, min(inwards.y, inwards.z)) < 0.5) {
-        uint coarse = texelFetch(coarse_neighbours, brick, 0).r;
+        uint coarse = texelFetch(coarse_neighbors, brick, 0).r;
         iso_warp_fetch at = iso_warp_place(in_brick * brick_side, brick_side, coarse, TRANSITION);
         // Coarse bricks have no neighbours that count: their own places stay as they are.
         in_brick = coarse != 0u ? at.top / brick_side : in_brick;

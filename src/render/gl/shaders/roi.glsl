@@ -1,34 +1,34 @@
 // SPDX-License-Identifier: MIT
-// focus.glsl - a finer level inside a box, the other around it, and a band in which what they emit and absorb is blended:
+// roi.glsl - a finer level inside a box, the other around it, and a band in which what they emit and absorb is blended:
 // scene/roi.h. The finer level has a scalar, directions (of the same source) and a TF of its own.
 
-uniform sampler3D focus_scalar, focus_directions;
-uniform sampler2D focus_tf;
-uniform float focus_tf_scale, focus_tf_offset;
-uniform int focus_tf_count;
-uniform vec3 focus_place_scale, focus_place_offset; // p to texture coordinates of the finer level
-uniform vec3 focus_lo, focus_hi;                    // the box, in the index of the level around it
-uniform float focus_band;
+uniform sampler3D roi_scalar, roi_directions;
+uniform sampler2D roi_tf;
+uniform float roi_tf_scale, roi_tf_offset;
+uniform int roi_tf_count;
+uniform vec3 roi_place_scale, roi_place_offset; // p to texture coordinates of the finer level
+uniform vec3 roi_lo, roi_hi;                    // the box, in the index of the level around it
+uniform float roi_band;
 uniform vec3 index_per_p;
 
-float focus_weight(vec3 p)
+float roi_weight(vec3 p)
 {
-    vec3 index = p * index_per_p, far = max(focus_lo - index, index - focus_hi);
+    vec3 index = p * index_per_p, far = max(roi_lo - index, index - roi_hi);
     float outside = max(max(far.x, far.y), far.z);
-    float u = outside > 0.0 ? max(1.0 - outside / max(focus_band, 1e-30), 0.0) : 1.0;
+    float u = outside > 0.0 ? max(1.0 - outside / max(roi_band, 1e-30), 0.0) : 1.0;
     return u * u * (3.0 - 2.0 * u);
 }
 
-vec4 focus_classify(vec3 q)
+vec4 roi_classify(vec3 q)
 {
-    float x = clamp(textureLod(focus_scalar, q, 0.0).r * focus_tf_scale + focus_tf_offset, 0.0, float(focus_tf_count - 1));
-    int i = min(int(x), focus_tf_count - 2);
-    return mix(texelFetch(focus_tf, ivec2(i, 0), 0), texelFetch(focus_tf, ivec2(i + 1, 0), 0), x - float(i));
+    float x = clamp(textureLod(roi_scalar, q, 0.0).r * roi_tf_scale + roi_tf_offset, 0.0, float(roi_tf_count - 1));
+    int i = min(int(x), roi_tf_count - 2);
+    return mix(texelFetch(roi_tf, ivec2(i, 0), 0), texelFetch(roi_tf, ivec2(i + 1, 0), 0), x - float(i));
 }
 
-vec3 focus_normal(vec3 q)
+vec3 roi_normal(vec3 q)
 {
-    vec3 e = textureLod(focus_directions, q, 0.0).rgb;
+    vec3 e = textureLod(roi_directions, q, 0.0).rgb;
 #if DIRECTION_SOURCE == 0
     return iso_shading_normal(iso_decode(DECODER, e * direction_scale + direction_offset));
 #else
@@ -39,7 +39,7 @@ vec3 focus_normal(vec3 q)
 // Sigma c shade, and sigma.
 vec4 emission_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
 {
-    float w = focus_weight(p);
+    float w = roi_weight(p);
     vec4 sum = vec4(0.0);
     if (w < 1.0) {
         vec4 c = classify_at(p);
@@ -47,10 +47,10 @@ vec4 emission_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
             sum = (1.0 - w) * c.a * vec4(shade_at(p, halfway) * c.rgb, 1.0);
     }
     if (w > 0.0) {
-        vec3 q = p * focus_place_scale + focus_place_offset;
-        vec4 c = focus_classify(q);
+        vec3 q = p * roi_place_scale + roi_place_offset;
+        vec4 c = roi_classify(q);
         if (c.a > 0.0)
-            sum += w * c.a * vec4(shade(focus_normal(q), halfway) * c.rgb, 1.0);
+            sum += w * c.a * vec4(shade(roi_normal(q), halfway) * c.rgb, 1.0);
     }
     return sum;
 }

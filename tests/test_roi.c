@@ -65,17 +65,17 @@ static iso_tf_table adapted_table(const iso_pyramid *p, size_t level, const iso_
 }
 
 /* Not on voxel borders, of unequal sides. */
-static iso_focus_options make_box(double band)
+static iso_roi_options make_box(double band)
 {
-    return (iso_focus_options){.lo = {6, 9.5, 4}, .hi = {15.3, 21, 11}, .band = band};
+    return (iso_roi_options){.lo = {6, 9.5, 4}, .hi = {15.3, 21, 11}, .band = band};
 }
 
-static iso_focus make_focus(const iso_pyramid *p, size_t around, const iso_tf_table *tf, double band)
+static iso_roi make_roi(const iso_pyramid *p, size_t around, const iso_tf_table *tf, double band)
 {
-    const iso_focus_options opt = make_box(band);
-    iso_focus focus;
-    assert_ok(iso_focus_create(p, around, tf, &opt, &focus, &err));
-    return focus;
+    const iso_roi_options opt = make_box(band);
+    iso_roi roi;
+    assert_ok(iso_roi_create(p, around, tf, &opt, &roi, &err));
+    return roi;
 }
 
 static void weights_and_places_are_those_of_the_definition(void **state)
@@ -83,11 +83,11 @@ static void weights_and_places_are_those_of_the_definition(void **state)
     (void)state;
     iso_pyramid p = field_pyramid(ISO_FIELD_NOISE, 1, false);
     iso_view view = make_view(&p);
-    iso_focus f = make_focus(&p, 2, &view.tf, 2);
-    assert_within(iso_focus_weight(&f, iso_v3(2.6, 4, 2)), 1, 0);
-    assert_within(iso_focus_weight(&f, iso_v3(6.0 / 4 - 1, 4, 2)), 0.5, 1e-15); /* half the band: u = 1/2 */
-    assert_within(iso_focus_weight(&f, iso_v3(6.0 / 4 - 0.5, 21.0 / 4 + 1.5, 2)), 0.25 * 0.25 * 2.5, 1e-15); /* the larger counts */
-    assert_within(iso_focus_weight(&f, iso_v3(2.6, 4, 11.0 / 4 + 2)), 0, 0);
+    iso_roi f = make_roi(&p, 2, &view.tf, 2);
+    assert_within(iso_roi_weight(&f, iso_v3(2.6, 4, 2)), 1, 0);
+    assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 1, 4, 2)), 0.5, 1e-15); /* half the band: u = 1/2 */
+    assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 0.5, 21.0 / 4 + 1.5, 2)), 0.25 * 0.25 * 2.5, 1e-15); /* the larger counts */
+    assert_within(iso_roi_weight(&f, iso_v3(2.6, 4, 11.0 / 4 + 2)), 0, 0);
     for (size_t i = 0; i < iso_geometry_voxel_count(&f.level.geometry); ++i) { /* the crop's voxels are where they were */
         const size_t *n = f.level.geometry.size, *m = p.levels[0].geometry.size;
         const iso_vec3 at = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5, (double)(i / (n[0] * n[1])) + 0.5};
@@ -95,12 +95,12 @@ static void weights_and_places_are_those_of_the_definition(void **state)
         const size_t from = (size_t)q.x + m[0] * ((size_t)q.y + m[1] * (size_t)q.z);
         assert_within(f.level.scalar[i], (double)p.levels[0].scalar[from], 0);
         assert_memory_equal(f.level.codes + 3 * i, p.levels[0].codes + 3 * from, 3);
-        const iso_vec3 back = iso_focus_inside(&f, iso_scale(q, 0.25));
+        const iso_vec3 back = iso_roi_inside(&f, iso_scale(q, 0.25));
         assert_within(back.x, at.x, 1e-12);
         assert_within(back.y, at.y, 1e-12);
         assert_within(back.z, at.z, 1e-12);
     }
-    iso_focus_destroy(&f);
+    iso_roi_destroy(&f);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -110,18 +110,18 @@ static void boxes_that_are_none_are_refused(void **state)
     (void)state;
     iso_pyramid p = field_pyramid(ISO_FIELD_RAMP, 1, false);
     iso_view view = make_view(&p);
-    iso_focus f;
-    iso_focus_options opt = make_box(2);
+    iso_roi f;
+    iso_roi_options opt = make_box(2);
     opt.hi[1] = opt.lo[1];
-    assert_status(iso_focus_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
+    assert_status(iso_roi_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
     opt = make_box(2);
     opt.hi[2] = 18;
-    assert_status(iso_focus_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
+    assert_status(iso_roi_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
     opt = make_box(NAN);
-    assert_status(iso_focus_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
+    assert_status(iso_roi_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
     opt = make_box(2);
     opt.level = 1;
-    assert_status(iso_focus_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
+    assert_status(iso_roi_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -130,12 +130,12 @@ static void boxes_that_are_none_are_refused(void **state)
 
 static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *around, double band)
 {
-    iso_focus f = make_focus(p, level, &view->tf, band);
+    iso_roi f = make_roi(p, level, &view->tf, band);
     iso_roi_setup setup;
     assert_ok(iso_roi_setup_create(&setup, p, level, &f, &err));
     iso_roi_step step = iso_roi_measure_step(&setup, &f, around);
     iso_roi_setup_destroy(&setup);
-    iso_focus_destroy(&f);
+    iso_roi_destroy(&f);
     return step;
 }
 
@@ -167,29 +167,29 @@ static void both_sides_are_equally_bright(void **state)
     iso_pyramid p = field_pyramid(ISO_FIELD_BALLS, 2, false);
     iso_view view = make_view(&p);
     iso_tf_table adapted = adapted_table(&p, 2, &view.tf);
-    const iso_focus_options box = {.lo = {12, 15, 9}, .hi = {34, 45, 25}, .band = 2};
-    iso_focus f;
+    const iso_roi_options box = {.lo = {12, 15, 9}, .hi = {34, 45, 25}, .band = 2};
+    iso_roi f;
     iso_roi_setup setup;
-    assert_ok(iso_focus_create(&p, 2, &view.tf, &box, &f, &err));
+    assert_ok(iso_roi_create(&p, 2, &view.tf, &box, &f, &err));
     assert_ok(iso_roi_setup_create(&setup, &p, 2, &f, &err));
     iso_roi_step own = iso_roi_measure_step(&setup, &f, &adapted), foreign = iso_roi_measure_step(&setup, &f, &view.tf);
     print_message("tone %.3g, original TF %.3g; rms %.3g, %.3g\n", own.tone, foreign.tone, own.change, foreign.change);
     assert_at_most(own.tone, 0.6 * foreign.tone); /* planted: a TF that is not the level's */
     assert_at_most(own.change, 0.8 * foreign.change);
     iso_roi_setup_destroy(&setup);
-    iso_focus_destroy(&f);
+    iso_roi_destroy(&f);
     iso_tf_table_destroy(&adapted);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
 
-static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, const iso_tf_table *tf, iso_focus *focus,
+static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, const iso_tf_table *tf, iso_roi *roi,
                         const iso_render_options *opt)
 {
     iso_view view = *own; /* lent */
     iso_image image;
     view.tf = *tf;
-    view.focus = focus;
+    view.roi = roi;
     assert_ok(iso_render_with(&renderers, p, level, &view, opt, &image, NULL, NULL, &err));
     return image;
 }
@@ -204,18 +204,18 @@ static void an_image_has_no_step_where_the_box_ends(void **state)
     iso_view view;
     assert_ok(iso_roi_make_view(&scene, &p, &view, &err));
     iso_tf_table adapted = adapted_table(&p, 2, &view.tf);
-    iso_focus_options box = {.lo = {14, 16, 0}, .hi = {32, 44, 34}};
+    iso_roi_options box = {.lo = {14, 16, 0}, .hi = {32, 44, 34}};
     double step[3];
     for (int i = 0; i < 3; ++i) { /* level 0, blended, hard */
         iso_render_options gl = iso_render_defaults(ISO_WITH_GL);
-        iso_focus f = {0};
+        iso_roi f = {0};
         box.band = i == 1 ? 2 : 0;
         if (i > 0)
-            assert_ok(iso_focus_create(&p, 2, &view.tf, &box, &f, &err));
+            assert_ok(iso_roi_create(&p, 2, &view.tf, &box, &f, &err));
         iso_image image = render(&p, i > 0 ? 2 : 0, &view, i > 0 ? &adapted : &view.tf, i > 0 ? &f : NULL, &gl);
         step[i] = iso_roi_image_step(&image, &p, &box);
         iso_image_destroy(&image);
-        iso_focus_destroy(&f);
+        iso_roi_destroy(&f);
     }
     print_message("image step: level 0 %.3g, blended %.3g, hard %.3g\n", step[0], step[1], step[2]);
     assert_at_most(step[1], 1.1 * step[0]);
@@ -231,7 +231,7 @@ typedef struct subject {
     iso_pyramid pyramid;
     iso_view view;
     iso_tf_table adapted;
-    iso_focus focus, hard, shifted; /* the last two: planted faults */
+    iso_roi roi, hard, shifted; /* the last two: planted faults */
 } subject;
 
 static subject open_subject(void)
@@ -239,26 +239,26 @@ static subject open_subject(void)
     subject s = {.pyramid = field_pyramid(ISO_FIELD_NOISE, 1, true)};
     s.view = make_view(&s.pyramid);
     s.adapted = adapted_table(&s.pyramid, 1, &s.view.tf);
-    s.focus = make_focus(&s.pyramid, 1, &s.view.tf, 2);
-    s.hard = make_focus(&s.pyramid, 1, &s.view.tf, 0);
-    s.shifted = make_focus(&s.pyramid, 1, &s.view.tf, 2);
+    s.roi = make_roi(&s.pyramid, 1, &s.view.tf, 2);
+    s.hard = make_roi(&s.pyramid, 1, &s.view.tf, 0);
+    s.shifted = make_roi(&s.pyramid, 1, &s.view.tf, 2);
     s.shifted.offset[0] += 0.5; /* half a fine voxel */
     return s;
 }
 
 static void close_subject(subject *s)
 {
-    iso_focus_destroy(&s->focus);
-    iso_focus_destroy(&s->hard);
-    iso_focus_destroy(&s->shifted);
+    iso_roi_destroy(&s->roi);
+    iso_roi_destroy(&s->hard);
+    iso_roi_destroy(&s->shifted);
     iso_tf_table_destroy(&s->adapted);
     iso_view_destroy(&s->view);
     iso_pyramid_destroy(&s->pyramid);
 }
 
-static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table *tf, iso_focus *focus, const iso_render_options *reference)
+static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table *tf, iso_roi *roi, const iso_render_options *reference)
 {
-    iso_image want = render(&s->pyramid, 1, &s->view, tf, focus, reference);
+    iso_image want = render(&s->pyramid, 1, &s->view, tf, roi, reference);
     iso_metrics m;
     assert_ok(iso_metrics_measure(have, &want, &m, &err));
     iso_image_destroy(&want);
@@ -268,13 +268,13 @@ static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table
 /* The image meets the reference, and no reference with a fault would have been met. */
 static void check_image(const iso_image *have, subject *s, const iso_render_options *reference, const char *name, double max_abs, double rmse)
 {
-    iso_metrics m = against(have, s, &s->adapted, &s->focus, reference);
+    iso_metrics m = against(have, s, &s->adapted, &s->roi, reference);
     print_message("%s: rmse %.3g, max %.3g\n", name, m.rmse, m.max_abs);
     assert_at_most(m.max_abs, max_abs);
     assert_at_most(m.rmse, rmse);
     assert_more_than(against(have, s, &s->adapted, &s->hard, reference).rmse, 3 * rmse);
     assert_more_than(against(have, s, &s->adapted, &s->shifted, reference).rmse, 3 * rmse);
-    assert_more_than(against(have, s, &s->view.tf, &s->focus, reference).rmse, 3 * rmse); /* TF_0 outside */
+    assert_more_than(against(have, s, &s->view.tf, &s->roi, reference).rmse, 3 * rmse); /* TF_0 outside */
     assert_more_than(against(have, s, &s->adapted, NULL, reference).rmse, 3 * rmse);
 }
 
@@ -284,7 +284,7 @@ static void the_ray_caster_blends_as_the_reference(void **state)
     subject s = open_subject();
     iso_render_options gl = iso_render_defaults(ISO_WITH_GL), reference = iso_render_defaults(ISO_WITH_REFERENCE);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.focus, &gl);
+    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
     check_image(&have, &s, &reference, "gl", 2e-5, 1e-6); /* the same samples in float */
     iso_image_destroy(&have);
     close_subject(&s);
@@ -297,7 +297,7 @@ static void povray_blends_as_the_reference(void **state)
     iso_render_options povray = iso_render_defaults(ISO_WITH_POVRAY), reference = iso_render_defaults(ISO_WITH_REFERENCE);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.focus, &povray);
+    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
     check_image(&have, &s, &reference, "povray", 2e-5, 1e-5); /* 16 bits a channel */
     iso_image_destroy(&have);
     close_subject(&s);
@@ -315,7 +315,7 @@ static void cycles_blends_as_the_reference(void **state)
     iso_blender_options frames[seeds];
     iso_image pictures[seeds];
     view.tf = s.adapted;
-    view.focus = &s.focus;
+    view.roi = &s.roi;
     for (int i = 0; i < seeds; ++i) {
         frames[i] = iso_blender_defaults();
         frames[i].step_voxels = 0.25;
@@ -344,16 +344,16 @@ static void inside_the_box_nothing_but_the_finer_level_is_seen(void **state)
     reference.step_voxels = 0.5;
     same = reference;
     const size_t *n = s.pyramid.levels[0].geometry.size;
-    const iso_focus_options all = {.hi = {(double)n[0], (double)n[1], (double)n[2]}, .band = 2};
-    iso_focus f;
-    assert_ok(iso_focus_create(&s.pyramid, 1, &s.view.tf, &all, &f, &err));
+    const iso_roi_options all = {.hi = {(double)n[0], (double)n[1], (double)n[2]}, .band = 2};
+    iso_roi f;
+    assert_ok(iso_roi_create(&s.pyramid, 1, &s.view.tf, &all, &f, &err));
     iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &f, &reference), want = render(&s.pyramid, 0, &s.view, &s.view.tf, NULL, &same);
     iso_metrics m;
     assert_ok(iso_metrics_measure(&have, &want, &m, &err));
     assert_at_most(m.max_abs, 1e-6); /* indices are halved and doubled: rounding, and floats in the image */
     iso_image_destroy(&have);
     iso_image_destroy(&want);
-    iso_focus_destroy(&f);
+    iso_roi_destroy(&f);
     close_subject(&s);
 }
 
