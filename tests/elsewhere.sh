@@ -5,7 +5,7 @@
 #
 #   tests/elsewhere.sh [--target TARGET] [--keep DIR] bookworm|trixie|sid
 #
-#   --target TARGET   runs `make TARGET` instead of `make check` ("all" builds only)
+#   --target TARGET   runs `make TARGET` instead of `make check`; "all tests" builds without running anything
 #   --keep DIR        uses the root in DIR, makes it where it is not there, and leaves it for the next run
 #
 # The whole output goes to build/elsewhere-RELEASE.log. Needs root, debootstrap and a Debian mirror.
@@ -43,7 +43,7 @@ inside() { # ROOT TARGET
             apt-get update -qq
             apt-get install -y -qq --no-install-recommends make git >/dev/null
             cd /root/isoshade
-            make "$1"
+            make $1
             echo "elsewhere: gcc $(gcc -dumpfullversion), OpenVDB $(dpkg-query -W -f "\${source:Upstream-Version}" libopenvdb-dev)," \
                 "OpenEXR $(dpkg-query -W -f "\${source:Upstream-Version}" libopenexr-dev)," \
                 "Blender $(dpkg-query -W -f "\${source:Upstream-Version}" blender 2>/dev/null || echo none)"

@@ -8,6 +8,9 @@
 #include "base/file.h"
 #include "image/image.h"
 
+/* The pipelines' initializers of OpenEXR name their first fields alone: the others are 0, as C has it. */
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+
 /* The library reports through a callback; the last message is the cause. */
 typedef struct exr_log {
     char text[512];
