@@ -22,7 +22,8 @@ warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
-flags := $(flags_$(config)) -fopenmp -MMD -MP -Isrc -Iexporters -I.
+# -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
+flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
 pkgs := jansson popt libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
@@ -33,11 +34,25 @@ CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
 LDLIBS = -lteem -lniftiio -lznz -lopenvdb $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
-lib_c := $(filter-out src/cli/main.c src/base/mpi/%,$(wildcard src/*/*.c src/*/*/*.c exporters/*/*.c))
+# The library is what others link with; the rooms of the command line stand above it, in an archive of their own.
+command_rooms := atlas bench cli options
+all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
+commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
+lib_c := $(filter-out $(commands_c),$(all_c))
 lib_cc := $(wildcard exporters/*/*.cc)
 lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
+commands_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/cli/main.c,$(commands_c)))
 lib := $(build)/libisoshade.a
+commands := $(build)/libcommands.a
 program := $(build)/isoshade
+
+# The version stands in the header. Programs ask for the library by its major number (its soname).
+version_of = $(shell sed -n 's/^.define ISO_VERSION_$(1) \([0-9]*\)$$/\1/p' src/isoshade.h)
+version_major := $(call version_of,MAJOR)
+version := $(version_major).$(call version_of,MINOR).$(call version_of,PATCH)
+soname := libisoshade.so.$(version_major)
+# Not with the sanitizers, whose runtime belongs to the program.
+shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 # Loaded when mpirun starts the program; left out where MPI is not installed.
 mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
@@ -48,7 +63,7 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
 
-all: $(program) $(mpi_door) ## build the program for $(config)
+all: $(program) $(shared) $(mpi_door) ## build the program for $(config)
 	@ln -sfn $(program) isoshade
 
 help: ## this list
@@ -93,29 +108,43 @@ say =
 endif
 
 # ---- rules -----------------------------------------------------------------
-$(program): $(build)/src/cli/main.o $(lib)
+$(program): $(build)/src/cli/main.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
 $(lib): $(lib_o)
 	@rm -f $@
 	$(call say,AR )ar rcs $@ $^
+$(commands): $(commands_o)
+	@rm -f $@
+	$(call say,AR )ar rcs $@ $^
+# The shared library exports the functions that its header declares, and nothing else.
+$(build)/exports.map: src/isoshade.h Makefile
+	@mkdir -p $(@D)
+	@{ echo '{ global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
+$(build)/$(soname): $(lib_o) $(build)/exports.map
+	$(call say,LD )$(CC) -shared $(flags_$(config)) -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_door.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
-$(build)/tests/%: $(build)/tests/%.o $(lib)
+$(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
-$(build)/%.o: %.c
+# Objects follow the flags that they were compiled with.
+$(build)/flags: FORCE
+	@mkdir -p $(@D)
+	@echo '$(flags)' | cmp -s - $@ || echo '$(flags)' >$@
+.PHONY: FORCE
+$(build)/%.o: %.c $(build)/flags
 	@mkdir -p $(@D)
 	$(call say,CC )$(CC) $(CFLAGS) -c -o $@ $<
-$(build)/%.o: %.cc
+$(build)/%.o: %.cc $(build)/flags
 	@mkdir -p $(@D)
 	$(call say,CXX)$(CXX) $(CXXFLAGS) -c -o $@ $<
 # The shaders' decoders in C: 0.5 is a float there, as in GLSL.
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
 # Objects that embed text files (base/embed.h) follow them.
-embedders := $(shell grep -ls '^ISO_EMBED'  $(lib_c))
+embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)
 
 # Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
 .SECONDARY: $(test_c:%.c=$(build)/%.o)
--include $(lib_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d
+-include $(lib_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

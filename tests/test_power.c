@@ -163,7 +163,7 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
             }
         }
     assert_true(answers[0] >= 4 && answers[1] >= 4);
-    assert_in_range(cache.count, 2, 5); /* a lock-step's image, and those of a few steps */
+    assert_true(cache.count >= 2 && cache.count <= 5); /* a lock-step's image, and those of a few steps */
     iso_frame_cache_clear(&cache);
     iso_power_close(&c);
 }

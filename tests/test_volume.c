@@ -421,7 +421,7 @@ static void swap8(void *p, int count)
 
 static nifti_2_header nifti_2(void)
 {
-    nifti_2_header h = {.sizeof_hdr = 540, .magic = "n+2\0\r\n\032\n", .datatype = 4, .bitpix = 16, .dim = {3, 2, 3, 2, 1, 1, 1, 1},
+    nifti_2_header h = {.sizeof_hdr = 540, .magic = {'n', '+', '2', 0, '\r', '\n', '\032', '\n'}, .datatype = 4, .bitpix = 16, .dim = {3, 2, 3, 2, 1, 1, 1, 1},
                         .pixdim = {1, 1, 2, 3, 0, 0, 0, 0}, .vox_offset = 544, .xyzt_units = 2, .sform_code = 1, .scl_slope = 2,
                         .scl_inter = -1024};
     const double rows[3][4] = {{0, -2, 0, 10.000000001}, {1, 0, 0, 20}, {0, 0, 3, 30}};

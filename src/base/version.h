@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* version.h - the one place of the version. */
+/* version.h - ISO_VERSION, "MAJOR.MINOR.PATCH", which the library's own header tells. */
 #ifndef ISO_VERSION_H
 #define ISO_VERSION_H
 
-#define ISO_VERSION "0.1.0"
+#include "isoshade.h"
 
 #endif

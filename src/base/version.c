@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/version.h"
+
+const char *iso_version(void)
+{
+    return ISO_VERSION;
+}
