@@ -38,7 +38,8 @@
 /* How coarse nodes are made. Directions come from moments by [1 2 1]^3 / 64 with both. */
 typedef enum iso_node_filter {
     ISO_NODES_SHARP, /* the scalar by [-1 2 6 2 -1] / 8 along each axis, within the range of the nodes around: what linear
-                      * interpolation shows is nearer to level 0 than with cells, on sparse TFs (doc/mixed-resolution.md) */
+                      * interpolation shows is nearer to level 0 than with cells, on sparse TFs
+                      * (doc/results/mixed-resolution.md) */
     ISO_NODES_SMOOTH /* by [1 2 1] / 4 */
 } iso_node_filter;
 

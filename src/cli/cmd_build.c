@@ -214,7 +214,8 @@ const iso_command iso_command_build = {
                "gradients of the finest level, whatever the level. The volume is read in slabs, so it may be larger\n"
                "than memory. Until it is complete the folder is called .NAME.iso.partial. Levels are made of cells (2x2x2\n"
                "means). Bricks of mixed resolution (isoshade plan) are made of nodes instead, in memory and from level 0: they\n"
-               "are continuous, and nearer to level 0 than cells under sparse transfer functions (doc/mixed-resolution.md).\n"
+               "are continuous, and nearer to level 0 than cells under sparse transfer functions\n"
+               "(doc/results/mixed-resolution.md).\n"
                "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write one\n"
                "pyramid, with the same bytes; --memory is that of each, --resume takes up what any number of ranks left.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"

@@ -24,7 +24,7 @@
  *
  * Linear codes (decode(e) = e) agree in every renderer that filters vectors;
  * those that keep the length carry coherence. The others hold directions alone.
- * doc/gradients.md has the errors of each at voxels and between them. */
+ * doc/results/direction-codes.md has the errors of each at voxels and between them. */
 #ifndef ISO_CODE_H
 #define ISO_CODE_H
 

@@ -9,7 +9,7 @@
  * to theta / 4 of it, so the best mu grows with theta: the mean error between
  * neighbours 15 degrees apart is least at 0.08, at 60 degrees from 0.3 on, where
  * nothing is left of the gain at 15. 0.15 is 7 % above the one and 10 % above the
- * other (doc/gradients.md). Shorter vectors are means of directions that disagree,
+ * other (doc/results/direction-codes.md). Shorter vectors are means of directions that disagree,
  * their neighbours do so too, and what they add to a filtered sum is their error in
  * steps: mu = ISO_FIT_MU + ISO_FIT_MU_SHORT (1 - |d|), at most 1, plain rounding;
  * the slope is the one of the least error in images of coarse levels. */

@@ -86,7 +86,7 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * The window does most of what an indicator would have to: the voxels of a tissue
  * that shares its value with a thin structure are the bulk of their row, the
  * structure is its tail, and a tail beyond 1.75 deviations is cut off. Over 3
- * deviations it lights the tissue up (doc/adaptive-tf.md). */
+ * deviations it lights the tissue up (doc/results/adaptive-tf.md). */
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted;
     bool use_original;

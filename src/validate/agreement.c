@@ -35,7 +35,7 @@ iso_tolerances iso_validate_lock_step(iso_renderer renderer, const iso_view *vie
 }
 
 /* Floats of texels, colours and a ray's sums: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999
- * (doc/validation.md). */
+ * (doc/results/validation.md). */
 iso_tolerances iso_validate_exact_lock_step(void)
 {
     return (iso_tolerances){.rmse = 5e-7, .max_abs = 1e-5};
