@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "compare/metrics.h"
 #include "image/image.h"
 #include "folder.h"
 #include "test.h"
@@ -35,6 +36,60 @@ static void exr_keeps_every_bit_and_the_orientation(void **state)
     assert_memory_equal(a.rgba, b.rgba, 37 * 53 * 4 * sizeof(float));
     iso_image_destroy(&a);
     iso_image_destroy(&b);
+    free(path);
+}
+
+/* Writes the windows that an EXR of ours begins with; the file has one chunk, which is moved with its data window. */
+static void set_windows(const char *path, const int32_t data[4], const int32_t display[4])
+{
+    static const char data_key[] = "dataWindow\0box2i", display_key[] = "displayWindow\0box2i";
+    char *bytes;
+    size_t size;
+    assert_ok(iso_file_read(path, &bytes, &size, &err));
+    for (size_t i = 0; i + 32 < size; ++i) {
+        uint64_t offset;
+        memcpy(&offset, bytes + i, 8);
+        if (memcmp(bytes + i, data_key, sizeof data_key) == 0)
+            memcpy(bytes + i + sizeof data_key + 4, data, 16);
+        else if (memcmp(bytes + i, display_key, sizeof display_key) == 0)
+            memcpy(bytes + i + sizeof display_key + 4, display, 16);
+        else if (offset == i + 8) /* the table of chunks, of one entry */
+            memcpy(bytes + i + 8, &data[1], 4);
+    }
+    assert_ok(iso_file_write(path, bytes, size, &err));
+    free(bytes);
+}
+
+/* What an EXR shows is its display window: data that lie elsewhere in it are another picture. */
+static void the_data_window_places_the_pixels(void **state)
+{
+    (void)state;
+    enum { WIDTH = 7, HEIGHT = 6 };
+    iso_image a, b;
+    iso_metrics m;
+    char *path = iso_path_join(folder, "window.exr");
+    assert_ok(iso_image_create(&a, WIDTH, HEIGHT, &err));
+    for (size_t i = 0; i < WIDTH * HEIGHT * 4; ++i)
+        a.rgba[i] = 0.25f + (float)i / 256;
+    assert_ok(iso_image_save_exr(&a, path, NULL, &err));
+    /* Moved by (2, 1) within the same picture: what leaves it is not seen, what is left empty is 0. */
+    set_windows(path, (int32_t[]){2, 1, WIDTH + 1, HEIGHT}, (int32_t[]){0, 0, WIDTH - 1, HEIGHT - 1});
+    assert_ok(iso_image_load_exr(path, &b, &err));
+    assert_true(b.width == WIDTH && b.height == HEIGHT);
+    for (size_t y = 0; y < HEIGHT; ++y)
+        for (size_t x = 0; x < WIDTH; ++x)
+            for (size_t c = 0; c < 4; ++c)
+                assert_within(b.rgba[4 * (y * WIDTH + x) + c], x < 2 || y < 1 ? 0 : a.rgba[4 * ((y - 1) * WIDTH + x - 2) + c], 0);
+    assert_ok(iso_metrics_measure(&a, &b, &m, &err));
+    assert_true(m.max_abs > 0.2); /* the same pixels elsewhere were "agree" */
+    iso_image_destroy(&b);
+    /* Data and picture both begin elsewhere: other places of a larger canvas, which are not compared. */
+    set_windows(path, (int32_t[]){5, 7, WIDTH + 4, HEIGHT + 6}, (int32_t[]){5, 7, WIDTH + 4, HEIGHT + 6});
+    assert_ok(iso_image_load_exr(path, &b, &err));
+    assert_memory_equal(a.rgba, b.rgba, WIDTH * HEIGHT * 4 * sizeof(float));
+    assert_status(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE);
+    iso_image_destroy(&b);
+    iso_image_destroy(&a);
     free(path);
 }
 
@@ -142,6 +197,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exr_keeps_every_bit_and_the_orientation),
+        cmocka_unit_test(the_data_window_places_the_pixels),
         cmocka_unit_test(a_truncated_exr_is_refused),
         cmocka_unit_test(an_unwritable_folder_is_named),
         cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),

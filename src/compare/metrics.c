@@ -80,6 +80,9 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
     if (a->width != b->width || a->height != b->height)
         return iso_fail(err, ISO_E_RANGE, "compare: the images have %zux%zu and %zux%zu pixels, wanted the same size",
                         a->width, a->height, b->width, b->height);
+    if (a->origin[0] != b->origin[0] || a->origin[1] != b->origin[1])
+        return iso_fail(err, ISO_E_RANGE, "compare: the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
+                        a->origin[0], a->origin[1], b->origin[0], b->origin[1]);
     m->nonfinite_count = count_nonfinite(a, b);
     if (m->nonfinite_count > 0)
         return ISO_OK;

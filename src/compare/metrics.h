@@ -5,7 +5,7 @@
  * what people see: sRGB of the colours clipped to [0, 1].
  *   SSIM  Wang et al. 2004: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
  *   FLIP  Andersson et al. 2020 (LDR), at 67 pixels a degree.
- * A comparison with a non-finite pixel, or of different sizes, fails. */
+ * A comparison with a non-finite pixel, of different sizes or of pictures that begin elsewhere, fails. */
 #ifndef ISO_METRICS_H
 #define ISO_METRICS_H
 
@@ -20,7 +20,7 @@ typedef struct iso_metrics {
     size_t worst[2];               /* column, row of max_abs */
 } iso_metrics;
 
-/* ISO_E_RANGE: empty images or different sizes. With non-finite pixels the
+/* ISO_E_RANGE: empty images, different sizes or origins. With non-finite pixels the
  * metrics are NaN and the status is ISO_OK: the verdict fails them. */
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err);
 

@@ -183,19 +183,50 @@ static exr_result_t read_pixels(exr_context_t file, exr_attr_box2i_t window, iso
     return result;
 }
 
-static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log, iso_error *err)
+/* An image of zeros as large as the window. */
+static iso_status create_for_window(exr_attr_box2i_t window, const char *path, iso_image *image, iso_error *err)
 {
-    exr_attr_box2i_t window;
-    unsigned mask = 0;
-    if (exr_get_data_window(file, 0, &window) != EXR_ERR_SUCCESS)
-        return iso_fail(err, ISO_E_FORMAT, "%s: has no data window", path);
     int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1 || width > 65536 || height > 65536)
         return iso_fail(err, ISO_E_RANGE, "%s: image size %lld x %lld, each must be 1 to 65536", path, (long long)width,
                         (long long)height);
     iso_status status = iso_image_create(image, (size_t)width, (size_t)height, err);
+    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "%s", path);
+}
+
+static bool is_same_window(exr_attr_box2i_t a, exr_attr_box2i_t b)
+{
+    return a.min.x == b.min.x && a.min.y == b.min.y && a.max.x == b.max.x && a.max.y == b.max.y;
+}
+
+/* Replaces an image of the data window's pixels by one of the display window's, which is the picture: it is transparent
+ * and black where there are no data, and data beyond it are not seen. */
+static iso_status place_in_display(exr_attr_box2i_t data, exr_attr_box2i_t display, const char *path, iso_image *image, iso_error *err)
+{
+    iso_image picture;
+    iso_status status = create_for_window(display, path, &picture, err);
     if (status != ISO_OK)
-        return iso_fail_in(err, status, "%s", path);
+        return status;
+    const int32_t x0 = data.min.x > display.min.x ? data.min.x : display.min.x, x1 = data.max.x < display.max.x ? data.max.x : display.max.x;
+    const int32_t y0 = data.min.y > display.min.y ? data.min.y : display.min.y, y1 = data.max.y < display.max.y ? data.max.y : display.max.y;
+    for (int64_t y = y0; y <= y1 && x0 <= x1; ++y)
+        memcpy(picture.rgba + 4 * ((size_t)(y - display.min.y) * picture.width + (size_t)((int64_t)x0 - display.min.x)),
+               image->rgba + 4 * ((size_t)(y - data.min.y) * image->width + (size_t)((int64_t)x0 - data.min.x)),
+               4 * sizeof(float) * (size_t)((int64_t)x1 - x0 + 1));
+    iso_image_destroy(image);
+    *image = picture;
+    return ISO_OK;
+}
+
+static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log, iso_error *err)
+{
+    exr_attr_box2i_t window, display;
+    unsigned mask = 0;
+    if (exr_get_data_window(file, 0, &window) != EXR_ERR_SUCCESS || exr_get_display_window(file, 0, &display) != EXR_ERR_SUCCESS)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no data window or no display window", path);
+    iso_status status = create_for_window(window, path, image, err);
+    if (status != ISO_OK)
+        return status;
     exr_result_t result = read_pixels(file, window, image, &mask);
     if (result != EXR_ERR_SUCCESS)
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, log->text[0] ? log->text : exr_get_default_error_message(result));
@@ -204,6 +235,10 @@ static iso_status load_opened(exr_context_t file, const char *path, iso_image *i
     else if (!(mask & 8))
         for (size_t i = 0; i < image->width * image->height; ++i)
             image->rgba[4 * i + 3] = 1;
+    if (status == ISO_OK && !is_same_window(window, display))
+        status = place_in_display(window, display, path, image, err);
+    image->origin[0] = display.min.x;
+    image->origin[1] = display.min.y;
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
