@@ -127,6 +127,52 @@ static json_t *with_verdict(const char *verdict)
     return figures_of(r);
 }
 
+/* Fewer certainties than before are worse, though nothing differs: a row that agreed is only reported; its error bar, a gate's
+ * limit or a limit of the metrics grew; its gate is nearly used up; SSIM fell. */
+static json_t *certain_report(void)
+{
+    json_t *r = report(1e-3, 0.2, NULL), *row = json_array_get(json_object_get(r, "agreement"), 0);
+    json_object_update_new(row, json_pack("{s:f, s:f, s:{s:f}, s:[{s:s, s:f, s:f}]}", "ssim", 0.99, "error_bar", 2e-3, "limits", "rmse",
+                                          3e-3, "gates", "name", "bias", "value", -1.0, "limit", 4.0));
+    json_object_set_new(r, "calibration", json_pack("[{s:s, s:s, s:f, s:f, s:s}]", "renderer", "gl", "check", "slab", "value", 1e-4,
+                                                    "limit", 1e-3, "verdict", "pass"));
+    return r;
+}
+
+static void what_is_less_certain_than_before_is_worse(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *section, *set, *figure; /* what is planted, and the figure that has to be named */
+    } planted[] = {
+        {"agreement", "{\"verdict\": \"reported\"}", "agreement/smooth/level 1/reference/gl/tight/verdict"},
+        {"agreement", "{\"error_bar\": 3e-3}", "agreement/smooth/level 1/reference/gl/tight/error_bar"},
+        {"agreement", "{\"ssim\": 0.98}", "agreement/smooth/level 1/reference/gl/tight/ssim_dissimilarity"},
+        {"agreement", "{\"limits\": {\"rmse\": 1}}", "agreement/smooth/level 1/reference/gl/tight/limit of rmse"},
+        {"agreement", "{\"gates\": [{\"name\": \"bias\", \"value\": 3.9, \"limit\": 4}]}",
+         "agreement/smooth/level 1/reference/gl/tight/bias, part of its limit"},
+        {"agreement", "{\"gates\": [{\"name\": \"bias\", \"value\": 1, \"limit\": 40}]}",
+         "agreement/smooth/level 1/reference/gl/tight/limit of bias"},
+        {"calibration", "{\"verdict\": \"fail\"}", "calibration/gl/slab/verdict"},
+        {"calibration", "{\"value\": 9e-4}", "calibration/gl/slab/value"},
+    };
+    for (size_t i = 0; i < sizeof planted / sizeof *planted; ++i) {
+        json_t *now = certain_report();
+        assert_int_equal(json_object_update_new(json_array_get(json_object_get(now, planted[i].section), 0),
+                                                json_loads(planted[i].set, 0, NULL)), 0);
+        iso_baseline_result r = run(figures_of(now), figures_of(certain_report()));
+        assert_int_equal(r.worse + r.missing, 1);
+        assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")), planted[i].figure);
+        iso_baseline_result_destroy(&r);
+    }
+    json_t *without = certain_report(); /* a calibration or a gate that is not there any more is missing */
+    json_object_del(without, "calibration");
+    json_object_del(json_array_get(json_object_get(without, "agreement"), 0), "gates");
+    iso_baseline_result r = run(figures_of(without), figures_of(certain_report()));
+    assert_int_equal(r.missing, 5);
+    iso_baseline_result_destroy(&r);
+}
+
 /* A gate that fails need not show in any figure. */
 static void a_row_that_agreed_and_does_not_is_worse(void **state)
 {
@@ -204,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_lost_case_is_missing_and_a_new_one_is_no_failure),
         cmocka_unit_test(rows_under_either_tf_are_kept_apart),
         cmocka_unit_test(a_figure_that_became_null_is_missing),
+        cmocka_unit_test(what_is_less_certain_than_before_is_worse),
         cmocka_unit_test(a_row_that_agreed_and_does_not_is_worse),
         cmocka_unit_test(other_versions_are_told_and_are_no_failure),
         cmocka_unit_test(the_same_rows_give_the_same_text_in_any_order),

@@ -291,12 +291,12 @@ static void junit_counts_failures_and_escapes(void **state)
     assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program"}, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
-    assert_int_equal(count_of(xml, "<testcase "), 13);
-    assert_int_equal(count_of(xml, "<failure "), 2); /* one differs, one calibration fails */
+    assert_int_equal(count_of(xml, "<testcase "), 14);
+    assert_int_equal(count_of(xml, "<failure "), 3); /* one differs, one calibration fails, one scene is refused whole */
     assert_int_equal(count_of(xml, "<error "), 1);   /* and one renderer is not there */
     assert_int_equal(count_of(xml, "<skipped "), 2); /* one is refused, one only reported */
     assert_non_null(strstr(xml, "tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"0\""));
-    assert_non_null(strstr(xml, "tests=\"9\" failures=\"1\" errors=\"0\" skipped=\"2\""));
+    assert_non_null(strstr(xml, "tests=\"10\" failures=\"2\" errors=\"0\" skipped=\"2\""));
     assert_non_null(strstr(xml, "message=\"rmse "));
     assert_non_null(strstr(xml, "smooth &lt;head&gt; &amp; &quot;neck&quot;"));
     /* Consistency has no limit: figures beside the cases, not cases that cannot fail. */
@@ -304,6 +304,35 @@ static void junit_counts_failures_and_escapes(void **state)
     assert_non_null(strstr(xml, "tests=\"0\" failures=\"0\" errors=\"0\" skipped=\"0\""));
     assert_non_null(strstr(xml, "<property name=\"level 2: naive average+adapted: ssim_dissimilarity_mean\" value=\"0.0432\"/>"));
     assert_int_equal(count_of(xml, "original_kept\" value=\"it would be &quot;no&quot; nearer\"/>"), 3);
+    free(xml);
+    free(path);
+    free(dir);
+    iso_report_destroy(r);
+}
+
+/* All green where nothing was compared would read as agreement: a scene whose rows are all refused or reported fails. */
+static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
+{
+    (void)state;
+    char *dir = inside("nothing"), *path = inside("nothing.xml"), *xml;
+    iso_report *r;
+    const iso_report_about about = {.title = "t"};
+    iso_report_agreement row = {.scene = "dark", .a = "a", .b = "b", .error_bar = NAN, .informative = true};
+    assert_ok(iso_report_create(&r, dir, &about, &err));
+    assert_ok(iso_report_write_junit(r, path, &err));
+    read_text(path, &xml);
+    assert_int_equal(count_of(xml, "<failure "), 1); /* no row at all */
+    free(xml);
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    row.refused = "no such program";
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    row = (iso_report_agreement){.scene = "bright", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_ok(iso_report_write_junit(r, path, &err));
+    read_text(path, &xml);
+    assert_non_null(strstr(xml, "tests=\"4\" failures=\"1\" errors=\"0\" skipped=\"2\""));
+    assert_non_null(strstr(xml, "classname=\"agreement.dark\" time=\"0.000\" name=\"something is compared\""));
+    assert_int_equal(count_of(xml, "<failure "), 1);
     free(xml);
     free(path);
     free(dir);
@@ -490,6 +519,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_page_needs_nothing_from_outside),
         cmocka_unit_test(the_sentence_tells_each_outcome),
         cmocka_unit_test(a_refusal_is_told_as_what_it_is),
+        cmocka_unit_test(junit_fails_a_scene_of_which_nothing_was_compared),
         cmocka_unit_test(junit_counts_failures_and_escapes),
         cmocka_unit_test(gates_decide_too),
         cmocka_unit_test(the_data_of_the_chart_keeps_the_tfs_apart),

@@ -10,6 +10,11 @@
 
 static const char schema[] = "isoshade.accepted/2";
 
+/* Ends the key of a gate's value, which is kept in parts of its limit: what counts pixels and what counts standard errors
+ * then have one measure, and one floor below which a change says nothing. */
+static const char part_suffix[] = ", part of its limit";
+#define PART_FLOOR 0.1
+
 static const char *string_of(const json_t *object, const char *key)
 {
     const char *s = json_string_value(json_object_get(object, key));
@@ -24,6 +29,34 @@ static json_t *rounded(double value)
     return json_real(strtod(text, NULL));
 }
 
+static void keep(json_t *kept, const char *key, double value, size_t *figures)
+{
+    json_object_set_new(kept, key, rounded(value));
+    ++*figures;
+}
+
+/* How closely the row was held: the limits of its metrics, and of each gate its limit and how much of it is used up. */
+static void keep_what_was_asked(json_t *kept, const json_t *row, size_t *figures)
+{
+    const char *metric;
+    json_t *limit, *gate;
+    size_t i;
+    char key[200];
+    json_object_foreach(json_object_get(row, "limits"), metric, limit) {
+        snprintf(key, sizeof key, "limit of %s", metric);
+        if (json_is_number(limit))
+            keep(kept, key, json_number_value(limit), figures);
+    }
+    json_array_foreach(json_object_get(row, "gates"), i, gate) {
+        const double value = json_number_value(json_object_get(gate, "value")), most = json_number_value(json_object_get(gate, "limit"));
+        snprintf(key, sizeof key, "limit of %.100s", string_of(gate, "name"));
+        keep(kept, key, most, figures);
+        snprintf(key, sizeof key, "%.100s%s", string_of(gate, "name"), part_suffix);
+        if (json_is_number(json_object_get(gate, "value")) && most > 0)
+            keep(kept, key, fabs(value) / most, figures);
+    }
+}
+
 /* The verdict, and what was measured: a refused row has nulls, which are left out, and miss later. */
 static iso_status take_row(json_t *rows, const json_t *row, const char *name, const char *const keys[], size_t *figures, iso_error *err)
 {
@@ -34,11 +67,12 @@ static iso_status take_row(json_t *rows, const json_t *row, const char *name, co
         json_object_set_new(kept, "verdict", json_string(string_of(row, "verdict")));
     for (int i = 0; keys[i]; ++i) {
         const json_t *value = json_object_get(row, keys[i]);
-        if (!json_is_number(value))
-            continue;
-        json_object_set_new(kept, keys[i], rounded(json_number_value(value)));
-        ++*figures;
+        if (json_is_number(value))
+            keep(kept, keys[i], fabs(json_number_value(value)), figures);
     }
+    if (json_is_number(json_object_get(row, "ssim")))
+        keep(kept, "ssim_dissimilarity", 1 - json_number_value(json_object_get(row, "ssim")), figures);
+    keep_what_was_asked(kept, row, figures);
     json_object_set_new(rows, name, kept);
     return ISO_OK;
 }
@@ -71,7 +105,8 @@ static json_t *sorted(json_t *rows)
 
 iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso_error *err)
 {
-    static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", NULL};
+    static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", "error_bar", NULL};
+    static const char *const calibration_keys[] = {"value", "limit", NULL};
     static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", NULL};
     *baseline = NULL;
     if (strcmp(string_of(report, "schema"), "isoshade.validate/1") != 0)
@@ -86,6 +121,11 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
                  string_of(row, "tier"));
         if (status == ISO_OK)
             status = take_row(rows, row, name, agreement_keys, &figures, err);
+    }
+    json_array_foreach(json_object_get(report, "calibration"), i, row) {
+        snprintf(name, sizeof name, "calibration/%s/%s", string_of(row, "renderer"), string_of(row, "check"));
+        if (status == ISO_OK)
+            status = take_row(rows, row, name, calibration_keys, &figures, err);
     }
     json_array_foreach(json_object_get(report, "consistency"), i, row) {
         char method[ISO_CONSISTENCY_NAME_BYTES];
@@ -120,11 +160,22 @@ static void note(iso_baseline_result *r, const char *row, const char *key, const
         json_array_append_new(r->changes, o);
 }
 
-/* "differ" is worse than "agree", and not to have been compared is no better; "reported" has no gate. */
+/* How little a verdict says for a row: less certain is worse, also where nothing is known to be wrong. */
 static int badness(const json_t *verdict)
 {
+    static const char *const words[] = {"agree", "pass", "reported", "refused", "differ", "fail"};
+    static const int how_bad[] = {0, 0, 1, 2, 3, 3};
     const char *word = json_string_value(verdict);
-    return !word ? 2 : strcmp(word, "differ") == 0 || strcmp(word, "refused") == 0 ? 1 : 0;
+    for (size_t i = 0; word && i < sizeof words / sizeof *words; ++i)
+        if (strcmp(word, words[i]) == 0)
+            return how_bad[i];
+    return 4;
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t length = strlen(text), tail = strlen(end);
+    return length >= tail && strcmp(text + length - tail, end) == 0;
 }
 
 static void compare_figure(const char *row, const char *key, const json_t *before, const json_t *after, double factor, double floor,
@@ -135,6 +186,8 @@ static void compare_figure(const char *row, const char *key, const json_t *befor
         step = badness(after) - badness(before);
     } else {
         double old = json_number_value(before), new = json_number_value(after);
+        if (ends_with(key, part_suffix))
+            floor = fmax(floor, PART_FLOOR);
         step = !(new <= factor * old + floor) ? 1 : new < old / factor - floor ? -1 : 0;
     }
     if (!after || json_typeof(before) != json_typeof(after)) {

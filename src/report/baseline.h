@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* baseline.h - is a validation still as good as the one that was accepted?
  *
- * A baseline holds the verdict and the figures of each row of a report, under
+ * A baseline holds the verdict and the figures of each row of a report - agreement
+ * with its error bar, its limits and its gates, consistency, and calibrations - under
  * the row's name, sorted and with 4 digits, so that a change of one figure is a
- * change of one line. A later report is worse where a row that agreed does not
- * any more, where a figure grew beyond factor times the accepted one plus a
- * floor, and where a row or a figure is missing or no number any more. Being
- * better or having more is no failure; nor are other versions or options, but
- * they are told. A baseline changes only when someone asks for it.
+ * change of one line. A later report is worse where a verdict says less than before
+ * (agree or pass, reported, refused, differ or fail, in this order), where a figure or a
+ * limit grew beyond factor times the accepted one plus a floor, and where a row or a
+ * figure is missing or no number any more. The value of a gate is kept in parts of its
+ * limit, with a floor of a tenth. Being better or having more is no failure; nor are
+ * other versions or options, but they are told. A baseline changes only when someone
+ * asks for it.
  *
  *   { "schema": "isoshade.accepted/2", "command": the report's, "options": its, "versions": its,
  *     "rows": {"agreement/shells/level 0/reference/gl/lock-step": {"verdict": "agree", "rmse": 6.1e-7, ...}, ...} } */

@@ -117,7 +117,8 @@ iso_report_summary iso_report_summarise(const iso_report *report);
 iso_status iso_report_finish(iso_report *report, iso_error *err);
 
 /* The rows as JUnit's XML, for continuous integration; before or after finish. Rows that differ and calibrations that
- * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped. Consistency is
+ * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped; a scene of whose
+ * rows none was compared is a failure. Consistency is
  * measured without a limit: its figures are properties of a suite without cases. */
 iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* report_junit.c - the rows as JUnit's XML. Its form is what the schemas of Apache Ant and of Jenkins both accept, so that the
- * root carries no sums: a reader adds those of the suites. What makes
- * `isoshade validate` end with another exit code than 0 is a failure or an error here (but for a report that compares nothing). */
+ * root carries no sums: a reader adds those of the suites. What makes `isoshade validate` end with another exit code than 0 is
+ * a failure or an error here. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -150,6 +150,34 @@ typedef struct suite {
     void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
 } suite;
 
+/* The scenes of whose rows none was compared, each once; "" where there are no rows at all. Nothing is shown to agree there,
+ * which is a failure, though no row differs. New; NULL when memory ends. */
+static json_t *scenes_not_compared(const json_t *rows)
+{
+    json_t *open = json_object(), *row;
+    size_t i;
+    if (json_array_size(rows) == 0)
+        json_object_set_new(open, "", json_true());
+    json_array_foreach(rows, i, row)
+        json_object_set_new(open, iso_row_text(row, "scene"), json_true());
+    json_array_foreach(rows, i, row)
+        if (has_verdict(row, "agree") || has_verdict(row, "differ"))
+            json_object_del(open, iso_row_text(row, "scene"));
+    return open;
+}
+
+static void put_scenes_not_compared(FILE *f, json_t *scenes)
+{
+    const char *scene;
+    json_t *unused;
+    json_object_foreach(scenes, scene, unused) {
+        fputs("    <testcase classname=\"agreement.", f);
+        put_xml(f, scene);
+        fputs("\" time=\"0.000\" name=\"something is compared\">\n      <failure type=\"not compared\" message=\"nothing was compared, "
+              "so nothing is shown to agree\"/>\n    </testcase>\n", f);
+    }
+}
+
 static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
 {
     const json_t *root = iso_report_json(r), *rows = json_object_get(root, s->rows);
@@ -157,7 +185,8 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     double seconds = 0;
     char host[256] = "";
     const char *key;
-    json_t *row, *version;
+    json_t *row, *version, *open = s->put_case == put_agreement_case ? scenes_not_compared(rows) : NULL;
+    failures = json_object_size(open);
     json_array_foreach(rows, i, row) {
         const bool failed = has_verdict(row, "differ") || has_verdict(row, "fail"), nothing = json_is_null(json_object_get(row, "value"));
         failures += failed && !nothing;
@@ -170,7 +199,7 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
             iso_row_text(root, "made"));
     put_xml(f, host[0] ? host : "localhost");
     fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
-            s->put_case ? json_array_size(rows) : 0, failures, errors, skipped, seconds);
+            s->put_case ? json_array_size(rows) + json_object_size(open) : 0, failures, errors, skipped, seconds);
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
     json_object_foreach(json_object_get(root, "versions"), key, version)
         put_property(f, key, json_string_value(version));
@@ -181,6 +210,8 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     json_array_foreach(rows, i, row)
         if (s->put_case)
             s->put_case(f, row);
+    put_scenes_not_compared(f, open);
+    json_decref(open);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
 }
 
