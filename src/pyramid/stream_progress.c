@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "pyramid/stream_build.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "pyramid/pyramid_layout.h"
+
+#define PROGRESS_NAME "progress.json"
+#define PROGRESS_SCHEMA "isoshade.progress/1"
+
+/* Input between two notes of progress. */
+#define PROGRESS_BYTES ((size_t)128 << 20)
+
+json_t *iso_stream_describe_job(const pyramid_build *s, double scale)
+{
+    struct stat st = {0};
+    stat(s->in->path, &st);
+    return json_pack("{s:s, s:s, s:I, s:I, s:o, s:s, s:f, s:o}", "schema", PROGRESS_SCHEMA, "source", s->in->path,
+                     "source_bytes", (json_int_t)st.st_size, "source_time", (json_int_t)st.st_mtime, "geometry",
+                     iso_layout_geometry(&s->header.geometry), "type", iso_type_name(s->header.type), "scale", scale,
+                     "options", iso_layout_options(s->opt));
+}
+
+static iso_status save_progress(const pyramid_build *s, json_t *job, size_t planes, iso_error *err)
+{
+    json_t *ranges = json_array();
+    for (size_t k = 0; k < s->out.level_count; ++k) {
+        double range[2] = {0, 0};
+        iso_cascade_range(s->cascade, k, &range[0], &range[1]);
+        json_array_append_new(ranges, iso_json_numbers(range, 2)); /* null where there is none yet */
+    }
+    json_object_set_new(job, "planes", json_integer((json_int_t)planes));
+    json_object_set_new(job, "ranges", ranges);
+    return iso_layout_save_json(s->output.temp_path, PROGRESS_NAME, job, err);
+}
+
+iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err)
+{
+    size_t plane_floats;
+    float *carry = iso_cascade_carry(s->cascade, &plane_floats);
+    const size_t level = iso_cascade_carry_level(s->cascade), planes = z >> level;
+    if (!carry || planes == 0)
+        return ISO_OK;
+    char *path = iso_path_join(folder, STREAM_CARRY_NAME), *data = NULL;
+    size_t size = 0;
+    iso_status status = path ? iso_file_read(path, &data, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && size < planes * plane_floats * sizeof *carry)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
+    if (status == ISO_OK) {
+        memcpy(carry, data, planes * plane_floats * sizeof *carry);
+        s->carry_planes = planes;
+    }
+    free(data);
+    free(path);
+    return status;
+}
+
+/* Whether an earlier build's progress is of this very job, and how far it came. */
+bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *planes)
+{
+    char *path = iso_path_join(s->output.temp_path, PROGRESS_NAME);
+    json_t *found = NULL;
+    bool same = path && iso_json_load(path, &found, NULL) == ISO_OK;
+    const char *key;
+    json_t *value;
+    if (same)
+        json_object_foreach((json_t *)job, key, value) same = same && json_equal(value, json_object_get(found, key));
+    json_t *ranges = same ? json_object_get(found, "ranges") : NULL;
+    *planes = same ? (size_t)json_integer_value(json_object_get(found, "planes")) : 0;
+    same =
+        same && *planes > 0 && *planes <= s->header.geometry.size[2] && json_array_size(ranges) == s->out.level_count;
+    for (size_t k = 0; same && k < s->out.level_count; ++k) {
+        json_t *range = json_array_get(ranges, k);
+        if (json_is_number(json_array_get(range, 0)))
+            iso_cascade_set_range(s->cascade, k, json_number_value(json_array_get(range, 0)),
+                                  json_number_value(json_array_get(range, 1)));
+    }
+    json_decref(found);
+    free(path);
+    return same;
+}
+
+/* Up to plane z of the input. */
+static iso_status write_carry(pyramid_build *s, size_t z, iso_error *err)
+{
+    size_t plane_floats;
+    const float *carry = iso_cascade_carry(s->cascade, &plane_floats);
+    const size_t planes = z >> iso_cascade_carry_level(s->cascade);
+    if (!carry || planes <= s->carry_planes)
+        return ISO_OK;
+    iso_status status = iso_bigfile_write(s->carry, carry + s->carry_planes * plane_floats,
+                                          (planes - s->carry_planes) * plane_floats * sizeof *carry, err);
+    s->carry_planes = planes;
+    return status == ISO_OK ? iso_bigfile_sync(s->carry, err) : status;
+}
+
+/* Not after every small slab: the last blocks of the files are written each time. */
+bool iso_stream_progress_is_due(pyramid_build *s, size_t z)
+{
+    const size_t bytes = (z - s->progress_at) * stream_plane_bytes(s);
+    if (bytes < PROGRESS_BYTES && s->how->stop_after == 0)
+        return false;
+    s->progress_at = z;
+    return true;
+}
+
+/* What is on the disk up to plane z may be taken up. */
+iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err)
+{
+    iso_status status = write_carry(s, z, err);
+    return status == ISO_OK ? save_progress(s, job, z, err) : status;
+}
+
+static void remove_in(const char *dir, const char *name)
+{
+    char *path = iso_path_join(dir, name);
+    if (path)
+        unlink(path);
+    free(path);
+}
+
+void iso_stream_remove_progress(const pyramid_build *s)
+{
+    remove_in(s->output.temp_path, PROGRESS_NAME);
+    remove_in(s->output.temp_path, STREAM_CARRY_NAME);
+}
