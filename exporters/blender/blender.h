@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* blender.h - Blender scenes of a volume, and Cycles as a renderer.
  *
- * The .blend is made by Blender itself, running the embedded build_scene.py on
+ * The .blend is made by Blender itself, running the embedded scripts on
  * a JSON description: a volume object with a relative path to its VDB, the TF as
  * a packed N x 1 float image, the material as a node group "isoshade" with the
  * shading constants and the lights as group inputs, camera and render settings.

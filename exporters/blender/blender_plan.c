@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "blender/blender_scene.h"
+#include "vdb/vdb.h"
+
+static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
+                             iso_error *err)
+{
+    iso_level box = {.geometry = *plan->geometry};
+    const iso_pyramid p = {.level_count = 1, .levels = &box};
+    if (view->tf_2d || view->roi)
+        return iso_fail(err, ISO_E_RANGE,
+                        "blender: a plan goes with neither a table over two values nor a region of interest");
+    return iso_blender_check(&p, 0, 1, opt, err);
+}
+
+static char *plan_vdb_path(const iso_blender_plan *plan, size_t i, const char *blend_path)
+{
+    return iso_blender_vdb_path(blend_path, plan->lattices[i].level, plan->count, false);
+}
+
+static iso_status save_lattice(const iso_blender_plan *plan, size_t i, double units, const char *path,
+                               const iso_progress *progress, iso_error *err)
+{
+    iso_lattice lattice = plan->lattices[i];
+    iso_vdb_options options = iso_vdb_defaults();
+    lattice.geometry = iso_blender_in_units(&lattice.geometry, units);
+    return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
+}
+
+static json_t *describe_bricks(const iso_blender_plan *p)
+{
+    const size_t *size = p->geometry->size;
+    json_t *pieces = json_array();
+    for (size_t i = 0; i < p->bricks[0] * p->bricks[1] * p->bricks[2]; ++i)
+        json_array_append_new(pieces, json_integer(p->piece[i]));
+    return json_pack("{s[III] sI s[III] so}", "count", (json_int_t)p->bricks[0], (json_int_t)p->bricks[1],
+                     (json_int_t)p->bricks[2], "voxels", (json_int_t)p->brick_voxels, "size", (json_int_t)size[0],
+                     (json_int_t)size[1], (json_int_t)size[2], "piece", pieces);
+}
+
+/* What is made of a plan: a picture, or a .blend whose grids have paths relative to it. */
+typedef struct plan_job {
+    const iso_blender_plan *plan;
+    const iso_view *view;
+    const char *blend_path;
+    bool relative;
+    const iso_blender_options *opt;
+} plan_job;
+
+/* Volumes that overlap are walked together by the shortest step of them, so all have the same. */
+static json_t *describe_plan(const plan_job *job, double units, const char *name)
+{
+    const iso_blender_plan *plan = job->plan;
+    const iso_view *view = job->view;
+    const iso_geometry box = iso_blender_in_units(plan->geometry, units);
+    const double step = job->opt->step_voxels * iso_geometry_min_spacing_mm(&box);
+    json_t *about = iso_blender_describe_scene(view, units, &box, name, job->opt), *levels = json_array();
+    for (size_t i = 0; i < plan->count; ++i) {
+        const iso_geometry g = iso_blender_in_units(&plan->lattices[i].geometry, units);
+        char *path = plan_vdb_path(plan, i, job->blend_path), text[PATH_MAX];
+        snprintf(text, sizeof text, "%s%s", job->relative ? "//" : "", job->relative ? iso_path_base(path) : path);
+        json_t *level = iso_blender_describe_level(&g, plan->lattices[i].level, 0, text, step);
+        json_object_set_new(level, "piece", json_integer((json_int_t)i + 1));
+        json_array_append_new(levels, level);
+        free(path);
+    }
+    json_object_set_new(about, "levels", levels);
+    json_object_set_new(about, "bricks", describe_bricks(plan));
+    json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, units));
+    json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
+    json_object_set_new(about, "source", iso_blender_text(plan->source ? plan->source : "", 1000));
+    return about;
+}
+
+iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
+                                  iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    *image = (iso_image){0};
+    iso_status status = check_plan(plan, view, opt, err);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir(), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
+    if (!stem)
+        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    double units = iso_blender_units_per_mm(plan->geometry);
+    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
+        char *path = plan_vdb_path(plan, i, stem);
+        status = save_lattice(plan, i, units, path, progress, err);
+        free(path);
+    }
+    if (status == ISO_OK) {
+        const plan_job job = {plan, view, stem, false, opt};
+        json_t *about = describe_plan(&job, units, "isoshade");
+        json_object_set_new(
+            about, "frames",
+            iso_blender_describe_frames(units * iso_geometry_min_spacing_mm(plan->geometry), folder, opt, 1));
+        status = iso_blender_run(about, folder, opt, progress, err);
+    }
+    if (status == ISO_OK)
+        status = iso_blender_load_pictures(folder, view, 1, image, err);
+    iso_remove_tree(folder);
+    free(stem);
+    free(folder);
+    return status;
+}
+
+/* The grids beside the .blend, then itself: outs holds count + 1. */
+static iso_status write_plan(const plan_job *job, const char *folder, iso_output *outs, const iso_progress *progress,
+                             iso_error *err)
+{
+    const iso_blender_plan *plan = job->plan;
+    const char *blend_path = job->blend_path;
+    iso_status status = ISO_OK;
+    double units = iso_blender_units_per_mm(plan->geometry);
+    const char *base = iso_path_base(blend_path);
+    char name[NAME_MAX + 1], *target = NULL;
+    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
+        char *path = plan_vdb_path(plan, i, blend_path);
+        status = iso_output_begin(&outs[i], path, err);
+        if (status == ISO_OK)
+            status = save_lattice(plan, i, units, outs[i].temp_path, progress, err);
+        free(path);
+    }
+    if (status == ISO_OK)
+        status = iso_output_begin(&outs[plan->count], blend_path, err);
+    if (status == ISO_OK && !(target = realpath(outs[plan->count].temp_path, NULL)))
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
+    if (status == ISO_OK) {
+        snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+        json_t *about = describe_plan(job, units, name);
+        json_object_set_new(about, "save", json_string(target));
+        status = iso_blender_run(about, folder, job->opt, progress, err);
+    }
+    free(target);
+    return status;
+}
+
+iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,
+                                   const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = check_plan(plan, view, opt, err);
+    if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
+        status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    if (status != ISO_OK)
+        return status;
+    char *folder = iso_make_temp_dir();
+    iso_output *outs = calloc(plan->count + 1, sizeof *outs);
+    const plan_job job = {plan, view, blend_path, true, opt};
+    status = folder && outs ? write_plan(&job, folder, outs, progress, err)
+                            : iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    for (size_t i = 0; i <= plan->count && status == ISO_OK; ++i)
+        status = iso_output_commit(&outs[i], err);
+    for (size_t i = 0; outs && i <= plan->count; ++i)
+        iso_output_abandon(&outs[i]);
+    if (folder)
+        iso_remove_tree(folder);
+    free(outs);
+    free(folder);
+    return status;
+}

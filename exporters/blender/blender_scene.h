@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* blender_scene.h - what is told to Blender, and how Blender is run; private to this folder.
+ *
+ *   blender.c        a level as a picture or as a file
+ *   blender_plan.c   what a plan leaves of a volume
+ *   describe.c       the description that the scripts read
+ *   run.c            a run of Blender with the scripts */
+#ifndef ISO_BLENDER_SCENE_H
+#define ISO_BLENDER_SCENE_H
+
+#include "base/json.h"
+#include "blender/blender.h"
+
+#define ISO_BLENDER_MAX_STEPS 65536 /* the most that Cycles takes along a ray */
+
+/* Levels [level, level + count) are there, and the options are what Cycles can do. ISO_E_RANGE. */
+iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, const iso_blender_options *opt,
+                             iso_error *err);
+
+/* One file a level, and one a region of interest, all with the same grid names, so that one material reads them. */
+char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool roi);
+
+/* ---- the description: all lengths in units, g the geometry in units ---- */
+
+/* A unit is a millimetre, but for volumes that are so small or so large that
+ * single precision and Cycles' fixed offsets do not suit them. */
+double iso_blender_units_per_mm(const iso_geometry *g);
+iso_geometry iso_blender_in_units(const iso_geometry *from, double units);
+
+/* At most `limit` bytes, whole characters; what is not UTF-8 becomes '_'. */
+json_t *iso_blender_text(const char *text, size_t limit);
+json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
+                                   const iso_blender_options *opt);
+/* A table a view, its entries row by row where it has classes; then one a region of interest. */
+json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units);
+
+/* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading "//". */
+typedef struct blender_level {
+    const iso_geometry *geometry; /* in units */
+    size_t number;
+    size_t tables[2]; /* numbers of its table, and of its region's */
+    const char *vdb, *roi_vdb;
+} blender_level;
+
+/* One volume object; step in units. */
+json_t *iso_blender_describe_level(const iso_geometry *in_units, size_t k, size_t table, const char *vdb, double step);
+/* The volume objects of a level: itself, and its region of interest. */
+void iso_blender_append_level(json_t *levels, const blender_level *level, const iso_view *view, double units,
+                              const iso_blender_options *opt);
+
+/* ---- running Blender ---- */
+
+/* Writes scripts, description and calibration volume into the folder and runs them. Takes `about`. */
+iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
+                           const iso_progress *progress, iso_error *err);
+/* One entry a picture: what may change without building the scene again. */
+json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count);
+iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures,
+                                     iso_error *err);
+
+#endif

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "blender/blender_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "encode/decode_double.h"
+#include "scene/roi.h"
+#include "vdb/vdb.h"
+
+double iso_blender_units_per_mm(const iso_geometry *g)
+{
+    const double least = 1, most = 1e4, radius = iso_geometry_box_radius_mm(g);
+    return radius >= least && radius <= most ? 1 : pow(10, 2 - ceil(log10(radius)));
+}
+
+iso_geometry iso_blender_in_units(const iso_geometry *from, double units)
+{
+    iso_geometry g = *from;
+    g.index_to_world = iso_mat3_scale(g.index_to_world, units);
+    g.origin_mm = iso_scale(g.origin_mm, units);
+    return g;
+}
+
+json_t *iso_blender_text(const char *text, size_t limit)
+{
+    char *copy = strdup(text);
+    size_t n = copy ? strlen(copy) : 0;
+    if (n > limit)
+        for (n = limit; n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80;)
+            --n;
+    json_t *json = copy ? json_stringn(copy, n) : NULL;
+    for (size_t i = 0; !json && i < n; ++i)
+        if ((unsigned char)copy[i] >= 0x80)
+            copy[i] = '_';
+    if (copy && !json)
+        json = json_stringn(copy, n);
+    free(copy);
+    return json;
+}
+
+static json_t *vec_json(iso_vec3 v) { return iso_json_numbers((double[]){v.x, v.y, v.z}, 3); }
+
+static json_t *rows_json(const double rows[][4], size_t count)
+{
+    json_t *array = json_array();
+    for (size_t r = 0; r < count; ++r)
+        json_array_append_new(array, iso_json_numbers(rows[r], 4));
+    return array;
+}
+
+/* The box as an affine image of [0, 1]^3, and the way back. */
+static void describe_box(json_t *about, const iso_geometry *g)
+{
+    iso_mat3 to_world = g->index_to_world;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+            to_world.m[r][c] *= g->box_index[c];
+    iso_mat3 to_box = iso_mat3_inverse(to_world);
+    iso_vec3 back = iso_mul(to_box, g->origin_mm);
+    const double origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
+    const double shift[3] = {-back.x, -back.y, -back.z};
+    double world[4][4] = {{0}}, box[3][4];
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            world[r][c] = to_world.m[r][c];
+            box[r][c] = to_box.m[r][c];
+        }
+        world[r][3] = origin[r];
+        box[r][3] = shift[r];
+    }
+    world[3][3] = 1;
+    json_object_set_new(about, "box_to_world", rows_json((const double(*)[4])world, 4));
+    json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
+}
+
+static json_t *describe_camera(const iso_camera *c, double units, const iso_geometry *g)
+{
+    iso_vec3 position = iso_scale(c->position, units);
+    double far = iso_norm(iso_sub(position, iso_geometry_box_center_mm(g))) + 4 * iso_geometry_box_radius_mm(g);
+    return json_pack("{sb sf so so so so sf sf}", "orthographic", c->orthographic, "half_height",
+                     c->half_height * (c->orthographic ? units : 1), "position", vec_json(position), "forward",
+                     vec_json(c->forward), "right", vec_json(c->right), "up", vec_json(c->up), "clip_start",
+                     1e-3 * iso_geometry_min_spacing_mm(g), "clip_end", far);
+}
+
+static json_t *describe_ramp(const iso_tf_table *t, double units)
+{
+    iso_color_ramp ramp;
+    iso_color_ramp_fit(t, &ramp);
+    json_t *stops = json_array();
+    for (size_t i = 0; i < ramp.count; ++i)
+        json_array_append_new(stops, iso_json_numbers((double[]){ramp.position[i], ramp.rgba[i][0], ramp.rgba[i][1],
+                                                                 ramp.rgba[i][2], ramp.rgba[i][3]},
+                                                      5));
+    return json_pack("{so sf sf sf sf sf}", "stops", stops, "lo", t->lo, "hi", t->hi, "max_extinction",
+                     ramp.max_extinction / units, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
+}
+
+static void append_entries(json_t *to, const iso_tf_table *t, double units)
+{
+    for (size_t i = 0; i < 4 * t->count; ++i)
+        json_array_append_new(to, json_real((double)t->entries[i] / (i % 4 == 3 ? units : 1)));
+}
+
+static void append_table(json_t *to, const iso_tf_table *t, int rows, double units)
+{
+    json_t *entries = json_array();
+    for (int r = 0; r < rows; ++r)
+        append_entries(entries, &t[r], units);
+    json_array_append_new(to, json_pack("{sf sf si so}", "lo", t->lo, "hi", t->hi, "rows", rows, "entries", entries));
+}
+
+json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units)
+{
+    json_t *all = json_array();
+    for (size_t k = 0; k < count; ++k)
+        append_table(all, views[k].tf_2d ? views[k].tf_2d->tables : &views[k].tf, views[k].tf_2d ? ISO_TF_2D_ROWS : 1,
+                     units);
+    for (size_t k = 0; k < count; ++k)
+        if (views[k].roi)
+            append_table(all, &views[k].roi->tf, 1, units);
+    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&views[0].tf, units));
+}
+
+static json_t *describe_lights(const iso_view *view)
+{
+    json_t *lights = json_array();
+    for (size_t i = 0; i < view->light_count; ++i)
+        json_array_append_new(lights, json_pack("{so sf}", "direction", vec_json(view->lights[i].direction),
+                                                "intensity", view->lights[i].intensity));
+    return lights;
+}
+
+/* Overlapping volumes are walked together by the shortest step of them, so they get the same: of the finest level. */
+static double step_mm(const iso_view *view, const iso_geometry *level, const iso_blender_options *opt)
+{
+    return opt->step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, level));
+}
+
+/* The box and the band of a region of interest in fractions of the volume's box; side: what its weight adds to the
+ * volume, constant and factor. */
+static json_t *describe_roi(const iso_roi *f, const iso_geometry *around, bool inside)
+{
+    double lo[3], hi[3], band[3];
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = f->lo[a] / around->box_index[a];
+        hi[a] = f->hi[a] / around->box_index[a];
+        band[a] = fmax(f->band, 1e-6) / around->box_index[a];
+    }
+    return json_pack("{so so so s[fff]}", "lo", iso_json_numbers(lo, 3), "hi", iso_json_numbers(hi, 3), "band",
+                     iso_json_numbers(band, 3), "side", inside ? 0.0 : 1.0, inside ? 1.0 : -1.0, 0.0);
+}
+
+json_t *iso_blender_describe_level(const iso_geometry *in_units_g, size_t k, size_t table, const char *vdb, double step)
+{
+    const double x = iso_vdb_reverses_x(in_units_g) ? -1 : 1; /* along the axes of the file's grids */
+    return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step", step,
+                     "voxel_diagonal", vec_json(iso_mul(in_units_g->index_to_world, iso_v3(x, 1, 1))));
+}
+
+void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_view *view, double units,
+                              const iso_blender_options *opt)
+{
+    const iso_geometry mm = iso_blender_in_units(l->geometry, 1 / units);
+    const double step = units * step_mm(view, &mm, opt);
+    json_t *around = iso_blender_describe_level(l->geometry, l->number, l->tables[0], l->vdb, step);
+    if (view->roi) {
+        const iso_geometry g = iso_blender_in_units(&view->roi->level.geometry, units);
+        json_t *inside = iso_blender_describe_level(&g, l->number, l->tables[1], l->roi_vdb, step);
+        json_object_set_new(around, "roi", describe_roi(view->roi, l->geometry, false));
+        json_object_set_new(inside, "roi", describe_roi(view->roi, l->geometry, true));
+        json_array_append_new(levels, around);
+        json_array_append_new(levels, inside);
+        return;
+    }
+    json_array_append_new(levels, around);
+}
+
+/* Planes over fractions of the box, counted from its centre: [x, y, z, w], x fx + y fy + z fz >= w stays. */
+static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
+{
+    json_t *clips = json_array();
+    for (size_t i = 0; i < view->clip_count; ++i) {
+        double plane[4];
+        iso_clip_in_index(&view->clips[i], g, plane);
+        for (int a = 0; a < 3; ++a) {
+            plane[a] *= g->box_index[a];
+            plane[3] -= 0.5 * plane[a];
+        }
+        json_array_append_new(clips, iso_json_numbers(plane, 4));
+    }
+    return clips;
+}
+
+json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
+                                   const iso_blender_options *opt)
+{
+    json_t *about = json_pack(
+        "{ss so si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1", "name",
+        iso_blender_text(name, 50), "samples", opt->samples, "seed", opt->seed, "max_steps", ISO_BLENDER_MAX_STEPS,
+        "image", (json_int_t)view->width, (json_int_t)view->height, "background", iso_json_numbers(view->background, 3),
+        "camera", describe_camera(&view->camera, units, g), "lights", describe_lights(view), "shading", "ambient",
+        view->shading.ambient, "diffuse", view->shading.diffuse, "specular", view->shading.specular, "power",
+        view->shading.power, "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels, "units_per_mm", units);
+    if (about) {
+        describe_box(about, g);
+        json_object_set_new(about, "clip_planes", describe_clips(view, g));
+    }
+    return about;
+}

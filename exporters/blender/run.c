@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "blender/blender_scene.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "vdb/vdb.h"
+
+ISO_EMBED(iso_blender_scene_nodes_py, "exporters/blender/scene_nodes.py");
+ISO_EMBED(iso_blender_scene_objects_py, "exporters/blender/scene_objects.py");
+ISO_EMBED(iso_blender_scene_handles_py, "exporters/blender/scene_handles.py");
+ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
+
+#define CALIBRATION_SIZE 4 /* voxels along an axis of the volume that shows where Blender puts grids */
+
+static void keep_version(void *user, const char *line)
+{
+    char *version = user;
+    if (!version[0])
+        sscanf(line, "Blender %31s", version);
+}
+
+iso_status iso_blender_version(char *version, size_t size, iso_error *err)
+{
+    char *blender = NULL, found[32] = "";
+    iso_status status = iso_process_find("blender", "blender", &blender, err);
+    if (status != ISO_OK)
+        return status;
+    const char *argv[] = {blender, "--version", NULL};
+    iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 60};
+    status = iso_process_run(argv, &options, err);
+    if (status == ISO_OK && !found[0])
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version", blender);
+    if (status == ISO_OK)
+        snprintf(version, size, "%s", found);
+    free(blender);
+    return status;
+}
+
+static iso_status save_calibration_volume(const char *path, iso_error *err)
+{
+    enum { voxels = CALIBRATION_SIZE * CALIBRATION_SIZE * CALIBRATION_SIZE };
+    float scalar[voxels];
+    uint8_t codes[3 * voxels] = {0};
+    for (int i = 0; i < voxels; ++i)
+        scalar[i] = 1;
+    iso_level level = {.geometry = iso_geometry_axis_aligned(
+                           (size_t[]){CALIBRATION_SIZE, CALIBRATION_SIZE, CALIBRATION_SIZE}, (double[]){1, 1, 1}),
+                       .scalar = scalar,
+                       .codes = codes,
+                       .min = 1,
+                       .max = 1};
+    iso_pyramid p = {.level_count = 1, .levels = &level};
+    iso_vdb_options vdb = iso_vdb_defaults();
+    vdb.gradient = false;
+    return iso_vdb_save(&p, 0, 1, path, &vdb, NULL, err);
+}
+
+typedef struct listener {
+    const iso_progress *progress;
+    char refusal[256]; /* why calibration failed */
+    char failure[256]; /* why the script did */
+    iso_cycles_stats *stats;
+} listener;
+
+/* "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1": of the first
+ * picture, when its pixels begin and when it is finished. */
+static void take_stats(iso_cycles_stats *stats, const char *line)
+{
+    int minutes;
+    double seconds, megabytes;
+    const char *time = strstr(line, "| Time:");
+    sscanf(line, "isoshade: peak %lf", &stats->peak_rss_bytes);
+    if (strcmp(line, "isoshade: pictures begin") == 0) /* after those of the calibration */
+        stats->load_seconds = stats->render_seconds = 0;
+    if (!time || stats->render_seconds > 0 ||
+        sscanf(time, "| Time:%d:%lf | Mem:%lfM", &minutes, &seconds, &megabytes) != 3)
+        return;
+    seconds += 60 * minutes;
+    if (strstr(line, "| Sample 0/")) {
+        stats->load_seconds = seconds;
+        stats->device_bytes = 1048576 * megabytes;
+    } else if (strstr(line, "| Finished")) {
+        stats->render_seconds = seconds;
+    }
+}
+
+static void take_line(void *user, const char *line)
+{
+    listener *l = user;
+    double fraction;
+    char stage[64];
+    if (sscanf(line, "isoshade: progress %lf %63[^\n]", &fraction, stage) == 2)
+        iso_progress_report(l->progress, stage, fraction);
+    if (l->stats)
+        take_stats(l->stats, line);
+    sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
+    sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
+}
+
+/* One script of them all: the last one, which runs, needs what the others define. */
+static iso_status write_script(const char *path, iso_error *err)
+{
+    const char *const parts[] = {iso_blender_scene_nodes_py, iso_blender_scene_objects_py, iso_blender_scene_handles_py,
+                                 iso_blender_build_scene_py};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    for (size_t i = 0; memory && i < sizeof parts / sizeof *parts; ++i)
+        fprintf(memory, "%s\n\n", parts[i]);
+    const bool whole = memory && fclose(memory) == 0;
+    iso_status status =
+        whole ? iso_file_write(path, text, size, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    free(text);
+    return status;
+}
+
+iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
+                           const iso_progress *progress, iso_error *err)
+{
+    char *blender = NULL, threads[16];
+    char *script = iso_path_join(folder, "build_scene.py");
+    char *description = iso_path_join(folder, "description.json");
+    char *calibration = iso_path_join(folder, "calibration.vdb");
+    json_object_set_new(about, "calibration",
+                        json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
+    iso_status status = iso_process_find("blender", "blender", &blender, err);
+    if (status == ISO_OK)
+        status = write_script(script, err);
+    if (status == ISO_OK)
+        status = save_calibration_volume(calibration, err);
+    if (status == ISO_OK)
+        status = iso_json_save(description, about, err);
+    if (status == ISO_OK) {
+        snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
+        const char *argv[] = {
+            blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads, "-P",
+            script,  "--", description,         NULL};
+        listener l = {.progress = progress, .stats = opt->stats};
+        iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
+        status = iso_process_run(argv, &options, err);
+        if (status != ISO_OK && l.refusal[0])
+            status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
+        else if (status != ISO_OK && l.failure[0])
+            status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", blender, l.failure);
+    }
+    json_decref(about);
+    free(calibration);
+    free(description);
+    free(script);
+    free(blender);
+    return status;
+}
+
+json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; ++i) {
+        char path[PATH_MAX];
+        snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
+        json_array_append_new(list, json_pack("{sf si si ss}", "step", frames[i].step_voxels * voxel, "samples",
+                                              frames[i].samples, "seed", frames[i].seed, "path", path));
+    }
+    return list;
+}
+
+iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures,
+                                     iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        char path[PATH_MAX];
+        iso_image *picture = &pictures[i];
+        snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
+        status = iso_image_load_exr(path, picture, err);
+        if (status == ISO_OK && (picture->width != view->width || picture->height != view->height))
+            status = iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", picture->width,
+                              picture->height, view->width, view->height);
+        if (status == ISO_OK)
+            iso_image_add_background(picture, view->background);
+    }
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&pictures[i]);
+    return status;
+}

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a person finds who opens the file: lights to turn, an explanation, windows that show the volume.
+
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
+"""
+import bpy
+from mathutils import Matrix, Vector
+
+# ---- handles ---------------------------------------------------------------------------------------------------
+
+
+def sun_object(number, light, about, collection):
+    """A sun whose z axis points towards the light, beside the volume."""
+    data = bpy.data.lights.new(f"isoshade light {number}", 'SUN')
+    data.energy = light["intensity"]
+    data.angle = 0
+    thing = bpy.data.objects.new(data.name, data)
+    towards = Vector(light["direction"])
+    frame = Matrix(about["box_to_world"])
+    middle = frame @ Vector((0.5, 0.5, 0.5, 1))
+    reach = (frame.to_3x3() @ Vector((1, 1, 1))).length
+    rotation = towards.to_track_quat('Z', 'Y')
+    thing.matrix_world = Matrix.LocRotScale(middle.xyz + reach * towards, rotation, (1, 1, 1))
+    collection.objects.link(thing)
+    return thing
+
+
+def drive(owner, path, index, expression, variables):
+    """Expressions of arithmetic, sin and cos alone: Blender evaluates them even where a file may not run Python."""
+    curve = owner.driver_add(path, index) if index is not None else owner.driver_add(path)
+    curve.driver.type = 'SCRIPTED'
+    for name, (thing, kind) in variables.items():
+        variable = curve.driver.variables.new()
+        variable.name = name
+        target = variable.targets[0]
+        if kind.startswith("ROT_"):
+            variable.type = 'TRANSFORMS'
+            target.id = thing
+            target.transform_type = kind
+            target.rotation_mode = 'XYZ'
+            target.transform_space = 'WORLD_SPACE'
+        else:
+            if not isinstance(thing, bpy.types.Object):
+                target.id_type = 'LIGHT'
+            target.id = thing
+            target.data_path = kind
+    curve.driver.expression = expression
+
+
+def light_handles(about, look, collection):
+    """Turning a sun turns the volume's light: its z axis, from its angles, drives the direction."""
+    tree = look.node_tree
+    node = tree.nodes["isoshade"]
+    axis = ("cos(z) * sin(y) * cos(x) + sin(z) * sin(x)", "sin(z) * sin(y) * cos(x) - cos(z) * sin(x)", "cos(y) * cos(x)")
+    for i, light in enumerate(about["lights"]):
+        sun = sun_object(i + 1, light, about, collection)
+        number = list(node.inputs).index(node.inputs[f"Light {i + 1}"])
+        for c in range(3):
+            drive(tree, f'nodes["isoshade"].inputs[{number}].default_value', c, axis[c],
+                  {"x": (sun, 'ROT_X'), "y": (sun, 'ROT_Y'), "z": (sun, 'ROT_Z')})
+        drive(tree, f'nodes["isoshade"].inputs[{number + 1}].default_value', None, "energy", {"energy": (sun.data, "energy")})
+
+
+# ---- what a person finds who opens the file --------------------------------------------------------------------
+
+README = """{name}, exported by isoshade{source}
+
+The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
+{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
+"isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
+packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
+differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
+
+A millimetre is {units:g} Blender unit(s). Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
+more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
+turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
+moved back by that. Other versions of Blender may differ; export again with the one that you use.
+"""
+
+
+def explain(about, shift):
+    ramp = about["tf"]["ramp"]
+    several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
+               if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
+    if "bricks" in about:
+        several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
+    if any("roi" in level for level in about["levels"]):
+        several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
+                    'isoshade_roi_* and those of the volume around it have to be the same but for the side.\n')
+    text = bpy.data.texts.new("README")
+    text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
+                             levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
+                             alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
+                             blender=bpy.app.version_string, shift=shift))
+    scene = bpy.context.scene
+    scene["isoshade_source"] = about["source"]
+    scene["isoshade_voxel_shift"] = shift
+    scene["isoshade_ramp_color_loss"] = ramp["color_loss"]
+    scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
+
+
+def arrange_windows(scene, about):
+    """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once.
+
+    (Blender opens no file in a rendered view.) EEVEE's slices span the volume."""
+    eevee = scene.eevee
+    position, forward = (Vector(about["camera"][k]) for k in ("position", "forward"))
+    corners = [Matrix(about["box_to_world"]) @ Vector((x, y, z, 1)) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    depths = [(corner.xyz - position).dot(forward) for corner in corners]
+    for name, value in (("volumetric_start", max(min(depths), about["camera"]["clip_start"])),
+                        ("volumetric_end", max(depths)), ("volumetric_tile_size", '4'), ("volumetric_samples", 64),
+                        ("volumetric_sample_distribution", 0.0)):
+        if hasattr(eevee, name):
+            setattr(eevee, name, value)
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == 'VIEW_3D':
+                view = area.spaces.active
+                view.shading.type = 'MATERIAL'
+                view.shading.use_scene_lights = True
+                view.shading.use_scene_world = True
+                view.clip_end = 10 * about["camera"]["clip_end"]
+                view.region_3d.view_perspective = 'CAMERA'

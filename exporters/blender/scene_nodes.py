@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material of an isoshade volume as node groups.
+
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
+"""
+import bpy
+import numpy
+
+# ---- node groups -----------------------------------------------------------------------------------------------
+
+
+class Group:
+    """A node group under construction. Operands are sockets or plain values; nodes are laid out in columns."""
+
+    def __init__(self, name, inputs, outputs):
+        self.tree = bpy.data.node_groups.new(name, 'ShaderNodeTree')
+        self.column = {}
+        self.filled = {}
+        modern = hasattr(self.tree, "interface")  # Blender 4 and later
+        for kind, label, default in inputs:
+            socket = (self.tree.interface.new_socket(name=label, in_out='INPUT', socket_type=kind) if modern
+                      else self.tree.inputs.new(kind, label))
+            socket.default_value = default
+        for kind, label in outputs:
+            if modern:
+                self.tree.interface.new_socket(name=label, in_out='OUTPUT', socket_type=kind)
+            else:
+                self.tree.outputs.new(kind, label)
+        self.given = self.place(self.tree.nodes.new('NodeGroupInput'), 0).outputs
+
+    def place(self, node, column):
+        """Below what the column holds so far; a node is as high as it has sockets."""
+        top = self.filled.get(column, 0)
+        self.filled[column] = top + 130 + 22 * (len(node.inputs) + len(node.outputs))
+        self.column[node.name] = column
+        node.location = (240 * column, -top)
+        node.select = False
+        return node
+
+    def node(self, kind, label, inputs, **settings):
+        """inputs: {name or number of the socket: operand}."""
+        node = self.tree.nodes.new(kind)
+        node.label = label
+        for key, value in settings.items():
+            setattr(node, key, value)
+        column = 0
+        for key, operand in inputs.items():
+            if isinstance(operand, bpy.types.NodeSocket):
+                self.tree.links.new(operand, node.inputs[key])
+                column = max(column, self.column[operand.node.name] + 1)
+            else:
+                node.inputs[key].default_value = operand
+        return self.place(node, column)
+
+    def math(self, operation, *operands, label="", clamp=False):
+        return self.node('ShaderNodeMath', label, dict(enumerate(operands)), operation=operation,
+                         use_clamp=clamp).outputs[0]
+
+    def vector(self, operation, *operands, label=""):
+        names = (0, 'Scale') if operation == 'SCALE' else (0, 1, 2)
+        node = self.node('ShaderNodeVectorMath', label, dict(zip(names, operands)), operation=operation)
+        return node.outputs['Value' if operation in ('DOT_PRODUCT', 'LENGTH') else 'Vector']
+
+    def transform(self, kind, vector, source, target):
+        return self.node('ShaderNodeVectorTransform', "", {0: vector}, vector_type=kind, convert_from=source,
+                         convert_to=target).outputs[0]
+
+    def call(self, group, **operands):
+        return self.node('ShaderNodeGroup', "", {k.replace('_', ' '): v for k, v in operands.items()}, node_tree=group).outputs
+
+    def finish(self, **results):
+        sink = self.tree.nodes.new('NodeGroupOutput')
+        for label, socket in results.items():
+            self.tree.links.new(socket, sink.inputs[label])
+        self.place(sink, max(self.filled) + 1)
+        return self.tree
+
+
+def color_table(tf):
+    """The colour maps as an image: one row a level, or one a class of it, one column an entry; packed, exact in 32-bit float.
+
+    Where rows have fewer entries than columns the last one is repeated."""
+    rows = [row for table in tf["tables"]
+            for row in numpy.array(table["entries"], numpy.float32).reshape(table["rows"], -1, 4)]
+    width = max(len(row) for row in rows)
+    pixels = numpy.stack([numpy.concatenate([row, numpy.repeat(row[-1:], width - len(row), axis=0)]) for row in rows])
+    image = bpy.data.images.new("isoshade transfer function", width, len(rows), alpha=True, float_buffer=True,
+                                is_data=True)
+    image.colorspace_settings.name = 'Non-Color'
+    image.alpha_mode = 'CHANNEL_PACKED'
+    if hasattr(image, "use_half_precision"):
+        image.use_half_precision = False
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def table_properties(table):
+    """What a level's object tells the shader: value of entry 0, entries per value, number of the last entry."""
+    last = len(table["entries"]) // (4 * table["rows"]) - 1
+    return [table["lo"], last / (table["hi"] - table["lo"]), float(last)]
+
+
+def transfer_function_group(tf):
+    """Scalar to colour and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centres."""
+    group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketVector', "Table", (0, 1, 1)),
+                                                 ('NodeSocketFloat', "Row", 0.0)],
+                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+    image = color_table(tf)
+    width, rows = image.size
+    table = group.node('ShaderNodeSeparateXYZ', "first value, entries per value, last entry",
+                       {0: group.given["Table"]}).outputs
+    offset = group.math('SUBTRACT', group.given["Scalar"], table[0], label="from the first value")
+    entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, table[1]), 0.0)
+    entry = group.math('MINIMUM', entry, table[2], label="entry")
+    x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centres")
+    y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="the level's row")
+    where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Linear', extension='EXTEND',
+                       projection='FLAT').outputs
+    return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
+
+
+def ramp_group(ramp):
+    """The first level's colour map by a ColorRamp of at most 32 stops: less exact, but easy to edit."""
+    group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0)],
+                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+    offset = group.math('SUBTRACT', group.given["Scalar"], ramp["lo"], label="from the range's start")
+    u = group.math('MULTIPLY', offset, 1 / (ramp["hi"] - ramp["lo"]), label="fraction of the range", clamp=True)
+    node = group.node('ShaderNodeValToRGB', "", {0: u})
+    stops = node.color_ramp.elements
+    node.color_ramp.interpolation = 'LINEAR'
+    while len(stops) < len(ramp["stops"]):
+        stops.new(1.0)
+    for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
+        stop.position = position
+        stop.color = (red, green, blue, alpha)
+    extinction = group.math('MULTIPLY', node.outputs["Alpha"], ramp["max_extinction"], label="extinction of alpha 1")
+    return group.finish(Color=node.outputs["Color"], Extinction=extinction)
+
+
+def dots(group, rows, vector, label):
+    """Matrix times vector: three dot products."""
+    parts = [group.vector('DOT_PRODUCT', vector, row, label=label) for row in rows]
+    return group.node('ShaderNodeCombineXYZ', label, dict(enumerate(parts))).outputs[0]
+
+
+def box_group(to_box, clip_planes):
+    """How much of the ray's step lies inside the box: exact whatever the phase of the steps.
+
+    A hard mask errs by up to a step where the ray crosses a face. The overlap of the box with the interval of one
+    step around the sample makes the sum over the samples telescope instead. Slab method, in fractions of the box
+    with 0 at its centre: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is a face of its own:
+    n.f >= w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
+    group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
+                                   ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
+    linear = [row[:3] for row in to_box]
+    f = group.vector('ADD', dots(group, linear, group.given["Position"], "position in the box"),
+                     [row[3] - 0.5 for row in to_box], label="from its centre")
+    g = dots(group, linear, group.given["Ray"], "ray in the box")
+    g = group.vector('ADD', g, (1e-20, 1e-20, 1e-20), label="never 0")
+    middle = group.vector('DIVIDE', group.vector('SCALE', f, -1.0), g, label="to the middle")
+    reach = group.vector('DIVIDE', (0.5, 0.5, 0.5), group.vector('ABSOLUTE', g), label="from there to the faces")
+    half = group.math('MULTIPLY', group.given["Step"], 0.5)
+
+    def extreme(vector, operation, last):
+        part = group.node('ShaderNodeSeparateXYZ', "", {0: vector}).outputs
+        return group.math(operation, group.math(operation, group.math(operation, part[0], part[1]), part[2]), last)
+
+    enter = extreme(group.vector('SUBTRACT', middle, reach), 'MAXIMUM', group.math('MULTIPLY', half, -1.0))
+    leave = extreme(group.vector('ADD', middle, reach), 'MINIMUM', half)
+    far = 1e9
+    for plane in clip_planes:
+        rate = group.math('ADD', group.vector('DOT_PRODUCT', g, plane[:3]), 1e-20)
+        above = group.math('SUBTRACT', plane[3], group.vector('DOT_PRODUCT', f, plane[:3]), label="to the clip plane")
+        crossing = group.math('MINIMUM', group.math('MAXIMUM', group.math('DIVIDE', above, rate), -far), far)
+        enters = group.math('GREATER_THAN', rate, 0.0)
+        leaves = group.math('SUBTRACT', 1.0, enters)
+        enter = group.math('MAXIMUM', enter, group.math('SUBTRACT', group.math('MULTIPLY', crossing, enters),
+                                                        group.math('MULTIPLY', leaves, far)))
+        leave = group.math('MINIMUM', leave, group.math('ADD', group.math('MULTIPLY', crossing, leaves),
+                                                        group.math('MULTIPLY', enters, far)))
+    length = group.math('MAXIMUM', group.math('SUBTRACT', leave, enter), 0.0)
+    return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
+
+
+def roi_group(to_box):
+    """The weight of the finer level of a region of interest (scene/roi.h): 1 in its box, over a band around it to 0
+    with a continuous slope. Box and band are fractions of the volume's box."""
+    group = Group("isoshade roi", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
+                                     ('NodeSocketVector', "Hi", (1, 1, 1)), ('NodeSocketVector', "Band", (1, 1, 1))],
+                  [('NodeSocketFloat', "Weight")])
+    f = group.vector('ADD', dots(group, [row[:3] for row in to_box], group.given["Position"], "position in the box"),
+                     [row[3] for row in to_box])
+    below = group.vector('SUBTRACT', group.given["Lo"], f)
+    above = group.vector('SUBTRACT', f, group.given["Hi"])
+    far = group.vector('DIVIDE', group.vector('MAXIMUM', below, above), group.given["Band"], label="outside, in bands")
+    part = group.node('ShaderNodeSeparateXYZ', "", {0: far}).outputs
+    outside = group.math('MAXIMUM', group.math('MAXIMUM', part[0], part[1]), part[2])
+    u = group.math('SUBTRACT', 1.0, group.math('MINIMUM', group.math('MAXIMUM', outside, 0.0), 1.0), label="u")
+    steep = group.math('MULTIPLY_ADD', u, -2.0, 3.0)
+    return group.finish(Weight=group.math('MULTIPLY', group.math('MULTIPLY', u, u), steep, label="u u (3 - 2 u)"))
+
+
+def piece_table(bricks):
+    """The piece of each brick as an image: a column a brick along x, a row for each of the others; 0 is left out."""
+    nx, ny, nz = bricks["count"]
+    image = bpy.data.images.new("isoshade bricks", nx, ny * nz, alpha=False, float_buffer=True, is_data=True)
+    image.colorspace_settings.name = 'Non-Color'
+    image.alpha_mode = 'CHANNEL_PACKED'
+    pixels = numpy.ones((nx * ny * nz, 4), numpy.float32)
+    pixels[:, :3] = numpy.array(bricks["piece"], numpy.float32)[:, None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def piece_group(about):
+    """Whose brick a position lies in. Bricks begin at the centre of the first voxel and meet at centres of voxels;
+    their fields agree on the faces, so it does not matter to which side rounding puts a point."""
+    bricks = about["bricks"]
+    (nx, ny, nz), side = bricks["count"], bricks["voxels"]
+    group = Group("isoshade bricks", [('NodeSocketVector', "Position", (0, 0, 0))], [('NodeSocketFloat', "Piece")])
+    scaled = [[v * n / side for v in row] for row, n in zip(about["world_to_box"], bricks["size"])]
+    q = group.vector('ADD', dots(group, [row[:3] for row in scaled], group.given["Position"], "in bricks"),
+                     [row[3] - 0.5 / side for row in scaled], label="from the first voxel's centre")
+    q = group.vector('MINIMUM', group.vector('MAXIMUM', group.vector('FLOOR', q), (0, 0, 0)), (nx - 1, ny - 1, nz - 1),
+                     label="brick")
+    brick = group.node('ShaderNodeSeparateXYZ', "", {0: q}).outputs
+    u = group.math('MULTIPLY_ADD', brick[0], 1 / nx, 0.5 / nx)
+    row = group.math('MULTIPLY_ADD', brick[2], float(ny), brick[1], label="row of the table")
+    v = group.math('MULTIPLY_ADD', row, 1 / (ny * nz), 0.5 / (ny * nz))
+    where = group.node('ShaderNodeCombineXYZ', "", {0: u, 1: v}).outputs[0]
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=piece_table(bricks), interpolation='Closest',
+                       extension='EXTEND', projection='FLAT').outputs
+    return group.finish(Piece=texel["Color"])
+
+
+def shade_group(light_count, eps):
+    """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
+
+    The direction turns with the object as normals do (inverse transpose); its length, which says how far it can be
+    trusted, is kept."""
+    inputs = [('NodeSocketVector', "Direction", (0, 0, 0)), ('NodeSocketFloat', "Ambient", 0.3),
+              ('NodeSocketFloat', "Diffuse", 0.7), ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
+    for i in range(light_count):
+        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
+    group = Group("isoshade shade", inputs, [('NodeSocketFloat', "Shade")])
+    d = group.given["Direction"]
+    length = group.vector('LENGTH', d)
+    root = group.math('SQRT', group.math('MULTIPLY_ADD', length, length, eps * eps), label="sqrt(|d|^2 + eps^2)")
+    trust = group.math('DIVIDE', length, root, label="|n|")
+    # The transform normalises: a zero direction needs a length, which its trust of 0 takes away again.
+    turned = group.transform('NORMAL', group.vector('ADD', d, (0, 0, 1e-18)), 'OBJECT', 'WORLD')
+    n = group.vector('SCALE', turned, trust, label="n")
+    viewer = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
+    shade = group.given["Ambient"]
+    for i in range(light_count):
+        light = group.vector('NORMALIZE', group.given[f"Light {i + 1}"], label=f"light {i + 1}")
+        half = group.vector('NORMALIZE', group.vector('ADD', light, viewer), label="h")
+        diffuse = group.math('ABSOLUTE', group.vector('DOT_PRODUCT', n, light), label="|n.l|")
+        glossy = group.math('POWER', group.math('ABSOLUTE', group.vector('DOT_PRODUCT', n, half), label="|n.h|"),
+                            group.given["Power"])
+        both = group.math('MULTIPLY_ADD', diffuse, group.given["Diffuse"],
+                          group.math('MULTIPLY', glossy, group.given["Specular"]))
+        shade = group.math('MULTIPLY_ADD', both, group.given[f"Intensity {i + 1}"], shade)
+    return group.finish(Shade=shade)
+
+
+def isoshade_group(about, frame):
+    lights = len(about["lights"])
+    inputs = [('NodeSocketFloat', "Density Scale", 1.0), ('NodeSocketFloat', "Use Ramp", 0.0),
+              ('NodeSocketFloat', "Ambient", 0.3), ('NodeSocketFloat', "Diffuse", 0.7),
+              ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
+    for i in range(lights):
+        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
+    group = Group("isoshade", inputs, [('NodeSocketShader', "Volume")])
+    scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density")
+    direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
+    table = group.node('ShaderNodeAttribute', "table of the level", {}, attribute_type='OBJECT',
+                       attribute_name="isoshade_table")
+    row = group.node('ShaderNodeAttribute', "row of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_row")
+    step = group.node('ShaderNodeAttribute', "ray step of the level", {}, attribute_type='OBJECT',
+                      attribute_name="isoshade_step")
+    position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
+    incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
+    # Its length is the object's own units to one of the world along the ray: extinction follows the object's scale.
+    travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
+    ray = group.vector('NORMALIZE', travel)
+
+    where = row.outputs["Fac"]
+    if any(table["rows"] > 1 for table in about["tf"]["tables"]):
+        part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="class")
+        last = group.node('ShaderNodeAttribute', "last class", {}, attribute_type='OBJECT', attribute_name="isoshade_last_class")
+        where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the class")
+    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
+                       Table=table.outputs["Vector"], Row=where)
+    ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar.outputs["Fac"])
+    use_ramp = group.given["Use Ramp"]
+    color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
+    extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
+                            exact["Extinction"])
+    inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
+                        Step=step.outputs["Fac"])["Inside"]
+    if any("roi" in level for level in about["levels"]):
+        box = {name: group.node('ShaderNodeAttribute', f"roi {name}", {}, attribute_type='OBJECT',
+                                attribute_name=f"isoshade_roi_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}
+        weight = group.call(roi_group(about["world_to_box"]), Position=position, Lo=box["lo"], Hi=box["hi"],
+                            Band=box["band"])["Weight"]
+        side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
+        share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
+        inside = group.math('MULTIPLY', inside, share)
+    if "bricks" in about:
+        piece = group.node('ShaderNodeAttribute', "number of the piece", {}, attribute_type='OBJECT',
+                           attribute_name="isoshade_piece")
+        here = group.call(piece_group(about), Position=position)["Piece"]
+        inside = group.math('MULTIPLY', inside, group.math('COMPARE', here, piece.outputs["Fac"], 0.5), label="of this piece")
+    seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
+    sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
+    shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
+    for i in range(lights):
+        shading[f"Light {i + 1}"] = group.given[f"Light {i + 1}"]
+        shading[f"Intensity {i + 1}"] = group.given[f"Intensity {i + 1}"]
+    shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"], **shading)["Shade"]
+    emission = group.node('ShaderNodeEmission', "", {0: color, 1: group.math('MULTIPLY', sigma, shade)}).outputs[0]
+    # Absorption takes density (1 - color): black leaves sigma itself.
+    absorption = group.node('ShaderNodeVolumeAbsorption', "", {0: (0, 0, 0, 1), 1: sigma}).outputs[0]
+    volume = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
+    return group.finish(Volume=volume)
+
+
+def material(about, frame):
+    result = bpy.data.materials.new(about["name"])
+    result.use_nodes = True
+    tree = result.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new('ShaderNodeGroup')
+    node.node_tree = isoshade_group(about, frame)
+    node.name = node.label = "isoshade"
+    node.width = 240
+    shading = about["shading"]
+    for name in ("Ambient", "Diffuse", "Specular", "Power"):
+        node.inputs[name].default_value = shading[name.lower()]
+    for i, light in enumerate(about["lights"]):
+        node.inputs[f"Light {i + 1}"].default_value = light["direction"]
+        node.inputs[f"Intensity {i + 1}"].default_value = light["intensity"]
+    output = tree.nodes.new('ShaderNodeOutputMaterial')
+    output.location = (320, 0)
+    tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
+    return result
