@@ -6,44 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "encode/decode_double.h"
+#include "povray/scene_parts.h"
 #include "scene/roi.h"
-
-/* POV-Ray's colours are floats: entries this close to a line, as a part of the peak, make no difference. */
-static const double color_map_tolerance = 6e-8;
-
-static double specular_sum(const iso_view *view)
-{
-    double sum = 0;
-    for (size_t i = 0; i < view->light_count; ++i)
-        sum += view->lights[i].intensity * view->shading.specular;
-    return sum;
-}
-
-static double peak_color(const iso_tf_table *tf)
-{
-    double color = 1;
-    for (size_t i = 0; i < tf->count; ++i) {
-        const float *e = tf->entries + 4 * i;
-        color = fmax(color, fmax((double)e[0], fmax((double)e[1], (double)e[2])));
-    }
-    return color;
-}
-
-/* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
-double iso_povray_peak(const iso_view *view) { return peak_color(&view->tf) * (1 + specular_sum(view)); }
-
-/* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
-void iso_povray_measure_peaks(iso_povray_scene *s)
-{
-    const iso_tf_table *tf = s->tf;
-    double extinction = 0;
-    for (size_t i = 0; i < tf->count; ++i)
-        extinction = fmax(extinction, (double)tf->entries[4 * i + 3]);
-    s->peak_extinction = extinction > 0 ? extinction : 1;
-    s->peak_color = peak_color(tf);
-    s->peak = s->peak_color * (1 + specular_sum(s->view));
-}
 
 /* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. */
 static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix)
@@ -142,235 +106,8 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     fprintf(f, "\n");
 }
 
-/* Marks the entries that a color_map needs: those between two kept ones lie on the line between them, within
- * `tolerance`. A cone of allowed slopes per channel narrows until an entry falls out of it. Returns how many. */
-static size_t mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
-{
-    size_t kept = 1, from = 0;
-    double lo[4], hi[4];
-    keep[0] = true;
-    for (size_t i = 1; i < tf->count; ++i) {
-        bool inside = i > from + 1;
-        for (int c = channels[0]; c < channels[1]; ++c) {
-            const double slope = ((double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c]) / (double)(i - from);
-            inside = inside && slope >= lo[c] && slope <= hi[c];
-        }
-        if (i > from + 1 && !inside) {
-            from = i - 1;
-            keep[from] = true;
-            ++kept;
-        }
-        for (int c = channels[0]; c < channels[1]; ++c) {
-            const double rise = (double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c], run = (double)(i - from);
-            lo[c] = fmax(i == from + 1 ? -INFINITY : lo[c], (rise - tolerance) / run);
-            hi[c] = fmin(i == from + 1 ? INFINITY : hi[c], (rise + tolerance) / run);
-        }
-        keep[i] = i + 1 == tf->count;
-    }
-    return kept + 1;
-}
-
-/* What a density map is made of: the TF's channels [first, end), divided by peak. */
-typedef struct map_source {
-    int channels[2];
-    double peak;
-} map_source;
-
-static map_source extinction_source(const iso_povray_scene *s) { return (map_source){{3, 4}, s->peak_extinction}; }
-static map_source color_source(const iso_povray_scene *s) { return (map_source){{0, 3}, s->peak_color}; }
-
-/* Positions in a color_map are floats: tables with finer steps than this travel as DF3. */
-enum { max_color_map_table = 1024 };
-
-/* NULL when the table does not fit a color_map; else which entries it needs, to be freed. */
-static bool *color_map_entries(const iso_povray_scene *s, map_source source)
-{
-    const iso_tf_table *tf = s->tf;
-    bool *keep = !s->tf_2d && tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
-    if (keep && mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) > ISO_POVRAY_COLOR_MAP_ENTRIES) {
-        free(keep);
-        keep = NULL;
-    }
-    return keep;
-}
-
-bool iso_povray_needs_tables(const iso_povray_scene *s, bool color)
-{
-    bool *keep = color_map_entries(s, color ? color_source(s) : extinction_source(s));
-    free(keep);
-    return !keep;
-}
-
-static void write_color_map(FILE *f, const char *identifier, const iso_tf_table *tf, map_source source, const bool *keep)
-{
-    fprintf(f, "#declare %s = density { function { Iso_TF_Position(x, y, z) } color_map {\n", identifier);
-    for (size_t i = 0; i < tf->count; ++i) {
-        const float *e = tf->entries + 4 * i;
-        if (!keep[i])
-            continue;
-        fprintf(f, "    [%.9g rgb ", (double)i / (double)(tf->count - 1));
-        if (source.channels[0] == 0)
-            fprintf(f, "<%.9g, %.9g, %.9g>]\n", (double)e[0] / source.peak, (double)e[1] / source.peak,
-                    (double)e[2] / source.peak);
-        else
-            fprintf(f, "%.9g]\n", (double)e[3] / source.peak);
-    }
-    fprintf(f, "} }\n");
-}
-
-/* DF3 tables of one row, or of a row a class, linear between entries as a
- * color_map is. `average` of three densities is a third of their sum. */
-static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
-{
-    const size_t count = s->tf->count;
-    const double scale = (double)(count - 1) / (double)count;
-    char row[64] = "0";
-    if (s->tf_2d)
-        snprintf(row, sizeof row, "Iso_Class(x, y, z) * %.17g", (ISO_TF_2D_ROWS - 1.0) / ISO_TF_2D_ROWS);
-    static const char *const channel[4] = {"red", "green", "blue", "extinction"};
-    static const char *const unit[4] = {"<3, 0, 0>", "<0, 3, 0>", "<0, 0, 3>", "1"};
-    for (int c = color ? 0 : 3; c < (color ? 3 : 4); ++c) {
-        fprintf(f, "#declare Iso_Table_%s = function { pattern { density_file df3 \"%s_tf_%s.df3\" interpolate 1 } }\n",
-                channel[c], s->name, channel[c]);
-        fprintf(f, "#declare %s%s = density { function { Iso_Table_%s(Iso_TF_Position(x, y, z) * %.17g, %s, 0) }\n"
-                   "    color_map { [0 rgb 0] [1 rgb %s] } }\n", color ? "Iso_TF_" : "Iso_TF_Extinction",
-                color ? channel[c] : "", channel[c], scale, row, unit[c]);
-    }
-    if (color)
-        fprintf(f, "#declare Iso_TF_Color = density { average density_map {\n"
-                   "    [1 Iso_TF_red] [1 Iso_TF_green] [1 Iso_TF_blue] } }\n");
-}
-
-static void write_map(FILE *f, const iso_povray_scene *s, bool color)
-{
-    const map_source source = color ? color_source(s) : extinction_source(s);
-    bool *keep = color_map_entries(s, source);
-    if (keep)
-        write_color_map(f, color ? "Iso_TF_Color" : "Iso_TF_Extinction", s->tf, source, keep);
-    else
-        write_table_lookup(f, s, color);
-    free(keep);
-}
-
-static void write_transfer_function(FILE *f, const iso_povray_scene *s)
-{
-    const iso_tf_table *tf = s->tf;
-    fprintf(f, "// ---- the transfer function ------------------------------------------------\n"
-               "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
-               "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
-               "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
-            tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);
-    write_map(f, s, false);
-    write_map(f, s, true);
-    fprintf(f, "\n");
-}
-
-/* "select(Iso_Opaque(x, y, z), 0, " when part of the TF is transparent: what follows is not evaluated there. */
-static const char *lazily(const iso_povray_scene *s, const char *select)
-{
-    size_t zeros = 0;
-    for (size_t i = 0; i + 1 < s->tf->count; ++i)
-        zeros += s->tf->entries[4 * i + 3] == 0 && s->tf->entries[4 * i + 7] == 0;
-    return zeros > 0 ? select : "";
-}
-
-/* Shading is most of the work. Iso_Opaque is negative inside the ranges of the TF without extinction. */
-static void write_opaque(FILE *f, const iso_povray_scene *s)
-{
-    enum { most_ranges = 8 }; /* leaving some out is slower, not wrong */
-    const iso_tf_table *tf = s->tf;
-    const double last = (double)(tf->count - 1);
-    int ranges = 0;
-    if (!*lazily(s, "yes"))
-        return;
-    fprintf(f, "// Negative where the transfer function is transparent: no shading is computed there.\n"
-               "#declare Iso_Opaque_At = function (p) { min(1");
-    for (size_t i = 0; i < tf->count && ranges < most_ranges; ++i) {
-        size_t end = i;
-        while (end < tf->count && tf->entries[4 * end + 3] == 0)
-            ++end;
-        if (end > i + 1) {
-            fprintf(f, ", max(%.9g - p, p - %.9g)", i > 0 ? (double)i / last : -1, end < tf->count ? (double)(end - 1) / last : 2);
-            ++ranges;
-        }
-        i = end > i ? end - 1 : i;
-    }
-    fprintf(f, ") }\n#declare Iso_Opaque = function (x, y, z) { Iso_Opaque_At(Iso_TF_Position(x, y, z)) }\n\n");
-}
-
-/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most 1. */
-static void write_diffuse(FILE *f, const iso_povray_scene *s)
-{
-    const iso_view *v = s->view;
-    fprintf(f, "#declare Iso_Diffuse_Of = function (dx, dy, dz) {\n    %.17g", v->shading.ambient);
-    for (size_t i = 0; i < v->light_count; ++i) {
-        const iso_light *l = &v->lights[i];
-        fprintf(f, "\n    + %.17g * abs(dx * %.17g + dy * %.17g + dz * %.17g) / sqrt(dx*dx + dy*dy + dz*dz + %.17g)",
-                v->shading.diffuse * l->intensity, l->direction.x, l->direction.y, l->direction.z,
-                ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
-    }
-    fprintf(f, " }\n");
-    if (s->options->isosurface)
-        return;
-    fprintf(f, "#declare Iso_Diffuse = density {\n"
-               "    function { %smin(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z)))%s }\n"
-               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n", lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
-}
-
-/* The unit vector to the viewer at a point in voxel coordinates, as a function's three arguments. */
-static void write_to_viewer(FILE *f, const iso_povray_scene *s)
-{
-    const iso_camera *camera = &s->view->camera;
-    if (camera->orthographic) {
-        fprintf(f, "#declare Iso_Viewer_X = function (x, y, z) { %.17g }\n"
-                   "#declare Iso_Viewer_Y = function (x, y, z) { %.17g }\n"
-                   "#declare Iso_Viewer_Z = function (x, y, z) { %.17g }\n",
-                -camera->forward.x, -camera->forward.y, -camera->forward.z);
-        return;
-    }
-    static const char *const axis[3] = {"X", "Y", "Z"};
-    const iso_vec3 o = iso_sub(camera->position, s->geometry->origin_mm);
-    const double offset[3] = {o.x, o.y, o.z};
-    for (int a = 0; a < 3; ++a) {
-        const double *m = s->geometry->index_to_world.m[a];
-        fprintf(f, "#declare Iso_Viewer_%s = function (x, y, z) { %.17g - x * %.17g - y * %.17g - z * %.17g } // mm\n", axis[a],
-                offset[a], m[0], m[1], m[2]);
-    }
-}
-
-/* sum of intensity |n.h|^p over the sum of the intensities, h = normalise(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
-static void write_specular(FILE *f, const iso_povray_scene *s)
-{
-    const iso_view *v = s->view;
-    double intensities = 0;
-    for (size_t i = 0; i < v->light_count; ++i)
-        intensities += v->lights[i].intensity;
-    fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera.\n");
-    write_to_viewer(f, s);
-    fprintf(f, "// d: direction, v: unit vector to the viewer, n: the length that makes d a normal\n"
-               "#declare Iso_Specular_Unit = function (dx, dy, dz, vx, vy, vz, n) {\n    0");
-    for (size_t i = 0; i < v->light_count; ++i) {
-        const iso_vec3 l = v->lights[i].direction;
-        fprintf(f, "\n    + %.17g * pow(min(1, abs(dx * (vx + %.17g) + dy * (vy + %.17g) + dz * (vz + %.17g))"
-                   "\n        / (n * sqrt(max(1e-24, 2 + 2 * (vx * %.17g + vy * %.17g + vz * %.17g))))), %.17g)",
-                v->lights[i].intensity / intensities, l.x, l.y, l.z, l.x, l.y, l.z, v->shading.power);
-    }
-    fprintf(f, " }\n#declare Iso_Specular_Of = function (dx, dy, dz, vx, vy, vz, v) {\n"
-               "    Iso_Specular_Unit(dx, dy, dz, vx / v, vy / v, vz / v, sqrt(dx*dx + dy*dy + dz*dz + %.17g)) }\n"
-               "#declare Iso_Specular_At = function (dx, dy, dz, vx, vy, vz) {\n"
-               "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n",
-            ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
-    if (s->options->isosurface)
-        return;
-    fprintf(f, "#declare Iso_Specular = density {\n"
-               "    function { %smin(1, Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
-               "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z)))%s }\n"
-               "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
-            lazily(s, "select(Iso_Opaque(x, y, z), 0, "), lazily(s, ")"));
-}
-
 /* The planes that a scene clips by, in voxel coordinates; POV-Ray's planes keep the side that their normals leave. */
-static void write_clips(FILE *f, const iso_povray_scene *s)
+void iso_povray_write_clips(FILE *f, const iso_povray_scene *s)
 {
     for (size_t i = 0; i < s->view->clip_count; ++i) {
         double p[4];
@@ -384,7 +121,7 @@ static void write_clips(FILE *f, const iso_povray_scene *s)
 /* Absorption and emission of one layer; prefix: of its declared names; weight: one more density, or "". */
 static void write_layer_media(FILE *f, const iso_povray_scene *s, const char *prefix, const char *weight)
 {
-    const double color = s->peak_color, specular = specular_sum(s->view);
+    const double color = s->peak_color, specular = iso_povray_specular_sum(s->view);
     fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
                "        absorption %sExtinction\n"
                "        density { %sTF_Extinction }%s }\n"
@@ -412,39 +149,9 @@ static void write_media(FILE *f, const iso_povray_scene *s)
         write_layer_media(f, s->inner, "Iso_Fine_", " density { Iso_Inside }");
     const bool clipped = s->view->clip_count > 0;
     fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
-    write_clips(f, s);
+    iso_povray_write_clips(f, s);
     fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    interior { Iso_Interior } }\n");
-}
-
-/* Opaque, in the TF's colour at the value times the shade of the stored
- * direction: POV-Ray's own normals are gradients of the trilinear field, which
- * jump from cell to cell. */
-static void write_surface(FILE *f, const iso_povray_scene *s)
-{
-    const double specular = specular_sum(s->view), peak = 1 + specular;
-    const bool clipped = s->view->clip_count > 0;
-    double rgbs[4];
-    iso_tf_lookup(&s->view->tf, s->options->iso, rgbs);
-    fprintf(f, "// ---- the surface ----------------------------------------------------------\n"
-               "// The first point of a ray where the value is at least Iso_Surface_Value. max_gradient bounds the slope of\n"
-               "// the field: a smaller one is faster and loses pixels.\n"
-               "#declare Iso_Surface_Value = %.17g;\n"
-               "#declare Iso_Surface_Shade = function (x, y, z) {\n"
-               "    (Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z))", s->options->iso);
-    if (specular > 0)
-        fprintf(f, "\n    + %.17g * Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
-                   "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))", specular);
-    fprintf(f, ") * %.17g }\n"
-               "#declare Iso_Surface = %sisosurface {\n"
-               "    function { (Iso_Surface_Value - %.17g) * %.17g - Iso_Stored(x, y, z) }\n"
-               "    contained_by { box { Iso_Box_Low, Iso_Box } }\n"
-               "    threshold 0 accuracy 1e-6 max_gradient %.9g%s\n", 1 / peak, clipped ? "intersection { " : "", s->scalar.lo,
-            1 / (s->scalar.hi - s->scalar.lo), s->max_gradient, clipped ? " all_intersections }" : "");
-    write_clips(f, s);
-    fprintf(f, "    pigment { function { min(1, Iso_Surface_Shade(x, y, z)) }\n"
-               "        color_map { [0 rgb 0] [1 rgb <%.9g, %.9g, %.9g> * Iso_Emission * %.17g] } }\n"
-               "    finish { emission 1 ambient 0 diffuse 0 } }\n", rgbs[0], rgbs[1], rgbs[2], peak);
 }
 
 /* What the media of a layer are made of. */
@@ -452,13 +159,13 @@ static void write_layer(FILE *f, const iso_povray_scene *s)
 {
     write_fields(f, s);
     if (!s->options->isosurface)
-        write_transfer_function(f, s);
+        iso_povray_write_transfer_function(f, s);
     fprintf(f, "// ---- shading: two-sided, Blinn-Phong ---------------------------------------\n");
     if (!s->options->isosurface)
-        write_opaque(f, s);
-    write_diffuse(f, s);
-    if (specular_sum(s->view) > 0)
-        write_specular(f, s);
+        iso_povray_write_opaque(f, s);
+    iso_povray_write_diffuse(f, s);
+    if (iso_povray_specular_sum(s->view) > 0)
+        iso_povray_write_specular(f, s);
 }
 
 /* The weights of the two layers: scene/roi.h. */
@@ -514,7 +221,7 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
         write_inner(f, s->inner);
     }
     if (s->options->isosurface)
-        write_surface(f, s);
+        iso_povray_write_surface(f, s);
     else
         write_media(f, s);
 }

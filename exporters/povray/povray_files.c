@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "povray/povray_files.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "scene/roi.h"
+
+char *iso_povray_file_path(const char *dir, const char *name, const char *suffix)
+{
+    size_t size = strlen(dir) + strlen(name) + strlen(suffix) + 2;
+    char *path = malloc(size);
+    if (path)
+        snprintf(path, size, "%s/%s%s", dir, name, suffix);
+    return path;
+}
+
+iso_status iso_povray_no_memory(iso_error *err) { return iso_fail(err, ISO_E_MEMORY, "povray: no memory"); }
+
+/* Whole samples where the type has them. */
+static iso_df3_coding scalar_coding(const iso_level *level, unsigned bits)
+{
+    switch (level->stored_type) {
+    case ISO_U8:
+        return (iso_df3_coding){8, 0, 255};
+    case ISO_I8:
+        return (iso_df3_coding){8, -128, 127};
+    case ISO_U16:
+        return (iso_df3_coding){16, 0, 65535};
+    case ISO_I16:
+        return (iso_df3_coding){16, -32768, 32767};
+    default:
+        return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
+    }
+}
+
+/* A whole sample stands for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
+static iso_df3_coding direction_coding(unsigned bits)
+{
+    double half = ldexp(1, (int)bits - 1);
+    return (iso_df3_coding){bits, -half / (half - 1), 1};
+}
+
+static bool is_byte_lattice(iso_code code)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    return info->is_textured && info->is_signed && info->is_linear;
+}
+
+/* No slope of the trilinear field is steeper: in each cell at most the steepest of its edges along each axis. */
+static double steepest(const iso_level *level)
+{
+    const size_t *n = level->geometry.size;
+    const size_t step[3] = {1, n[0], n[0] * n[1]};
+    double most = 0;
+    for (size_t z = 0; z + 1 < n[2] || z == 0; ++z)
+        for (size_t y = 0; y + 1 < n[1] || y == 0; ++y)
+            for (size_t x = 0; x + 1 < n[0] || x == 0; ++x) {
+                const size_t at = x + n[0] * (y + n[1] * z);
+                double square = 0;
+                for (int a = 0; a < 3; ++a) {
+                    const int b = (a + 1) % 3, c = (a + 2) % 3;
+                    const size_t along = n[a] > 1 ? step[a] : 0, u = n[b] > 1 ? step[b] : 0, v = n[c] > 1 ? step[c] : 0;
+                    const size_t edges[4] = {at, at + u, at + v, at + u + v};
+                    double edge = 0;
+                    for (int e = 0; e < 4; ++e)
+                        edge =
+                            fmax(edge, fabs((double)level->scalar[edges[e] + along] - (double)level->scalar[edges[e]]));
+                    square += edge * edge;
+                }
+                most = fmax(most, square);
+            }
+    return sqrt(most);
+}
+
+static iso_status write_directions(iso_code code, const iso_povray_scene *s, const char *dir,
+                                   const iso_progress *progress, iso_error *err)
+{
+    const iso_level *level = s->voxels;
+    const size_t count = iso_geometry_voxel_count(&level->geometry);
+    float *decoded = NULL;
+    const float *directions = level->directions;
+    if (!s->options->float_directions) {
+        directions = decoded = malloc(3 * count * sizeof *decoded);
+        if (!decoded)
+            return iso_fail(err, ISO_E_MEMORY, "povray: no memory for %zu directions", count);
+        iso_code_decode_all(code, level->codes, decoded, count);
+    }
+    static const char *const suffix[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
+    iso_status status = ISO_OK;
+    for (size_t a = 0; a < 3 && status == ISO_OK; ++a) {
+        iso_progress_report(progress, "povray: writing DF3", 0.25 * (double)(a + 1));
+        char *path = iso_povray_file_path(dir, s->name, suffix[a]);
+        status = path ? iso_df3_write(path, level->geometry.size, directions, 3, a, &s->direction, err)
+                      : iso_povray_no_memory(err);
+        free(path);
+    }
+    free(decoded);
+    return status;
+}
+
+/* The entries of all classes, row by row; to be freed. */
+static float *class_rows(const iso_tf_2d *tf_2d)
+{
+    const size_t row = 4 * tf_2d->tables[0].count;
+    float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
+    for (size_t c = 0; rows && c < ISO_TF_2D_ROWS; ++c)
+        memcpy(rows + c * row, tf_2d->tables[c].entries, row * sizeof *rows);
+    return rows;
+}
+
+static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(&s->voxels->geometry);
+    const iso_df3_coding coding = {8, 0, 255};
+    float *values = malloc(count * sizeof *values);
+    char *path = iso_povray_file_path(dir, s->name, "_class.df3");
+    iso_status status = values && path ? ISO_OK : iso_povray_no_memory(err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        values[i] = s->tf_2d->bytes[i];
+    if (status == ISO_OK)
+        status = iso_df3_write(path, s->voxels->geometry.size, values, 1, 0, &coding, err);
+    free(path);
+    free(values);
+    return status;
+}
+
+static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, iso_error *err)
+{
+    static const char *const suffix[4] = {"_tf_red.df3", "_tf_green.df3", "_tf_blue.df3", "_tf_extinction.df3"};
+    const iso_tf_2d *tf_2d = s->tf_2d;
+    float *rows = tf_2d ? class_rows(tf_2d) : NULL;
+    if (tf_2d && !rows)
+        return iso_povray_no_memory(err);
+    double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
+    iso_status status = tf_2d ? write_class_bytes(s, dir, err) : ISO_OK;
+    for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
+        if (!iso_povray_needs_tables(s, c < 3))
+            continue;
+        const iso_df3_coding coding = {32, 0, most[c]};
+        char *path = iso_povray_file_path(dir, s->name, suffix[c]);
+        status = path ? iso_df3_write_table(path, rows ? rows : s->tf->entries, s->tf->count, rows ? ISO_TF_2D_ROWS : 1,
+                                            4, c, &coding, err)
+                      : iso_povray_no_memory(err);
+        free(path);
+    }
+    free(rows);
+    return status;
+}
+
+static iso_status write_text(const iso_povray_scene *s, const char *dir, const char *suffix,
+                             void (*write)(FILE *, const iso_povray_scene *), iso_error *err)
+{
+    char *path = iso_povray_file_path(dir, s->name, suffix);
+    FILE *file = path ? fopen(path, "w") : NULL;
+    iso_status status = ISO_OK;
+    if (file) {
+        write(file, s);
+        bool failed = ferror(file) != 0;
+        if (fclose(file) != 0 || failed)
+            status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+    } else {
+        status = path ? iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno))
+                      : iso_povray_no_memory(err);
+    }
+    free(path);
+    return status;
+}
+
+/* level: the voxels, of the pyramid's level or of a region of interest; tf: what bounds the transfer function. */
+static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_level *level, const iso_view *view,
+                                 const iso_tf_table *tf, const char *name, const iso_povray_options *opt)
+{
+    const iso_geometry *g = &p->levels[number].geometry;
+    iso_povray_scene s = {.name = name,
+                          .source = p->source ? iso_path_base(p->source) : "a volume",
+                          .level = number,
+                          .geometry = g,
+                          .voxels = level,
+                          .lattice_scale = 1,
+                          .view = view,
+                          .tf = tf,
+                          .options = opt};
+    s.scalar = scalar_coding(level, opt->df3_bits);
+    s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
+    s.center_mm = iso_geometry_box_center_mm(g);
+    s.units_per_mm = 0.5 * ISO_POVRAY_UNITS_ACROSS / iso_geometry_box_radius_mm(g);
+    iso_povray_measure_peaks(&s);
+    /* 1 %: the solver divides by it, and rounds. A constant field has no slope at all. */
+    if (opt->isosurface)
+        s.max_gradient = fmax(1.01 * steepest(level) / (s.scalar.hi - s.scalar.lo), 1e-6);
+    return s;
+}
+
+void iso_povray_release(iso_povray_prepared *s)
+{
+    iso_tf_table_destroy(&s->envelope);
+    free(s->inner_name);
+}
+
+iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view *view, const char *name,
+                              const iso_povray_options *opt, iso_povray_prepared *s, iso_error *err)
+{
+    const iso_roi *f = opt->isosurface ? NULL : view->roi;
+    *s = (iso_povray_prepared){.code = p->options.code};
+    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its colour from the view's TF */
+    iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
+    if (status == ISO_OK && f && asprintf(&s->inner_name, "%s_fine", name) < 0) {
+        s->inner_name = NULL;
+        status = iso_povray_no_memory(err);
+    }
+    if (status != ISO_OK) {
+        iso_povray_release(s);
+        return status;
+    }
+    s->scene = describe(p, level, &p->levels[level], view, tf_2d ? &s->envelope : &view->tf, name, opt);
+    s->scene.tf_2d = tf_2d;
+    if (f) {
+        s->inner = describe(p, level, &f->level, view, &f->tf, s->inner_name, opt);
+        s->inner.lattice_scale = f->scale;
+        memcpy(s->inner.lattice_offset, f->offset, sizeof f->offset);
+        s->scene.inner = &s->inner;
+        s->scene.peak = fmax(s->scene.peak, s->inner.peak);
+    }
+    return ISO_OK;
+}
+
+/* The data of one layer: values, directions, and tables where the TF needs them. */
+static iso_status write_layer(iso_code code, const iso_povray_scene *s, const char *dir, const iso_progress *progress,
+                              iso_error *err)
+{
+    char *path = iso_povray_file_path(dir, s->name, "_scalar.df3");
+    iso_status status = path ? iso_df3_write(path, s->voxels->geometry.size, s->voxels->scalar, 1, 0, &s->scalar, err)
+                             : iso_povray_no_memory(err);
+    free(path);
+    if (status == ISO_OK)
+        status = write_directions(code, s, dir, progress, err);
+    if (status == ISO_OK && !s->options->isosurface)
+        status = write_tf_tables(s, dir, err);
+    return status;
+}
+
+iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir, const iso_progress *progress,
+                                  iso_error *err)
+{
+    iso_progress_report(progress, "povray: writing DF3", 0);
+    iso_status status = write_layer(s->code, &s->scene, dir, progress, err);
+    if (status == ISO_OK && s->scene.inner)
+        status = write_layer(s->code, s->scene.inner, dir, progress, err);
+    if (status == ISO_OK)
+        status = write_text(&s->scene, dir, ".inc", iso_povray_write_include, err);
+    if (status == ISO_OK)
+        status = write_text(&s->scene, dir, ".pov", iso_povray_write_scene, err);
+    if (status == ISO_OK)
+        status = write_text(&s->scene, dir, ".ini", iso_povray_write_ini, err);
+    iso_progress_report(progress, "povray: writing DF3", 1);
+    return status;
+}

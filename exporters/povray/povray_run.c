@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "povray/povray_files.h"
+
+static iso_status find_povray(char **path, iso_error *err) { return iso_process_find("povray", "povray", path, err); }
+
+typedef struct version_search {
+    char *version;
+    size_t size;
+} version_search;
+
+/* "POV-Ray 3.7.0.10.unofficial" */
+static void take_version(void *user, const char *line)
+{
+    version_search *search = user;
+    static const char prefix[] = "POV-Ray ";
+    if (search->version[0] || strncmp(line, prefix, sizeof prefix - 1) != 0 ||
+        !isdigit((unsigned char)line[sizeof prefix - 1]))
+        return;
+    const char *number = line + sizeof prefix - 1;
+    size_t length = strspn(number, "0123456789.");
+    while (length > 0 && number[length - 1] == '.')
+        --length;
+    snprintf(search->version, search->size, "%.*s", (int)length, number);
+}
+
+iso_status iso_povray_version(char *version, size_t size, iso_error *err)
+{
+    char *program = NULL;
+    version[0] = 0;
+    iso_status status = find_povray(&program, err);
+    if (status != ISO_OK)
+        return status;
+    version_search search = {version, size};
+    const char *argv[] = {program, "--version", NULL};
+    const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 60};
+    status = iso_process_run(argv, &options, err);
+    if (status == ISO_OK && !version[0])
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of POV-Ray", program);
+    free(program);
+    return status;
+}
+
+/* A scene that stands in a folder, and the program. */
+typedef struct render_job {
+    const char *program, *dir;
+    const iso_povray_scene *scene;
+} render_job;
+
+/* One run of POV-Ray among several, for the progress. */
+typedef struct run_progress {
+    const iso_progress *progress;
+    double from, to;
+    iso_povray_stats *stats; /* or NULL */
+    bool after_trace;        /* the next line says how long all threads took */
+} run_progress;
+
+/* "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1 seconds (1.234 seconds)" followed by
+ * "              using 2 thread(s) with 2.345 CPU-seconds total" */
+static void take_progress(void *user, const char *line)
+{
+    run_progress *run = user;
+    size_t done, total, threads;
+    const char *at = strstr(line, "Rendered ");
+    if (at && sscanf(at, "Rendered %zu of %zu pixels", &done, &total) == 2 && total > 0)
+        iso_progress_report(run->progress, "povray: rendering",
+                            run->from + (run->to - run->from) * (double)done / (double)total);
+    double seconds;
+    if (!run->stats)
+        return;
+    if (run->after_trace && sscanf(line, " using %zu thread(s) with %lf CPU-seconds", &threads, &seconds) == 2)
+        run->stats->processor_seconds += seconds;
+    run->after_trace = strstr(line, "Trace Time:") != NULL;
+    at = run->after_trace ? strchr(line, '(') : NULL;
+    if (at && sscanf(at, "(%lf seconds)", &seconds) == 1)
+        run->stats->trace_seconds += seconds;
+}
+
+static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t intervals, run_progress *run,
+                             iso_image *image, iso_error *err)
+{
+    const iso_view *view = job->scene->view;
+    const iso_povray_options *opt = job->scene->options;
+    char width[32], height[32], threads[48], declare_pass[48], declare_intervals[48];
+    snprintf(width, sizeof width, "Width=%zu", view->width);
+    snprintf(height, sizeof height, "Height=%zu", view->height);
+    snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(opt->threads));
+    snprintf(declare_pass, sizeof declare_pass, "Declare=Iso_Pass=%d", (int)pass);
+    snprintf(declare_intervals, sizeof declare_intervals, "Declare=Iso_Intervals=%zu", intervals);
+    const char *argv[] = {job->program,
+                          "Input_File_Name=scene.pov",
+                          "Output_File_Name=pass.ppm",
+                          "Output_File_Type=P",
+                          "Bits_Per_Color=16",
+                          "File_Gamma=1.0",
+                          "Dither=Off",
+                          "Antialias=Off",
+                          "Display=Off",
+                          "Pause_When_Done=Off",
+                          "Verbose=On",
+                          width,
+                          height,
+                          threads,
+                          declare_pass,
+                          declare_intervals,
+                          NULL};
+    const iso_process_options options = {.directory = job->dir, .line = take_progress, .user = run};
+    iso_status status = iso_process_run(argv, &options, err);
+    if (status != ISO_OK)
+        return status;
+    char *path = iso_path_join(job->dir, "pass.ppm");
+    status = path ? iso_image_load_ppm(path, image, err) : iso_povray_no_memory(err);
+    free(path);
+    if (status == ISO_OK && (image->width != view->width || image->height != view->height)) {
+        status = iso_fail(err, ISO_E_PROGRAM, "povray: the image has %zu x %zu pixels, wanted %zu x %zu", image->width,
+                          image->height, view->width, view->height);
+        iso_image_destroy(image);
+    }
+    return status;
+}
+
+/* Emission and transmittance to premultiplied colour over the background, and alpha. */
+static void compose(iso_image *emission, const iso_image *transmittance, const iso_view *view, double peak)
+{
+    for (size_t i = 0; i < emission->width * emission->height; ++i) {
+        float *to = emission->rgba + 4 * i;
+        const double through = (double)transmittance->rgba[4 * i];
+        for (int c = 0; c < 3; ++c)
+            to[c] = (float)((double)to[c] * peak + through * view->background[c]);
+        to[3] = (float)(1 - through);
+    }
+}
+
+/* Both passes with n intervals. */
+static iso_status render_once(const render_job *job, size_t intervals, const run_progress *run, iso_image *image,
+                              iso_error *err)
+{
+    iso_image transmittance = {0};
+    const double split = run->from + 0.3 * (run->to - run->from);
+    run_progress first = {run->progress, run->from, split, run->stats, false},
+                 second = {run->progress, split, run->to, run->stats, false};
+    iso_status status = run_povray(job, ISO_POVRAY_TRANSMITTANCE, intervals, &first, &transmittance, err);
+    if (status == ISO_OK)
+        status = run_povray(job, ISO_POVRAY_EMISSION, intervals, &second, image, err);
+    if (status == ISO_OK)
+        compose(image, &transmittance, job->scene->view, job->scene->peak);
+    iso_image_destroy(&transmittance);
+    return status;
+}
+
+/* The error of n intervals is of order 1 / n^2: image += (image - coarse) / ((n / m)^2 - 1). */
+static void extrapolate(iso_image *image, const iso_image *coarse, size_t n, size_t m)
+{
+    const double ratio = (double)n / (double)m, factor = 1 / (ratio * ratio - 1);
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        image->rgba[i] += (float)(((double)image->rgba[i] - (double)coarse->rgba[i]) * factor);
+}
+
+static iso_status render_scene(const render_job *job, const iso_progress *progress, iso_image *image, iso_error *err)
+{
+    const iso_povray_options *opt = job->scene->options;
+    const size_t n = opt->intervals;
+    const bool extrapolated = opt->extrapolate && !opt->isosurface;
+    const double split = extrapolated ? 1.0 / 3 : 0;
+    run_progress coarse_run = {progress, 0, split, opt->stats, false},
+                 fine_run = {progress, split, 1, opt->stats, false};
+    iso_image coarse = {0};
+    iso_status status = ISO_OK;
+    iso_progress_report(progress, "povray: rendering", 0);
+    if (extrapolated)
+        status = render_once(job, n / 2, &coarse_run, &coarse, err);
+    if (status == ISO_OK)
+        status = render_once(job, n, &fine_run, image, err);
+    if (status == ISO_OK && extrapolated)
+        extrapolate(image, &coarse, n, n / 2);
+    iso_image_destroy(&coarse);
+    iso_progress_report(progress, "povray: rendering", 1);
+    return status;
+}
+
+double iso_povray_df3_bytes(const char *folder)
+{
+    double sum = 0;
+    DIR *dir = opendir(folder);
+    for (struct dirent *e = dir ? readdir(dir) : NULL; e; e = readdir(dir)) {
+        char *path = iso_path_join(folder, e->d_name);
+        struct stat about;
+        if (path && iso_path_ends_with(path, ".df3") && stat(path, &about) == 0)
+            sum += (double)about.st_size;
+        free(path);
+    }
+    if (dir)
+        closedir(dir);
+    return sum;
+}
+
+iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
+                             iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    *image = (iso_image){0};
+    char *program = NULL, *dir = NULL;
+    iso_status status = iso_povray_check(p, level, view, opt, err);
+    if (status == ISO_OK)
+        status = find_povray(&program, err);
+    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
+        status = iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
+    iso_povray_prepared s = {0};
+    if (status == ISO_OK)
+        status = iso_povray_prepare(p, level, view, "scene", opt, &s, err);
+    if (status == ISO_OK)
+        status = iso_povray_write_files(&s, dir, progress, err);
+    if (status == ISO_OK && opt->stats)
+        *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(dir)};
+    if (status == ISO_OK)
+        status = render_scene(&(render_job){program, dir, &s.scene}, progress, image, err);
+    if (dir)
+        iso_remove_tree(dir);
+    iso_povray_release(&s);
+    free(dir);
+    free(program);
+    return status;
+}
