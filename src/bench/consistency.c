@@ -364,6 +364,11 @@ static void report(bench_run *run)
         json_decref(root);
 }
 
+static bool is_word(const char *at, size_t length, const char *word)
+{
+    return strlen(word) == length && strncmp(at, word, length) == 0;
+}
+
 /* "all", or names separated by commas; the original always runs. */
 static iso_status choose_methods(bench_run *run, const char *text, iso_error *err)
 {
@@ -372,7 +377,7 @@ static iso_status choose_methods(bench_run *run, const char *text, iso_error *er
         size_t length = strcspn(at, ",");
         bool known = false;
         for (int m = 0; m < METHOD_COUNT; ++m)
-            if (strncmp(at, "all", length) == 0 || (strlen(all_methods[m].name) == length && strncmp(at, all_methods[m].name, length) == 0))
+            if (is_word(at, length, "all") || is_word(at, length, all_methods[m].name))
                 run->wanted[m] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
@@ -388,7 +393,7 @@ static iso_status choose_tfs(bench_run *run, iso_error *err)
         size_t length = strcspn(at, ",");
         bool known = false;
         for (int t = 0; t < TF_COUNT; ++t)
-            if (strlen(tfs[t].name) == length && strncmp(at, tfs[t].name, length) == 0)
+            if (is_word(at, length, tfs[t].name))
                 run->wanted_tf[t] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell", (int)length, at);
