@@ -17,7 +17,7 @@ done
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
 # 2 steps of: level 0: 2 codes, floats, flipped, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats,
-# flipped and palettes by 2 filters, on the fly; and the first code by both tables over two values
+# flipped and palettes by 2 filters, on the fly; and the first code by both 2D transfer functions
 check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (7 + 2 * (2 * 6 + 1) + 2)))
 check no_setting_is_there_twice test -z "$(column "$dir/c/pareto.csv" setting | sort | uniq -d)"
 check flipped_directions_are_there grep -q 'gl; level 1; flipped moments' "$dir/c/pareto.csv"
@@ -30,9 +30,9 @@ check the_fastest_frame_is_not_above_the_median test "$(awk -F, 'NR > 1 && ($12 
 
 # Device bytes are those of the textures: of a level, floats hold more than codes, codes more than one byte, that more than none.
 bytes_fall() { [ "$1" -gt "$2" ] && [ "$2" -gt "$3" ] && [ "$3" -gt "$4" ]; }
-device() { column "$dir/c/pareto.csv" device_bytes "gradients=$1" level=0 step_voxels=1 filter=moments | sed -n 1p; }
+device() { column "$dir/c/pareto.csv" device_bytes "shading_from=$1" level=0 step_voxels=1 filter=moments | sed -n 1p; }
 check device_bytes_follow_the_textures bytes_fall "$(device float)" "$(device snorm)" "$(device palette-254)" "$(device on-the-fly)"
-check stored_bytes_are_those_of_files test "$(column "$dir/c/pareto.csv" stored_bytes gradients=snorm level=0 step_voxels=1)" = $((20 * 28 * 17 * (2 + 3)))
+check stored_bytes_are_those_of_files test "$(column "$dir/c/pareto.csv" stored_bytes shading_from=snorm level=0 step_voxels=1)" = $((20 * 28 * 17 * (2 + 3)))
 
 # Finer steps are closer to the converged reference: the planted fault is a table in which they are not.
 finer_is_better() {
@@ -65,23 +65,23 @@ again() { # NAME COLUMN=VALUE ...
     error=$(column "$dir/a/pareto.csv" rmse "$@" | sed -n 1p)
     check "the_command_of_${name}_gives_its_error_again" same_error "$(rendered_error "$command")" "$error"
 }
-again a_code gradients=cube level=0 estimator=central
-again floats_of_another_filter gradients=float level=1 filter=naive tf=original
-again another_estimator estimator=sobel gradients=fit level=1 filter=moments tf=original
-again a_palette gradients=palette-254 level=0 estimator=central
-again on_the_fly gradients=on-the-fly level=1 quadrature=preintegrated
-again flipped_directions gradients=flipped level=1
-again an_adapted_tf tf=adapted gradients=fit
+again a_code shading_from=cube level=0 estimator=central
+again floats_of_another_filter shading_from=float level=1 filter=naive tf=original
+again another_estimator estimator=sobel shading_from=fit level=1 filter=moments tf=original
+again a_palette shading_from=palette-254 level=0 estimator=central
+again on_the_fly shading_from=on-the-fly level=1 quadrature=preintegrated
+again flipped_directions shading_from=flipped level=1
+again an_adapted_tf tf=adapted shading_from=fit
 again a_table_over_two_values tf=deviation
 again a_plan plan_error=0.0627451
-other=$(column "$dir/a/pareto.csv" command gradients=cube level=0 estimator=central | sed 's/--step 1/--step 2/' | sed -n 1p)
-if same_error "$(rendered_error "$other")" "$(column "$dir/a/pareto.csv" rmse gradients=cube level=0 estimator=central | sed -n 1p)"; then
+other=$(column "$dir/a/pareto.csv" command shading_from=cube level=0 estimator=central | sed 's/--step 1/--step 2/' | sed -n 1p)
+if same_error "$(rendered_error "$other")" "$(column "$dir/a/pareto.csv" rmse shading_from=cube level=0 estimator=central | sed -n 1p)"; then
     not_ok the_command_of_another_step_is_noticed "it gives the same error"
 else
     ok the_command_of_another_step_is_noticed
 fi
 expect the_reference_is_a_renderer_of_the_chart 0 chart --with reference --levels 1 --steps 1 -o "$dir/a"
-again the_reference gradients=snorm
+again the_reference shading_from=snorm
 # The named one, as it is printed: it meets what is wanted.
 expect a_flip_is_wanted 0 chart --levels 1 --steps 1,0.5 --metric flip --want 0.02 -o "$dir/a"
 check flip_is_the_error_of_the_chart grep -q '^fastest with flip <= 0.02' "$dir/out"
@@ -148,7 +148,7 @@ render() { "$ISOSHADE" render "$@" --scene $scene --size 8 -o "$dir/r.exr" -q; }
 "$ISOSHADE" build "$dir/v.nrrd" --levels 1 -o "$dir/v.iso" -q >/dev/null
 expect another_code_needs_floats 2 render "$dir/v.iso" --code snorm
 expect the_code_of_the_build_needs_none 0 render "$dir/v.iso" --code fit
-expect a_pyramid_keeps_its_gradients 2 render "$dir/v.iso" --gradient sobel
+expect a_pyramid_keeps_its_gradients 2 render "$dir/v.iso" --estimator sobel
 expect a_plan_has_levels_of_its_own 2 render "$dir/v.nrrd" --plan-error 1/255 --level 1
 expect a_plan_or_a_cache 2 render "$dir/v.nrrd" --plan-error 1/255 --cache-bytes 1e6
 expect an_output_is_needed 2 chart

@@ -23,8 +23,8 @@ expect agrees 0 "$ISOSHADE" compare reference.exr povray.exr --max-abs 2e-5
 # Floats: where the surface is glancing the place of the hit keeps fewer digits.
 expect agrees_in_gl 0 "$ISOSHADE" compare reference.exr gl.exr --max-abs 1e-3 --max-rmse 1e-5
 expect a_value_that_is_not_a_number_is_refused 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --isosurface x -o no.exr
-expect flipped_directions_render 0 "$ISOSHADE" render v.nrrd --scene "$scene" --size 16 --with gl --gradients flipped -o flipped.exr -q
-expect a_renderer_that_cannot_flip_directions_says_so 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --gradients flipped -o no.exr
+expect flipped_directions_render 0 "$ISOSHADE" render v.nrrd --scene "$scene" --size 16 --with gl --shading-from flipped -o flipped.exr -q
+expect a_renderer_that_cannot_flip_directions_says_so 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --shading-from flipped -o no.exr
 expect a_renderer_without_isosurfaces_says_so 2 "$ISOSHADE" render v.nrrd --scene "$scene" --with cycles --isosurface 3 -o no.exr
 expect an_exported_isosurface 0 "$ISOSHADE" export v.nrrd --to povray --scene "$scene" --isosurface 32768 -o surface
 check has_its_object grep -q 'isosurface {' surface/surface.inc

@@ -64,18 +64,18 @@ expect a_constant_volume_has_the_zero_vector_alone 0 "$ISOSHADE" palette flat.nr
 check one_entry test "$(wc -l <flat.csv)" = 2
 
 scene=$top/refscenes/marschner-lobb.scene.json
-expect a_render_from_the_palette 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with reference --gradients palette --palette p.csv -o palette.exr -q
+expect a_render_from_the_palette 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with reference --shading-from palette --palette p.csv -o palette.exr -q
 expect and_one_from_the_codes 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with reference -o codes.exr -q
 expect they_are_close 0 "$ISOSHADE" compare palette.exr codes.exr --max-rmse 0.02
 expect but_not_equal 1 "$ISOSHADE" compare palette.exr codes.exr --max-abs 0.0001
-expect nearest_entries_render 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with gl --gradients palette-nearest --palette p.csv -o nearest.exr -q
-expect a_shade_table_renders 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with gl --gradients palette-nearest --palette p.csv --shade-table -o table.exr -q
+expect nearest_entries_render 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with gl --shading-from palette-nearest --palette p.csv -o nearest.exr -q
+expect a_shade_table_renders 0 "$ISOSHADE" render v.iso --scene "$scene" --size 24 --with gl --shading-from palette-nearest --palette p.csv --shade-table -o table.exr -q
 # The scene is orthographic, so the table is exact but for float sums; another palette's table would be off by 0.1.
 expect and_is_close_to_shading_each_sample 0 "$ISOSHADE" compare table.exr nearest.exr --max-abs 1e-4
 expect a_shade_table_without_a_palette_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --shade-table -o x.exr -q
 expect a_palette_without_its_source_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --palette p.csv -o x.exr -q
-expect a_source_without_its_palette_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --gradients palette -o x.exr -q
-expect a_palette_that_is_none_is_refused 4 "$ISOSHADE" render v.iso --scene "$scene" --gradients palette --palette p.inc -o x.exr -q
+expect a_source_without_its_palette_is_refused 2 "$ISOSHADE" render v.iso --scene "$scene" --shading-from palette -o x.exr -q
+expect a_palette_that_is_none_is_refused 4 "$ISOSHADE" render v.iso --scene "$scene" --shading-from palette --palette p.inc -o x.exr -q
 expect nothing_to_fit_to_is_refused 2 "$ISOSHADE" palette -q
 expect both_inputs_are_refused 2 "$ISOSHADE" palette v.nrrd --ellipsoid 100 -q
 expect an_unknown_method_is_refused 2 "$ISOSHADE" palette v.nrrd -q --method median

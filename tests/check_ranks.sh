@@ -30,8 +30,8 @@ try() { # NAME RANKS VOLUME OPTIONS
 try two_ranks_write_the_same_bytes 2 v.nrrd --levels 4
 check and_speak_once diff <(sed s/one/many/ one.txt) many.txt
 try three_ranks_do 3 v.nrrd --levels 4 --keep-float --keep-magnitude
-try five_ranks_do 5 v.nrrd --levels 3 --gradient fourth
-try the_longest_reach 2 f.nrrd --gradient bspline --levels 3
+try five_ranks_do 5 v.nrrd --levels 3 --estimator fourth
+try the_longest_reach 2 f.nrrd --estimator bspline --levels 3
 try one_rank_does 1 v.nrrd
 try levels_above_the_carried_one_too 3 v.nrrd --levels 7
 try floats_are_measured_in_shares 3 f.nrrd --levels 6 --direction-filter tensor

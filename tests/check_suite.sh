@@ -106,7 +106,7 @@ check reproduce_commands_know_exact_lookups run_commands < <(commands steeply 'g
 "$ISOSHADE" make marschner-lobb --size 20x17x23 -o v.nrrd -q
 check every_method_agrees_at_every_level validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 3 -o methods
 for row in 'on-the-fly' naive eq1 'moments, adapted TF' 'naive, adapted TF'; do check "there_are_rows_of_$row" grep -q "\"b\": \"gl, $row\"" methods/report.json; done
-check reproduce_commands_know_methods_and_tables run_commands < <(commands methods 'gl, on-the-fly' 'gl, naive' 'gl, eq1, adapted TF' 'gl, moments, TF over .*')
+check reproduce_commands_know_methods_and_2d_tfs run_commands < <(commands methods 'gl, on-the-fly' 'gl, naive' 'gl, eq1, adapted TF' 'gl, moments, 2D TF .*')
 check another_code_agrees validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 2 --code cube -o 'coded report'
 check reproduce_commands_know_codes_and_quote_paths run_commands < <(commands 'coded report' gl 'gl, eq1' 'gl, limit')
 exit $failed

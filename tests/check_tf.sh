@@ -55,9 +55,12 @@ else
     not_ok blend_has_a_tf_a_level "$(cat err)"
 fi
 
-check table_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table deviation -o classes.exr -q
-refuse table_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --table deviation -o z.exr -q
-refuse table_unknown 2 "wanted value, deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table depth -o z.exr -q
+check a_2d_tf_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation -o tf_2d.exr -q
+refuse tf_2d_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --tf-2d deviation -o z.exr -q
+refuse the_old_name_of_tf_2d 2 "table is now --tf-2d" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table=deviation -o z.exr -q
+refuse the_old_name_of_estimator 2 "gradient is now --estimator" "$ISOSHADE" build v.nrrd -o z.iso --gradient sobel -q
+refuse the_old_name_of_shading_from 2 "gradients is now --shading-from" "$ISOSHADE" render shells.iso --gradients float --level 1 -o z.exr -q
+refuse unknown_second_value 2 "wanted deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d depth -o z.exr -q
 refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
 # Two blocks, each with its cases; two figures. What is adapted has to be another table: the paper's is not the original.
 few="--views 1 --size 32 --levels 2 --tfs soft -q"
@@ -71,14 +74,14 @@ fi
 check consistency_with_povray "$ISOSHADE" bench consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
 refuse consistency_of_an_unknown_tf 2 '--tfs' "$ISOSHADE" bench consistency shells.nrrd --tfs hard
 refuse consistency_with_an_unknown_renderer 2 '--with' "$ISOSHADE" bench consistency shells.nrrd --with mental
-check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --table gradient --roi 8,8,8,30,30,30 -o roi.exr -q
+check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
 refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
 refuse roi_outside 5 'must grow and lie in 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
 refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
 refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
-check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --table deviation --roi 8,8,8,30,30,30 -o pov -q
-[ -s pov/pov_fine_scalar.df3 ] && [ -s pov/pov_class.df3 ] && echo "ok its_files_are_there" || not_ok its_files_are_there "$(ls pov)"
+check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
+[ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && echo "ok its_files_are_there" || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x

@@ -228,7 +228,7 @@ typedef struct entry {
 /* A histogram of BINS x BINS bins of step 2 from 10; entries ascend. */
 static iso_joint make_joint(const entry *entries, size_t count)
 {
-    iso_joint j = {.z = {BINS, 10, 2}, .s = {BINS, 10, 2}, .class_count = 1, .entry_count = count};
+    iso_joint j = {.z = {BINS, 10, 2}, .s = {BINS, 10, 2}, .second_count = 1, .entry_count = count};
     j.row_start = calloc(BINS + 1, sizeof *j.row_start);
     j.entry_z = malloc((count + 1) * sizeof *j.entry_z);
     j.entry_count_of = malloc((count + 1) * sizeof *j.entry_count_of);
@@ -564,30 +564,30 @@ static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
     iso_joint_destroy(&j);
 }
 
-static void classes_split_homogeneous_voxels_from_mixed_ones(void **state)
+static void deviation_parts_homogeneous_voxels_from_mixed_ones(void **state)
 {
     (void)state;
     iso_pyramid p = shared_value_pyramid(true);
-    iso_joint one, split;
+    iso_joint one, second;
     assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_NONE, 1, &one, &err));
-    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_DEVIATION, 2, &split, &err));
-    assert_int_equal(split.voxel_count, one.voxel_count);
-    for (size_t s = 0; s < one.s.count; ++s) { /* the classes of a row sum to the row */
+    assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_DEVIATION, 2, &second, &err));
+    assert_int_equal(second.voxel_count, one.voxel_count);
+    for (size_t s = 0; s < one.s.count; ++s) { /* the bins of the second value sum to the row */
         uint64_t whole = 0, parts = 0;
         for (size_t i = one.row_start[s]; i < one.row_start[s + 1]; ++i)
             whole += one.entry_count_of[i];
         for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
-            for (size_t i = split.row_start[c * one.s.count + s]; i < split.row_start[c * one.s.count + s + 1]; ++i)
-                parts += split.entry_count_of[i];
+            for (size_t i = second.row_start[c * one.s.count + s]; i < second.row_start[c * one.s.count + s + 1]; ++i)
+                parts += second.entry_count_of[i];
         assert_int_equal(whole, parts);
     }
-    /* value 50: class 0 holds the block alone, and the plate has the class of deviation 50, the largest there is */
-    assert_more_than((double)count_of(&split, 50, 50), 100);
-    assert_int_equal(count_of(&split, 50, 100), 0);
-    assert_more_than((double)count_of(&split, 7 * 256 + 50, 100), 10);
-    assert_int_equal(count_of(&split, 7 * 256 + 50, 50), 0);
+    /* value 50: row 0 holds the block alone, and the plate has the row of deviation 50, the largest there is */
+    assert_more_than((double)count_of(&second, 50, 50), 100);
+    assert_int_equal(count_of(&second, 50, 100), 0);
+    assert_more_than((double)count_of(&second, 7 * 256 + 50, 100), 10);
+    assert_int_equal(count_of(&second, 7 * 256 + 50, 50), 0);
     iso_joint_destroy(&one);
-    iso_joint_destroy(&split);
+    iso_joint_destroy(&second);
     iso_pyramid_destroy(&p);
 }
 
@@ -632,7 +632,7 @@ int main(void)
         cmocka_unit_test(judgment_is_the_error_at_the_voxels),
         cmocka_unit_test(a_tissue_that_shares_a_value_with_a_plate_stays_dark),
         cmocka_unit_test(a_larger_error_at_the_voxels_keeps_the_original_tf),
-        cmocka_unit_test(classes_split_homogeneous_voxels_from_mixed_ones),
+        cmocka_unit_test(deviation_parts_homogeneous_voxels_from_mixed_ones),
         cmocka_unit_test(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

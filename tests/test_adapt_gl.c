@@ -57,7 +57,7 @@ static double alpha_at(const iso_image *image, size_t column)
     return (double)image->rgba[4 * (4 * 12 + column) + 3];
 }
 
-static void equal_tables_of_all_classes_are_the_plain_table(void **state)
+static void a_2d_transfer_function_of_equal_rows_is_the_1d_one(void **state)
 {
     (void)state;
     iso_pyramid p = shared_value_pyramid();
@@ -69,15 +69,15 @@ static void equal_tables_of_all_classes_are_the_plain_table(void **state)
     iso_tf_table table, own = view.tf;
     assert_ok(iso_adapt_level(&p, NULL, 1, &view.tf, &opt, &table, NULL, &err));
     for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
-        memcpy(tf_2d.tables[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
+        memcpy(tf_2d.rows[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
     view.tf = table;
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip), split = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
+        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip), second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         for (size_t i = 0; i < 4 * 12 * 8; ++i)
-            assert_within(split.rgba[i], (double)plain.rgba[i], 1e-6); /* one more mix of equal floats */
+            assert_within(second.rgba[i], (double)plain.rgba[i], 1e-6); /* one more mix of equal floats */
         assert_more_than(alpha_at(&plain, 7), 0.5);
         iso_image_destroy(&plain);
-        iso_image_destroy(&split);
+        iso_image_destroy(&second);
     }
     view.tf = own;
     iso_tf_table_destroy(&table);
@@ -86,7 +86,7 @@ static void equal_tables_of_all_classes_are_the_plain_table(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void classes_show_the_plate_and_not_the_block_that_shares_its_value(void **state)
+static void a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value(void **state)
 {
     (void)state;
     iso_pyramid p = shared_value_pyramid();
@@ -100,11 +100,11 @@ static void classes_show_the_plate_and_not_the_block_that_shares_its_value(void 
     assert_within(alpha_at(&original, 7), 0, 1e-6); /* the plate is lost */
     assert_ok(iso_adapt_tf_2d(&p, NULL, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image split = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
-        assert_more_than(alpha_at(&split, 7), 0.95);
+        iso_image second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
+        assert_more_than(alpha_at(&second, 7), 0.95);
         /* pseudo-counts leave 16 of 208 parts of .36 over 8 voxels: .2; the 1-D table would show .97 */
-        assert_at_most(alpha_at(&split, 1), 0.25);
-        iso_image_destroy(&split);
+        assert_at_most(alpha_at(&second, 1), 0.25);
+        iso_image_destroy(&second);
     }
     opt.fall_back = false; /* the planted fault: one table for both */
     iso_tf_table table, own = view.tf;
@@ -125,8 +125,8 @@ static void classes_show_the_plate_and_not_the_block_that_shares_its_value(void 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_tables_of_all_classes_are_the_plain_table),
-        cmocka_unit_test(classes_show_the_plate_and_not_the_block_that_shares_its_value),
+        cmocka_unit_test(a_2d_transfer_function_of_equal_rows_is_the_1d_one),
+        cmocka_unit_test(a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value),
     };
     return cmocka_run_group_tests(tests, open_gl, close_gl);
 }

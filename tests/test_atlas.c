@@ -50,9 +50,9 @@ static void an_unknown_option_is_refused(void **state)
     (void)state;
     iso_atlas_case c = iso_atlas_cases[0];
     iso_atlas_result r;
-    c.ways[ISO_ATLAS_FALLBACK].build = "--gradients sobel";
+    c.ways[ISO_ATLAS_FALLBACK].build = "--shading-from sobel";
     assert_status(iso_atlas_run(&c, &r, &err), ISO_E_USAGE);
-    c.ways[ISO_ATLAS_FALLBACK].build = "--gradient prewitt";
+    c.ways[ISO_ATLAS_FALLBACK].build = "--estimator prewitt";
     assert_status(iso_atlas_run(&c, &r, &err), ISO_E_USAGE);
 }
 

@@ -67,12 +67,12 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
 {
     (void)state;
     grid g = make(&(iso_chart_words){.with = "gl,reference,povray,cycles"}, true);
-    size_t renderers = 0, sources = 0, splits = 0, filters = 0, estimators = 0, codes = 0, plans = 0, preintegrated = 0;
+    size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0, preintegrated = 0;
     for (size_t i = 0; i < g.count; ++i) {
         const iso_chart_case *c = &g.cases[i];
         renderers |= 1u << c->renderer;
         sources |= 1u << c->source;
-        splits |= 1u << (c->table + (c->adapted ? 0 : 8));
+        transfer_functions |= 1u << (c->second + (c->adapted ? 0 : 8));
         filters |= 1u << c->filter;
         estimators |= 1u << c->estimator;
         codes |= c->source == ISO_FROM_CODES ? 1u << c->code : 0;
@@ -87,7 +87,7 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
     }
     assert_int_equal(renderers, 15);
     assert_int_equal(sources, 1u << ISO_FROM_CODES | 1u << ISO_FROM_FLOAT | 1u << ISO_FROM_FLIPPED | 1u << ISO_FROM_ON_THE_FLY | 1u << ISO_FROM_PALETTE);
-    assert_int_equal(splits, 1u << (ISO_SECOND_VALUE_NONE + 8) | 1u << ISO_SECOND_VALUE_NONE | 1u << ISO_SECOND_VALUE_DEVIATION | 1u << ISO_SECOND_VALUE_GRADIENT);
+    assert_int_equal(transfer_functions, 1u << (ISO_SECOND_VALUE_NONE + 8) | 1u << ISO_SECOND_VALUE_NONE | 1u << ISO_SECOND_VALUE_DEVIATION | 1u << ISO_SECOND_VALUE_GRADIENT);
     assert_int_equal(__builtin_popcountl(filters), 3);
     assert_int_equal(__builtin_popcountl(estimators), 2);
     for (int c = 0; c < ISO_CODE_COUNT; ++c) /* all that a texture filters are in the default */

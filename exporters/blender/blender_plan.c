@@ -16,7 +16,7 @@ static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view,
     const iso_pyramid p = {.level_count = 1, .levels = &box};
     if (view->tf_2d || view->roi)
         return iso_fail(err, ISO_E_RANGE,
-                        "blender: a plan goes with neither a table over two values nor a region of interest");
+                        "blender: a plan goes with neither a 2D transfer function nor a region of interest");
     return iso_blender_check(&p, 0, 1, opt, err);
 }
 

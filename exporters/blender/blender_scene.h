@@ -31,7 +31,7 @@ iso_geometry iso_blender_in_units(const iso_geometry *from, double units);
 json_t *iso_blender_text(const char *text, size_t limit);
 json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
                                    const iso_blender_options *opt);
-/* A table a view, its entries row by row where it has classes; then one a region of interest. */
+/* The transfer function of each view, row by row where it is 2D; then that of each region of interest. */
 json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units);
 
 /* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading "//". */

@@ -38,7 +38,7 @@ def add_levels(about, shift, frame, look, collection):
         tables = about["tf"]["tables"]
         thing["isoshade_table"] = table_properties(tables[level["table"]])
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
-        thing["isoshade_last_class"] = float(tables[level["table"]]["rows"] - 1)
+        thing["isoshade_last_row"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
         thing["isoshade_piece"] = float(level.get("piece", 0))
         for key, value in roi.items() if "roi" in level or several else ():

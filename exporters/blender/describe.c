@@ -117,7 +117,7 @@ json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double unit
 {
     json_t *all = json_array();
     for (size_t k = 0; k < count; ++k)
-        append_table(all, views[k].tf_2d ? views[k].tf_2d->tables : &views[k].tf, views[k].tf_2d ? ISO_TF_2D_ROWS : 1,
+        append_table(all, views[k].tf_2d ? views[k].tf_2d->rows : &views[k].tf, views[k].tf_2d ? ISO_TF_2D_ROWS : 1,
                      units);
     for (size_t k = 0; k < count; ++k)
         if (views[k].roi)

@@ -77,7 +77,7 @@ class Group:
 
 
 def color_table(tf):
-    """The colour maps as an image: one row a level, or one a class of it, one column an entry; packed, exact in 32-bit float.
+    """The colour maps as an image: one row a level, or the rows of its 2D transfer function, one column an entry; packed, exact in 32-bit float.
 
     Where rows have fewer entries than columns the last one is repeated."""
     rows = [row for table in tf["tables"]
@@ -290,9 +290,9 @@ def isoshade_group(about, frame):
 
     where = row.outputs["Fac"]
     if any(table["rows"] > 1 for table in about["tf"]["tables"]):
-        part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="class")
-        last = group.node('ShaderNodeAttribute', "last class", {}, attribute_type='OBJECT', attribute_name="isoshade_last_class")
-        where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the class")
+        part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="second_value")
+        last = group.node('ShaderNodeAttribute', "last row of the 2D transfer function", {}, attribute_type='OBJECT', attribute_name="isoshade_last_row")
+        where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the 2D transfer function")
     exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
                        Table=table.outputs["Vector"], Row=where)
     ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar.outputs["Fac"])

@@ -18,7 +18,7 @@
  * brightest possible colour. Alpha comes from a second pass without emission
  * over white.
  *
- * A table over two values is a DF3 with a row a class. A region of interest
+ * A 2D transfer function is a DF3 of its rows. A region of interest
  * (scene/roi.h) is a second set of media in the same container, with a lattice
  * and a TF of its own; both are multiplied by their weights.
  *

@@ -103,22 +103,22 @@ static iso_status write_directions(iso_code code, const iso_povray_scene *s, con
     return status;
 }
 
-/* The entries of all classes, row by row; to be freed. */
-static float *class_rows(const iso_tf_2d *tf_2d)
+/* The entries of all rows; to be freed. */
+static float *tf_2d_rows(const iso_tf_2d *tf_2d)
 {
-    const size_t row = 4 * tf_2d->tables[0].count;
+    const size_t row = 4 * tf_2d->rows[0].count;
     float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
     for (size_t c = 0; rows && c < ISO_TF_2D_ROWS; ++c)
-        memcpy(rows + c * row, tf_2d->tables[c].entries, row * sizeof *rows);
+        memcpy(rows + c * row, tf_2d->rows[c].entries, row * sizeof *rows);
     return rows;
 }
 
-static iso_status write_class_bytes(const iso_povray_scene *s, const char *dir, iso_error *err)
+static iso_status write_second_value(const iso_povray_scene *s, const char *dir, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&s->voxels->geometry);
     const iso_df3_coding coding = {8, 0, 255};
     float *values = malloc(count * sizeof *values);
-    char *path = iso_povray_file_path(dir, s->name, "_class.df3");
+    char *path = iso_povray_file_path(dir, s->name, "_second.df3");
     iso_status status = values && path ? ISO_OK : iso_povray_no_memory(err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         values[i] = s->tf_2d->bytes[i];
@@ -133,11 +133,11 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
 {
     static const char *const suffix[4] = {"_tf_red.df3", "_tf_green.df3", "_tf_blue.df3", "_tf_extinction.df3"};
     const iso_tf_2d *tf_2d = s->tf_2d;
-    float *rows = tf_2d ? class_rows(tf_2d) : NULL;
+    float *rows = tf_2d ? tf_2d_rows(tf_2d) : NULL;
     if (tf_2d && !rows)
         return iso_povray_no_memory(err);
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
-    iso_status status = tf_2d ? write_class_bytes(s, dir, err) : ISO_OK;
+    iso_status status = tf_2d ? write_second_value(s, dir, err) : ISO_OK;
     for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
         if (!iso_povray_needs_tables(s, c < 3))
             continue;
@@ -199,7 +199,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
 void iso_povray_release(iso_povray_prepared *s)
 {
     iso_tf_table_destroy(&s->envelope);
-    free(s->inner_name);
+    free(s->roi_name);
 }
 
 iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view *view, const char *name,
@@ -209,8 +209,8 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
     *s = (iso_povray_prepared){.code = p->options.code};
     const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its colour from the view's TF */
     iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
-    if (status == ISO_OK && f && asprintf(&s->inner_name, "%s_fine", name) < 0) {
-        s->inner_name = NULL;
+    if (status == ISO_OK && f && asprintf(&s->roi_name, "%s_roi", name) < 0) {
+        s->roi_name = NULL;
         status = iso_povray_no_memory(err);
     }
     if (status != ISO_OK) {
@@ -220,11 +220,11 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
     s->scene = describe(p, level, &p->levels[level], view, tf_2d ? &s->envelope : &view->tf, name, opt);
     s->scene.tf_2d = tf_2d;
     if (f) {
-        s->inner = describe(p, level, &f->level, view, &f->tf, s->inner_name, opt);
-        s->inner.lattice_scale = f->scale;
-        memcpy(s->inner.lattice_offset, f->offset, sizeof f->offset);
-        s->scene.inner = &s->inner;
-        s->scene.peak = fmax(s->scene.peak, s->inner.peak);
+        s->roi = describe(p, level, &f->level, view, &f->tf, s->roi_name, opt);
+        s->roi.lattice_scale = f->scale;
+        memcpy(s->roi.lattice_offset, f->offset, sizeof f->offset);
+        s->scene.roi = &s->roi;
+        s->scene.peak = fmax(s->scene.peak, s->roi.peak);
     }
     return ISO_OK;
 }
@@ -249,8 +249,8 @@ iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir,
 {
     iso_progress_report(progress, "povray: writing DF3", 0);
     iso_status status = write_layer(s->code, &s->scene, dir, progress, err);
-    if (status == ISO_OK && s->scene.inner)
-        status = write_layer(s->code, s->scene.inner, dir, progress, err);
+    if (status == ISO_OK && s->scene.roi)
+        status = write_layer(s->code, s->scene.roi, dir, progress, err);
     if (status == ISO_OK)
         status = write_text(&s->scene, dir, ".inc", iso_povray_write_include, err);
     if (status == ISO_OK)

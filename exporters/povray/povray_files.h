@@ -11,9 +11,9 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
 
 /* A scene with what it points to. */
 typedef struct iso_povray_prepared {
-    iso_povray_scene scene, inner;
-    iso_tf_table envelope; /* of the view's classes */
-    char *inner_name;
+    iso_povray_scene scene, roi;
+    iso_tf_table envelope; /* of the view's 2D transfer function */
+    char *roi_name;
     iso_code code; /* of the directions */
 } iso_povray_prepared;
 

@@ -87,7 +87,7 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
             (s->scalar.hi - s->scalar.lo) / (tf->hi - tf->lo));
     if (s->tf_2d) {
         fprintf(f, "// The second value of the transfer function, a byte a voxel: 0 in its first row, 1 in its last.\n");
-        write_lookup(f, s, "Iso_Class", "class");
+        write_lookup(f, s, "Iso_Second", "second");
         fprintf(f, "\n");
     }
     fprintf(f, "// Shading directions in world axes; their length says how sure they are.\n");
@@ -144,9 +144,9 @@ static void write_media(FILE *f, const iso_povray_scene *s)
                "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
                "// the default method 3 is not.\n"
                "#declare Iso_Interior = interior {\n");
-    write_layer_media(f, s, "Iso_", s->inner ? " density { Iso_Outside }" : "");
-    if (s->inner)
-        write_layer_media(f, s->inner, "Iso_Fine_", " density { Iso_Inside }");
+    write_layer_media(f, s, "Iso_", s->roi ? " density { Iso_Around }" : "");
+    if (s->roi)
+        write_layer_media(f, s->roi, "Iso_Roi_", " density { Iso_Roi }");
     const bool clipped = s->view->clip_count > 0;
     fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
     iso_povray_write_clips(f, s);
@@ -173,13 +173,13 @@ static void write_weights(FILE *f, const iso_roi *roi)
 {
     const double *lo = roi->lo, *hi = roi->hi;
     fprintf(f, "// ---- the region of interest ------------------------------------------------\n"
-               "// Iso_Inside is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
-               "#declare Iso_Roi_Outside = function (x, y, z) {\n"
+               "// Iso_Roi is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
+               "#declare Iso_Roi_Distance = function (x, y, z) {\n"
                "    max(%.17g - x, x - %.17g, %.17g - y, y - %.17g, %.17g - z, z - %.17g) }\n"
-               "#declare Iso_Roi_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Roi_Outside(x, y, z) / %.17g)) }\n"
+               "#declare Iso_Roi_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Roi_Distance(x, y, z) / %.17g)) }\n"
                "#declare Iso_Roi_Weight = function (x, y, z) { pow(Iso_Roi_Part(x, y, z), 2) * (3 - 2 * Iso_Roi_Part(x, y, z)) }\n"
-               "#declare Iso_Inside = density { function { Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
-               "#declare Iso_Outside = density { function { 1 - Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
+               "#declare Iso_Roi = density { function { Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
+               "#declare Iso_Around = density { function { 1 - Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
             lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(roi->band, 1e-9));
 }
 
@@ -187,7 +187,7 @@ static void write_weights(FILE *f, const iso_roi *roi)
 static void write_renamed(FILE *f, const char *text)
 {
     static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale"};
-    static const char from[] = "Iso_", to[] = "Iso_Fine_";
+    static const char from[] = "Iso_", to[] = "Iso_Roi_";
     for (const char *at; (at = strstr(text, from)); text = at + sizeof from - 1) {
         bool keep = false;
         for (size_t i = 0; i < sizeof shared / sizeof *shared; ++i)
@@ -198,14 +198,14 @@ static void write_renamed(FILE *f, const char *text)
 }
 
 /* The finer layer. Nothing is written when memory ends: then the declared names are missing and POV-Ray says so. */
-static void write_inner(FILE *f, const iso_povray_scene *inner)
+static void write_roi_layer(FILE *f, const iso_povray_scene *roi)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
         return;
-    write_layer(memory, inner);
+    write_layer(memory, roi);
     if (fclose(memory) == 0)
         write_renamed(f, text);
     free(text);
@@ -216,9 +216,9 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
     write_header(f, s);
     write_placement(f, s);
     write_layer(f, s);
-    if (s->inner) {
+    if (s->roi) {
         write_weights(f, s->view->roi);
-        write_inner(f, s->inner);
+        write_roi_layer(f, s->roi);
     }
     if (s->options->isosurface)
         iso_povray_write_surface(f, s);

@@ -18,7 +18,7 @@
 #include "povray/povray.h"
 
 /* What the texts are written from. A region of interest has a second one, whose
- * declared names begin with Iso_Fine_ and whose files with NAME_fine. */
+ * declared names begin with Iso_Roi_ and whose files with NAME_roi. */
 typedef struct iso_povray_scene {
     const char *name;    /* of the files */
     const char *source;  /* for the comments */
@@ -26,10 +26,10 @@ typedef struct iso_povray_scene {
     const iso_geometry *geometry; /* of the level: what the container stands in */
     const iso_level *voxels;      /* the level, or what a region of interest holds of a finer one */
     double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
-    const struct iso_povray_scene *inner;    /* the region of interest's data and TF; or NULL */
+    const struct iso_povray_scene *roi;    /* the region of interest's data and TF; or NULL */
     const iso_view *view;
     const iso_tf_2d *tf_2d; /* the view's; NULL for a surface */
-    const iso_tf_table *tf;          /* the view's, or the envelope of the classes */
+    const iso_tf_table *tf;          /* the view's, or the envelope of the 2D one */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
     double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
@@ -44,8 +44,8 @@ void iso_povray_measure_peaks(iso_povray_scene *s);
 
 #define ISO_POVRAY_COLOR_MAP_ENTRIES 256
 
-/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; those over
- * two values always, with a row a class, and NAME_class.df3 is the second value. */
+/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; 2D
+ * transfer functions always, row by row, and NAME_second.df3 is the second value. */
 bool iso_povray_needs_tables(const iso_povray_scene *s, bool color);
 
 /* Declared on the command line to choose what is rendered. */

@@ -112,7 +112,7 @@ static void write_color_map(FILE *f, const char *identifier, const iso_tf_table 
     fprintf(f, "} }\n");
 }
 
-/* DF3 tables of one row, or of a row a class, linear between entries as a
+/* DF3 tables of one row, or of the rows of a 2D transfer function, linear between entries as a
  * color_map is. `average` of three densities is a third of their sum. */
 static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
 {
@@ -120,7 +120,7 @@ static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
     const double scale = (double)(count - 1) / (double)count;
     char row[64] = "0";
     if (s->tf_2d)
-        snprintf(row, sizeof row, "Iso_Class(x, y, z) * %.17g", (ISO_TF_2D_ROWS - 1.0) / ISO_TF_2D_ROWS);
+        snprintf(row, sizeof row, "Iso_Second(x, y, z) * %.17g", (ISO_TF_2D_ROWS - 1.0) / ISO_TF_2D_ROWS);
     static const char *const channel[4] = {"red", "green", "blue", "extinction"};
     static const char *const unit[4] = {"<3, 0, 0>", "<0, 3, 0>", "<0, 0, 3>", "1"};
     for (int c = color ? 0 : 3; c < (color ? 3 : 4); ++c) {

@@ -144,7 +144,7 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         read_row *read;
     } grids[] = {{"density", "the scalar", 1, readers->scalar},
                  {"gradient", "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3, readers->directions},
-                 {"class", "second value of the transfer function: 0 in its first row, 1 in its last", 1, readers->tf_2d}};
+                 {"second_value", "second value of the 2D transfer function: 0 in its first row, 1 in its last", 1, readers->tf_2d}};
     for (size_t i = 0; i < sizeof grids / sizeof *grids; ++i) {
         char name[40];
         iso_vdb_source source = *common;
@@ -247,7 +247,7 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
         return iso_fail(err, ISO_E_RANGE, "%s: levels %zu to %zu, the pyramid has levels 0 to %zu", path, first,
                         first + count - 1, p->level_count - 1);
     if (opt->tf_2d && count != 1)
-        return iso_fail(err, ISO_E_RANGE, "%s: classes of %zu levels, they belong to one", path, count);
+        return iso_fail(err, ISO_E_RANGE, "%s: a 2D transfer function with %zu levels, it belongs to one", path, count);
     const size_t limit = 64;
     if (opt->pad_voxels > limit)
         return iso_fail(err, ISO_E_RANGE, "%s: a rim of %zu voxels, at most %zu", path, opt->pad_voxels, limit);

@@ -104,7 +104,7 @@ typedef struct taken_options {
 } taken_options;
 
 typedef struct option_words {
-    char *gradient, *direction_filter, *gradients;
+    char *estimator, *direction_filter, *shading_from;
     int level, radius, exponent;
     double sigma, step;
 } option_words;
@@ -128,12 +128,12 @@ static iso_status parse(const char *text, const struct poptOption *options, iso_
 static iso_status take_words(const option_words *w, taken_options *o, iso_error *err)
 {
     iso_status status = ISO_OK;
-    if (w->gradient)
-        status = iso_gradient_from_name(w->gradient, &o->build.gradient.method, err);
+    if (w->estimator)
+        status = iso_gradient_from_name(w->estimator, &o->build.gradient.method, err);
     if (status == ISO_OK && w->direction_filter)
         status = iso_direction_filter_from_name(w->direction_filter, &o->build.direction_filter, err);
-    if (status == ISO_OK && w->gradients)
-        status = iso_direction_source_from_name(w->gradients, &o->render.source, err);
+    if (status == ISO_OK && w->shading_from)
+        status = iso_direction_source_from_name(w->shading_from, &o->render.source, err);
     o->level = (size_t)w->level;
     o->build.level_count = o->level + 1;
     o->build.keep_float = true;
@@ -145,23 +145,23 @@ static iso_status take_words(const option_words *w, taken_options *o, iso_error 
     return status;
 }
 
-/* o->adapted.table is to be freed. */
+/* o->adapted.tf_2d is to be freed. */
 static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_error *err)
 {
     *o = (taken_options){.build = iso_pyramid_defaults(), .render = iso_reference_defaults()};
     iso_cli_adapted_defaults(&o->adapted);
     option_words w = {.radius = (int)o->build.gauss_radius, .exponent = (int)o->build.eq1_exponent, .sigma = o->build.gauss_sigma_voxels};
-    const struct poptOption build[] = {{"gradient", 0, POPT_ARG_STRING, &w.gradient, 0, NULL, NULL},
+    const struct poptOption build[] = {{"estimator", 0, POPT_ARG_STRING, &w.estimator, 0, NULL, NULL},
                                        {"direction-filter", 0, POPT_ARG_STRING, &w.direction_filter, 0, NULL, NULL},
                                        {"gauss-radius", 0, POPT_ARG_INT, &w.radius, 0, NULL, NULL},
                                        {"gauss-sigma", 0, POPT_ARG_DOUBLE, &w.sigma, 0, NULL, NULL},
                                        {"eq1-exponent", 0, POPT_ARG_INT, &w.exponent, 0, NULL, NULL},
                                        POPT_TABLEEND};
     const struct poptOption render[] = {{"level", 0, POPT_ARG_INT, &w.level, 0, NULL, NULL},
-                                        {"gradients", 0, POPT_ARG_STRING, &w.gradients, 0, NULL, NULL},
+                                        {"shading-from", 0, POPT_ARG_STRING, &w.shading_from, 0, NULL, NULL},
                                         {"step", 0, POPT_ARG_DOUBLE, &w.step, 0, NULL, NULL},
                                         {"adapt", 0, POPT_ARG_NONE, &o->adapted.wanted, 0, NULL, NULL},
-                                        {"table", 0, POPT_ARG_STRING, &o->adapted.table, 0, NULL, NULL},
+                                        {"tf-2d", 0, POPT_ARG_STRING, &o->adapted.tf_2d, 0, NULL, NULL},
                                         {"window", 0, POPT_ARG_DOUBLE, &o->adapted.window, 0, NULL, NULL},
                                         POPT_TABLEEND};
     iso_status status = parse(way->build, build, err);
@@ -169,9 +169,9 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
         status = parse(way->render, render, err);
     if (status == ISO_OK)
         status = take_words(&w, o, err);
-    free(w.gradient);
+    free(w.estimator);
     free(w.direction_filter);
-    free(w.gradients);
+    free(w.shading_from);
     return status;
 }
 
@@ -204,6 +204,6 @@ iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const 
     if (status == ISO_OK)
         status = draw(&c->scene, &p, &o, image, err);
     iso_pyramid_destroy(&p);
-    free(o.adapted.table);
+    free(o.adapted.tf_2d);
     return status;
 }

@@ -246,7 +246,7 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
     json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
     json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(b->opt.scalar_filter)));
     json_object_set_new(options, "direction_filter", json_string(iso_direction_filter_name(b->opt.direction_filter)));
-    json_object_set_new(options, "gradient", json_string(iso_gradient_name(b->opt.gradient.method)));
+    json_object_set_new(options, "estimator", json_string(iso_gradient_name(b->opt.gradient.method)));
     json_object_set_new(options, "code", json_string(iso_code_describe(b->opt.code)->name));
     json_object_set_new(options, "runs", json_integer((json_int_t)b->runs));
     json_object_set_new(root, "size", json_pack("[I,I,I]", (json_int_t)b->size[0], (json_int_t)b->size[1], (json_int_t)b->size[2]));

@@ -48,7 +48,7 @@ typedef struct bench_method {
     const char *name;
     bool adapt;
     iso_adapt_options options;
-    iso_second_value tf_2d; /* a table over value and class, or 0 */
+    iso_second_value tf_2d; /* of a 2D transfer function, or 0 */
 } bench_method;
 
 static const bench_method all_methods[] = {
@@ -61,8 +61,8 @@ static const bench_method all_methods[] = {
     {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
     {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
     {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
-    {"classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_DEVIATION},
-    {"gradient-classes", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_GRADIENT},
+    {"tf-2d-deviation", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_DEVIATION},
+    {"tf-2d-gradient", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_GRADIENT},
 };
 enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
@@ -381,7 +381,7 @@ static iso_status choose_methods(bench_run *run, const char *text, iso_error *er
                 run->wanted[m] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
-                            "extinction-flat, transmittance-flat, default, classes, gradient-classes or all", (int)length, at);
+                            "extinction-flat, transmittance-flat, default, tf-2d-deviation, tf-2d-gradient or all", (int)length, at);
         at += length + (at[length] == ',');
     }
     return ISO_OK;

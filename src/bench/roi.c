@@ -40,8 +40,8 @@ static void emit_blended(const iso_roi_setup *s, const iso_roi *roi, const iso_t
     const double w = iso_roi_weight(roi, index);
     for (int c = 0; c < 4; ++c)
         e[c] = 0;
-    emit(s, &s->inner, iso_roi_inside(roi, index), &roi->tf, w, e);
-    emit(s, &s->outer, index, around, 1 - w, e);
+    emit(s, &s->inside, iso_roi_inside(roi, index), &roi->tf, w, e);
+    emit(s, &s->around, index, around, 1 - w, e);
 }
 
 typedef struct squares {
@@ -80,24 +80,24 @@ static iso_vec3 shifted(iso_vec3 p, const double normal[3], double by)
 iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi, iso_error *err)
 {
     *s = (iso_roi_setup){.length_mm = iso_geometry_mean_spacing_mm(&p->levels[0].geometry), .roi = roi};
-    iso_status status = iso_sampler_create(&s->outer, &p->levels[level], p->options.code, ISO_FROM_CODES, err);
+    iso_status status = iso_sampler_create(&s->around, &p->levels[level], p->options.code, ISO_FROM_CODES, err);
     if (status == ISO_OK)
-        status = iso_sampler_create(&s->inner, &roi->level, p->options.code, ISO_FROM_CODES, err);
+        status = iso_sampler_create(&s->inside, &roi->level, p->options.code, ISO_FROM_CODES, err);
     return status;
 }
 
 void iso_roi_setup_destroy(iso_roi_setup *s)
 {
-    iso_sampler_destroy(&s->outer);
-    iso_sampler_destroy(&s->inner);
+    iso_sampler_destroy(&s->around);
+    iso_sampler_destroy(&s->inside);
 }
 
 iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around)
 {
     enum { points = 3000 };
-    static const double limit = 1e-6; /* outer voxels to either side */
+    static const double limit = 1e-6; /* voxels of the level around, to either side */
     squares step = {0}, own = {0}, change = {0};
-    double inner_mean[4] = {0}, outer_mean[4] = {0};
+    double inside_mean[4] = {0}, around_mean[4] = {0};
     for (size_t i = 0; i < points; ++i) {
         double normal[3], before[4], behind[4];
         for (int band = 0; band < 2; ++band) {
@@ -108,20 +108,20 @@ iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, co
         }
         /* the finer level alone, a voxel of it apart; and what the two levels differ by in one place */
         iso_vec3 at = iso_roi_inside(roi, face_point(roi, 0, i, normal));
-        double here[4] = {0}, outer[4] = {0};
+        double here[4] = {0}, beyond[4] = {0};
         before[0] = before[1] = before[2] = before[3] = behind[0] = behind[1] = behind[2] = behind[3] = 0;
-        emit(s, &s->inner, shifted(at, normal, -0.5), &roi->tf, 1, before);
-        emit(s, &s->inner, shifted(at, normal, 0.5), &roi->tf, 1, behind);
+        emit(s, &s->inside, shifted(at, normal, -0.5), &roi->tf, 1, before);
+        emit(s, &s->inside, shifted(at, normal, 0.5), &roi->tf, 1, behind);
         note(&own, distance(before, behind));
-        emit(s, &s->inner, at, &roi->tf, 1, here);
-        emit(s, &s->outer, face_point(roi, 0, i, normal), around, 1, outer);
-        note(&change, distance(here, outer));
+        emit(s, &s->inside, at, &roi->tf, 1, here);
+        emit(s, &s->around, face_point(roi, 0, i, normal), around, 1, beyond);
+        note(&change, distance(here, beyond));
         for (int c = 0; c < 4; ++c) {
-            inner_mean[c] += here[c] / points;
-            outer_mean[c] += outer[c] / points;
+            inside_mean[c] += here[c] / points;
+            around_mean[c] += beyond[c] / points;
         }
     }
-    return (iso_roi_step){rms(&step), step.largest, rms(&own), rms(&change), distance(inner_mean, outer_mean)};
+    return (iso_roi_step){rms(&step), step.largest, rms(&own), rms(&change), distance(inside_mean, around_mean)};
 }
 
 iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_view *view, iso_error *err)

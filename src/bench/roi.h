@@ -12,7 +12,7 @@
 /* Both sides of a region of interest at any point. */
 typedef struct iso_roi_setup {
     const iso_roi *roi;
-    iso_sampler outer, inner;
+    iso_sampler around, inside;
     double length_mm; /* a voxel of level 0 */
 } iso_roi_setup;
 iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi, iso_error *err);

@@ -149,13 +149,13 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
     for (size_t k = 1; k < p->level_count; ++k)
         coarse += (double)iso_geometry_voxel_count(&p->levels[k].geometry);
     all += coarse;
-    const double value_table = histograms + levels * table, deviation_table = coarse + value_table + levels * ISO_TF_2D_ROWS * table;
-    json_object_set_new(root, "storage", json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "value_table_bytes", value_table,
-                                                   "deviation_table_bytes", deviation_table, "four_bytes_a_coarse_voxel", 3 * coarse));
+    const double tf_1d = histograms + levels * table, tf_2d = coarse + tf_1d + levels * ISO_TF_2D_ROWS * table;
+    json_object_set_new(root, "storage", json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "tf_1d_bytes", tf_1d,
+                                                   "tf_2d_bytes", tf_2d, "four_bytes_a_coarse_voxel", 3 * coarse));
     if (!b->cli->json)
-        printf("storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with tables over deviation %.3g MB;\n"
+        printf("storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with 2D transfer functions by deviation %.3g MB;\n"
                "         four bytes a coarse voxel (Younesy et al. 2006) would add %.4g MB\n",
-               all / 1e6, value_table / 1e6, deviation_table / 1e6, 3 * coarse / 1e6);
+               all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
 }
 
 static iso_status run_all(const tf_bench *b, iso_error *err)

@@ -46,7 +46,7 @@ void iso_chart_bench_close(iso_chart_bench *b)
     for (size_t k = 0; k < ISO_CHART_MAX_LEVELS; ++k) {
         iso_tf_table_destroy(&b->adapted[k]);
         for (size_t i = 0; i < 2; ++i)
-            iso_tf_2d_destroy(&b->tables[k][i]);
+            iso_tf_2d_destroy(&b->tf_2d[k][i]);
     }
     for (size_t i = 0; i < ISO_CHART_PALETTES; ++i)
         iso_palette_destroy(&b->palettes[i]);
@@ -111,9 +111,9 @@ static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error
 {
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = b->threads;
-    if (c->table != ISO_SECOND_VALUE_NONE) {
-        iso_tf_2d *tables = &b->tables[c->level][c->table - ISO_SECOND_VALUE_DEVIATION];
-        return tables->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, NULL, c->level, c->table, &b->view.tf, &opt, tables, err);
+    if (c->second != ISO_SECOND_VALUE_NONE) {
+        iso_tf_2d *tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
+        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, NULL, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
     }
     if (!c->adapted || b->adapted[c->level].entries)
         return ISO_OK;
@@ -151,7 +151,7 @@ static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
     double a_million = 0;
     if (!pyramid_of(b, c))
         a_million += 0.4;
-    if (c->table != ISO_SECOND_VALUE_NONE ? !b->tables[c->level][c->table - ISO_SECOND_VALUE_DEVIATION].bytes : c->adapted && !b->adapted[c->level].entries)
+    if (c->second != ISO_SECOND_VALUE_NONE ? !b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes : c->adapted && !b->adapted[c->level].entries)
         a_million += 0.2;
     if (c->source == ISO_FROM_PALETTE && !b->palettes[c->palette].xyz)
         a_million += 1;
@@ -240,8 +240,8 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
         levels[c->level].palette = &b->palettes[c->palette];
         levels[c->level].palette_index = bytes;
     }
-    if (c->table != ISO_SECOND_VALUE_NONE)
-        view.tf_2d = &b->tables[c->level][c->table - ISO_SECOND_VALUE_DEVIATION];
+    if (c->second != ISO_SECOND_VALUE_NONE)
+        view.tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
     else if (c->adapted)
         view.tf = b->adapted[c->level];
     opt.source = c->source;

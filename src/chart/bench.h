@@ -39,7 +39,7 @@ typedef struct iso_chart_bench {
     size_t other_count, replaced;
     iso_view view;
     iso_tf_table adapted[ISO_CHART_MAX_LEVELS];
-    iso_tf_2d tables[ISO_CHART_MAX_LEVELS][2]; /* over deviation and over gradient */
+    iso_tf_2d tf_2d[ISO_CHART_MAX_LEVELS][2]; /* by deviation and by gradient magnitude */
     iso_palette palettes[ISO_CHART_PALETTES];
     iso_node_levels nodes;
     iso_plan plan;

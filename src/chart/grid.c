@@ -17,7 +17,7 @@ const iso_chart_words iso_chart_default_words = {.with = "gl,povray,cycles",
                                                  .codes = "fit,snorm,shell,free,cube,region48,squeeze",
                                                  .filters = "moments,eq1,naive",
                                                  .estimators = "central,sobel",
-                                                 .tfs = "original,adapted,tables",
+                                                 .tfs = "original,adapted,tf-2d",
                                                  .plans = "16/255,4/255,1/255"};
 
 /* ---- what the user asked for ------------------------------------------------- */
@@ -83,16 +83,16 @@ static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
     return ISO_OK;
 }
 
-/* flags[0] the scene's own, flags[1] the level's, flags[2] the level's over two values */
+/* flags[0] the scene's own, flags[1] the level's, flags[2] the level's 2D ones */
 static iso_status take_tf(const char *word, bool *flags, iso_error *err)
 {
-    static const char *const names[] = {"original", "adapted", "tables"};
+    static const char *const names[] = {"original", "adapted", "tf-2d"};
     for (size_t i = 0; i < 3; ++i)
         if (strcmp(word, names[i]) == 0) {
             flags[i] = true;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tables", word);
+    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tf-2d", word);
 }
 
 /* "a,b,c": sets the flag of each. */
@@ -154,13 +154,13 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
     g->preintegrated = quadratures[1];
     g->original = tfs[0];
     g->adapted = tfs[1];
-    g->tables = tfs[2];
+    g->tf_2d = tfs[2];
     return status;
 }
 
 /* ---- names ------------------------------------------------------------------ */
 
-void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size)
+void iso_chart_name_shading(const iso_chart_case *c, char *text, size_t size)
 {
     if (c->plan_error > 0)
         snprintf(text, size, "bricks");
@@ -174,7 +174,7 @@ void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size)
 
 const char *iso_chart_name_tf(const iso_chart_case *c)
 {
-    return c->table == ISO_SECOND_VALUE_DEVIATION ? "deviation" : c->table == ISO_SECOND_VALUE_GRADIENT ? "gradient" : c->adapted ? "adapted" : "original";
+    return c->second == ISO_SECOND_VALUE_DEVIATION ? "deviation" : c->second == ISO_SECOND_VALUE_GRADIENT ? "gradient" : c->adapted ? "adapted" : "original";
 }
 
 /* The estimator is named where it is not the usual one. */
@@ -185,22 +185,22 @@ void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
         return;
     }
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
-    char gradients[64];
-    iso_chart_name_gradients(c, gradients, sizeof gradients);
+    char shading_from[64];
+    iso_chart_name_shading(c, shading_from, sizeof shading_from);
     snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", iso_renderer_name(c->renderer), c->level,
              !c->adapted                       ? ""
-             : c->table == ISO_SECOND_VALUE_DEVIATION ? " TF over deviation"
-             : c->table == ISO_SECOND_VALUE_GRADIENT  ? " TF over gradient"
-                                               : " adapted TF", gradients, on_the_fly || c->level == 0 ? "" : " ",
+             : c->second == ISO_SECOND_VALUE_DEVIATION ? " 2D TF (deviation)"
+             : c->second == ISO_SECOND_VALUE_GRADIENT  ? " 2D TF (gradient)"
+                                               : " adapted TF", shading_from, on_the_fly || c->level == 0 ? "" : " ",
              on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter), on_the_fly || usual ? "" : " ",
              on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels, c->preintegrated ? " pre-integrated" : "");
 }
 
 void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 {
-    char gradients[64];
-    iso_chart_name_gradients(c, gradients, sizeof gradients);
-    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), c->plan_error > 0 ? "plan" : gradients);
+    char shading_from[64];
+    iso_chart_name_shading(c, shading_from, sizeof shading_from);
+    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), c->plan_error > 0 ? "plan" : shading_from);
 }
 
 /* ---- the grid --------------------------------------------------------------- */
@@ -212,7 +212,7 @@ static double stored_bytes(const iso_level *level, const iso_chart_case *c)
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
     if (c->source == ISO_FROM_PALETTE)
         direction = iso_chart_palettes[c->palette] <= 255 ? 1 : 2;
-    double second = c->table == ISO_SECOND_VALUE_NONE ? 0 : 1;
+    double second = c->second == ISO_SECOND_VALUE_NONE ? 0 : 1;
     return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction + second);
 }
 
@@ -225,7 +225,7 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
     const size_t *n = level->geometry.size;
     double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
     double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
-    return longest / c->step_voxels * (fetches + (c->preintegrated || c->table != ISO_SECOND_VALUE_NONE ? 1 : 0)) * slower[c->renderer];
+    return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) * slower[c->renderer];
 }
 
 /* What is usual, from which a setting departs. */
@@ -239,7 +239,7 @@ typedef struct usual_choice {
 
 static size_t count_departures(const iso_chart_case *c, const usual_choice *usual)
 {
-    size_t n = (size_t)c->adapted + (c->table != ISO_SECOND_VALUE_NONE) + c->preintegrated + (c->filter != usual->filter) +
+    size_t n = (size_t)c->adapted + (c->second != ISO_SECOND_VALUE_NONE) + c->preintegrated + (c->filter != usual->filter) +
                (c->estimator != usual->estimator) + (c->plan_error > 0);
     if (iso_chart_is_other_program(usual->renderer)) /* nothing else was asked for: they are equals */
         n += !iso_chart_is_other_program(c->renderer);
@@ -286,8 +286,8 @@ static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
         return false;
     if (c->level == 0 && c->adapted)
         return false;
-    /* tables over two values: by the usual directions alone, which say what they gain */
-    if (c->table != ISO_SECOND_VALUE_NONE && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
+    /* 2D transfer functions: by the usual directions alone, which say what they gain */
+    if (c->second != ISO_SECOND_VALUE_NONE && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
         return false;
     return c->source == ISO_FROM_CODES || c->code == usual->code;
 }
@@ -304,7 +304,7 @@ static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is
         return false;
     if (!(c->preintegrated ? g->preintegrated : g->midpoint || other_program))
         return false;
-    if (c->level > 0 && !(c->table != ISO_SECOND_VALUE_NONE ? g->tables : c->adapted ? g->adapted : g->original))
+    if (c->level > 0 && !(c->second != ISO_SECOND_VALUE_NONE ? g->tf_2d : c->adapted ? g->adapted : g->original))
         return false;
     return has_floats || (c->source != ISO_FROM_FLOAT && (c->source != ISO_FROM_CODES || c->code == usual->code));
 }
@@ -326,8 +326,8 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     i /= source_count;
     c.filter = (iso_direction_filter)(i % ISO_DIRECTION_COUNT), i /= ISO_DIRECTION_COUNT;
     c.estimator = (iso_gradient_method)(i % ISO_GRADIENT_COUNT), i /= ISO_GRADIENT_COUNT;
-    static const iso_second_value tables[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
-    c.adapted = i % 4 > 0, c.table = tables[i % 4], i /= 4;
+    static const iso_second_value second[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
+    c.adapted = i % 4 > 0, c.second = second[i % 4], i /= 4;
     c.level = i % levels, i /= levels;
     c.renderer = i < ISO_RENDERER_COUNT ? (iso_renderer)i : ISO_RENDERER_COUNT; /* the count: no more */
     return c;
@@ -338,7 +338,7 @@ static void add_plans(const iso_chart_grid *g, const iso_level *level0, const us
 {
     for (size_t i = 0; i < g->plan_count && g->with[ISO_WITH_GL]; ++i)
         for (size_t k = 0; k < g->step_count; ++k) {
-            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .table = ISO_SECOND_VALUE_NONE, .metrics = {.rmse = NAN},
+            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .second = ISO_SECOND_VALUE_NONE, .metrics = {.rmse = NAN},
                                 .estimator = usual->estimator, .filter = usual->filter, .code = usual->code};
             c.plan_error = g->plans[i];
             c.step_voxels = g->steps[k];

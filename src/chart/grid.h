@@ -28,7 +28,7 @@ typedef struct iso_chart_grid {
     bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
     bool optional[ISO_RENDERER_COUNT]; /* in the default list: left out where it does not answer */
     bool midpoint, preintegrated;
-    bool original, adapted, tables; /* transfer functions of coarse levels */
+    bool original, adapted, tf_2d; /* transfer functions of coarse levels */
     double steps[ISO_CHART_MAX_LIST], plans[ISO_CHART_MAX_LIST]; /* voxels; predicted errors */
     size_t step_count, plan_count;
     iso_gradient_method first_estimator; /* what the user named first: the reference's, and that of settings with the usual one */
@@ -46,7 +46,7 @@ typedef struct iso_chart_case {
     iso_code code;
     size_t palette;      /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
     bool adapted;        /* the level's own transfer function */
-    iso_second_value table; /* adapted over two values (tf/tf_2d.h), or ISO_SECOND_VALUE_NONE */
+    iso_second_value second; /* of a 2D transfer function (tf/tf_2d.h), or ISO_SECOND_VALUE_NONE */
     bool preintegrated;
     double plan_error;   /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
     double step_voxels;
@@ -76,8 +76,8 @@ static inline bool iso_chart_is_other_program(iso_renderer r) { return r == ISO_
 /* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);
 /* The code, palette or source. */
-void iso_chart_name_gradients(const iso_chart_case *c, char *text, size_t size);
-/* "original", "adapted", "deviation" or "gradient" (tables over two values) */
+void iso_chart_name_shading(const iso_chart_case *c, char *text, size_t size);
+/* "original", "adapted", "deviation" or "gradient" (2D transfer functions) */
 const char *iso_chart_name_tf(const iso_chart_case *c);
 /* What has one colour in the chart. */
 void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size);

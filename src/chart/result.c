@@ -180,11 +180,11 @@ static void put_directions(FILE *f, const iso_chart_result *r, const iso_chart_c
     if (c->code != usual.code && (c->source == ISO_FROM_CODES || c->source == ISO_FROM_FLIPPED))
         put_option(f, "code", iso_code_describe(c->code)->name);
     if (c->source != ISO_FROM_ON_THE_FLY && c->estimator != usual.gradient.method)
-        put_option(f, "gradient", iso_gradient_name(c->estimator));
+        put_option(f, "estimator", iso_gradient_name(c->estimator));
     if (c->source != ISO_FROM_ON_THE_FLY && c->level > 0 && c->filter != usual.direction_filter)
         put_option(f, "direction-filter", iso_direction_filter_name(c->filter));
     if (c->source != ISO_FROM_CODES)
-        put_option(f, "gradients", iso_direction_source_name(c->source));
+        put_option(f, "shading-from", iso_direction_source_name(c->source));
     if (c->source != ISO_FROM_PALETTE)
         return;
     snprintf(palette, sizeof palette, "palette-%zu.csv", iso_chart_palettes[c->palette]);
@@ -211,15 +211,15 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
         put_number(f, "plan-error", c->plan_error);
         fprintf(f, " --brick %d --brick-levels %d", ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS);
         if (c->estimator != iso_pyramid_defaults().gradient.method && r->bench->is_volume)
-            put_option(f, "gradient", iso_gradient_name(c->estimator));
+            put_option(f, "estimator", iso_gradient_name(c->estimator));
     } else {
         if (c->level > 0)
             fprintf(f, " --level %zu", c->level);
         put_directions(f, r, c);
         if (c->adapted)
             fputs(" --adapt", f);
-        if (c->table != ISO_SECOND_VALUE_NONE)
-            put_option(f, "table", iso_chart_name_tf(c));
+        if (c->second != ISO_SECOND_VALUE_NONE)
+            put_option(f, "tf-2d", iso_chart_name_tf(c));
     }
     put_number(f, "step", c->step_voxels);
     if (c->preintegrated)
@@ -252,12 +252,12 @@ static char *compare_command(const iso_chart_result *r)
 
 static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
 {
-    char gradients[64], setting[192];
-    iso_chart_name_gradients(c, gradients, sizeof gradients);
+    char shading_from[64], setting[192];
+    iso_chart_name_shading(c, shading_from, sizeof shading_from);
     iso_chart_describe(c, setting, sizeof setting);
     char *command = iso_chart_command(r, c);
     json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer", iso_renderer_name(c->renderer),
-                          "level", (json_int_t)c->level, "gradients", gradients, "filter", iso_direction_filter_name(c->filter),
+                          "level", (json_int_t)c->level, "shading_from", shading_from, "filter", iso_direction_filter_name(c->filter),
                           "estimator", iso_gradient_name(c->estimator), "tf", iso_chart_name_tf(c), "quadrature",
                           c->preintegrated ? "preintegrated" : "midpoint", "step_voxels", c->step_voxels);
     if (c->plan_error > 0)
@@ -392,18 +392,18 @@ static char *result_csv(const iso_chart_result *r)
     snprintf(machine, sizeof machine, "%s; %d cores", json_string_value(json_object_get(about, "processor")),
              (int)json_integer_value(json_object_get(about, "cores")));
     json_decref(about);
-    fputs("series,setting,renderer,level,gradients,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
+    fputs("series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
           "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
           "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,command\n", f);
     for (size_t i = 0; i < r->done_count; ++i) {
         const iso_chart_case *c = &r->cases[i];
-        char series[160], setting[192], gradients[64], versions[400];
+        char series[160], setting[192], shading_from[64], versions[400];
         iso_chart_describe_series(c, series, sizeof series);
         iso_chart_describe(c, setting, sizeof setting);
-        iso_chart_name_gradients(c, gradients, sizeof gradients);
+        iso_chart_name_shading(c, shading_from, sizeof shading_from);
         snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION, r->versions[c->renderer]);
         char *command = iso_chart_command(r, c);
-        fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, iso_renderer_name(c->renderer), c->level, gradients,
+        fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, iso_renderer_name(c->renderer), c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
                 c->preintegrated ? "preintegrated" : "midpoint", c->step_voxels, c->plan_error);
         fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.12g,", 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,

@@ -13,7 +13,7 @@
 #include "pyramid/pyramid_stream.h"
 
 typedef struct build_options {
-    char *output, *gradient, *scalar_filter, *direction_filter, *code;
+    char *output, *estimator, *scalar_filter, *direction_filter, *code;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
@@ -44,8 +44,8 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
         status = iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
-    if (status == ISO_OK && in->gradient)
-        status = iso_gradient_from_name(in->gradient, &out->gradient.method, err);
+    if (status == ISO_OK && in->estimator)
+        status = iso_gradient_from_name(in->estimator, &out->gradient.method, err);
     if (status == ISO_OK && in->scalar_filter)
         status = iso_scalar_filter_from_name(in->scalar_filter, &out->scalar_filter, err);
     if (status == ISO_OK && in->direction_filter)
@@ -81,7 +81,7 @@ static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const
     json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
     json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(opt->scalar_filter)));
     json_object_set_new(options, "direction_filter", json_string(iso_direction_filter_name(opt->direction_filter)));
-    json_object_set_new(options, "gradient", json_string(iso_gradient_name(opt->gradient.method)));
+    json_object_set_new(options, "estimator", json_string(iso_gradient_name(opt->gradient.method)));
     json_object_set_new(options, "code", json_string(iso_code_describe(opt->code)->name));
     json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "levels", levels_to_json(r));
@@ -162,7 +162,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
-        {"gradient", 0, POPT_ARG_STRING, &in.gradient, 0, "central (default), intermediate, sobel, corners, fourth, bspline", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "central (default), intermediate, sobel, corners, fourth, bspline", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1, naive or tensor", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: fit (default), snorm, region48, ...", "NAME"},
@@ -186,7 +186,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         status = build(&cli, &input, &in, ranks, err);
     iso_cli_end(&cli);
     free(in.output);
-    free(in.gradient);
+    free(in.estimator);
     free(in.scalar_filter);
     free(in.direction_filter);
     free(in.code);

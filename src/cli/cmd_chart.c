@@ -253,7 +253,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0, with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
         {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, with_default(help[5], sizeof *help, "of directions", usual->codes), "LIST"},
-        {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0, with_default(help[6], sizeof *help, "transfer functions of coarse levels: the scene's, the level's own, the level's over two values", usual->tfs), "LIST"},
+        {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0, with_default(help[6], sizeof *help, "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level", usual->tfs), "LIST"},
         {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, "gl: bricks of mixed resolution, planned for these predicted errors; or none", usual->plans), "LIST"},
         {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0, "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},

@@ -320,7 +320,7 @@ const iso_command iso_command_export = {
                "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
                "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume. With --plan only what the scene\n"
                "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
-               "Other programs filter directions themselves: there is no flipped fetch (render --gradients flipped) in what is exported.",
+               "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
                 "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"

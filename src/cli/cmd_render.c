@@ -22,7 +22,7 @@ typedef struct render_arguments {
     char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels, page_side;
     double step, cache_bytes;
-    char *plan_error_text, *code, *direction_filter, *gradient;
+    char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */
     const char *shader_dir;
 } render_arguments;
@@ -38,7 +38,7 @@ static iso_status check_for_renderer(const render_arguments *a, iso_renderer ren
         unsigned renderers;
     } rules[] = {
         {"--quadrature", "reference and gl", a->quadrature != NULL, reference | gl},
-        {"--gradients", "reference and gl", a->source != NULL, reference | gl},
+        {"--shading-from", "reference and gl", a->source != NULL, reference | gl},
         {"--intervals", "povray and reference", a->intervals != 0, povray | reference},
         {"--planes", "povray", a->planes != 0, povray},
         {"--samples", "cycles", a->samples != 0, cycles},
@@ -84,7 +84,7 @@ static iso_status check_cache(const render_arguments *a, iso_renderer renderer, 
         return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
     if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->exact_lookups ||
         a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --gradients, --palette, --shade-table, "
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --shading-from, --palette, --shade-table, "
                                           "--exact-lookups, --isosurface, --quadrature, --adapt and --roi");
     iso_status status = a->plan_error > 0 ? ISO_OK : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
@@ -96,10 +96,10 @@ static iso_status check_cache(const render_arguments *a, iso_renderer renderer, 
 static iso_status take_build(const render_arguments *a, const char *path, iso_pyramid_options *build, iso_error *err)
 {
     iso_status status = ISO_OK;
-    if ((a->direction_filter || a->gradient) && iso_pyramid_is_one(path))
-        return iso_fail(err, ISO_E_USAGE, "--direction-filter and --gradient are for volumes; %s keeps those of its build", path);
-    if (a->gradient)
-        status = iso_gradient_from_name(a->gradient, &build->gradient.method, err);
+    if ((a->direction_filter || a->estimator) && iso_pyramid_is_one(path))
+        return iso_fail(err, ISO_E_USAGE, "--direction-filter and --estimator are for volumes; %s keeps those of its build", path);
+    if (a->estimator)
+        status = iso_gradient_from_name(a->estimator, &build->gradient.method, err);
     if (status == ISO_OK && a->direction_filter)
         status = iso_direction_filter_from_name(a->direction_filter, &build->direction_filter, err);
     if (status == ISO_OK && a->code)
@@ -130,7 +130,7 @@ static iso_status check_limit(const render_arguments *a, iso_renderer renderer, 
         return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
     if (renderer == ISO_WITH_REFERENCE || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table ||
         a->exact_lookups || is_in_bricks(a))
-        return iso_fail(err, ISO_E_USAGE, "--limit is for --with gl, cycles and povray, without --quadrature, --gradients, "
+        return iso_fail(err, ISO_E_USAGE, "--limit is for --with gl, cycles and povray, without --quadrature, --shading-from, "
                                           "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error");
     if (a->intervals % 2)
         return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
@@ -190,7 +190,7 @@ static bool is_from_palette(iso_direction_source source)
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
 }
 
-/* --palette and --gradients palette need each other. */
+/* --palette and --shading-from palette need each other. */
 static iso_status attach_palette(const render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
                                  iso_palette *palette, iso_error *err)
 {
@@ -199,7 +199,7 @@ static iso_status attach_palette(const render_arguments *a, const iso_render_opt
     if (a->shade_table && !a->palette)
         return iso_fail(err, ISO_E_USAGE, "--shade-table needs a --palette FILE.csv");
     if (!a->palette || !is_from_palette(opt->source))
-        return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --gradients palette or palette-nearest go together");
+        return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --shading-from palette or palette-nearest go together");
     iso_status status = iso_palette_load_csv(a->palette, palette, err);
     if (status == ISO_OK && (size_t)a->level < p->level_count)
         status = iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err);
@@ -234,7 +234,7 @@ static void report(const render_arguments *a, const iso_cli *cli, const iso_pyra
     json_t *root = iso_cli_json(cli);
     const iso_geometry *g = &p->levels[a->level].geometry;
     json_object_update_new(json_object_get(root, "options"),
-                           json_pack("{s:s, s:i, s:s, s:s}", "with", a->with, "level", a->level, "gradients",
+                           json_pack("{s:s, s:i, s:s, s:s}", "with", a->with, "level", a->level, "shading_from",
                                      a->source ? a->source : "codes", "code", iso_code_describe(p->options.code)->name));
     json_object_update_new(root, json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer", version,
                                            "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
@@ -357,13 +357,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"gradients", 0, POPT_ARG_STRING, &a.source, 0, "codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
-        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --gradients palette: made by isoshade palette", "FILE.csv"},
+        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, "directions: codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
+        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette", "FILE.csv"},
         {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, "gl: filter textures at positions in double precision; slow, for certifying", NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},
-        {"gradient", 0, POPT_ARG_STRING, &a.gradient, 0, "a volume's estimator of gradients: central (default), sobel, ...", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "a volume's estimator of gradients: central (default), sobel, ...", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels: moments (default), eq1, naive or tensor", "NAME"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: fit (default), snorm, region48, ...", "NAME"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference, gl and povray: the first hit of this value, opaque", "VALUE"},

@@ -34,37 +34,38 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
     return status;
 }
 
-iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *split, iso_error *err)
+iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *second, iso_error *err)
 {
-    static const char *const names[] = {"value", "deviation", "gradient"};
-    static const iso_second_value splits[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
-    *split = ISO_SECOND_VALUE_NONE;
-    for (int i = 0; i < 3; ++i)
-        if (!a->table || strcmp(a->table, names[i]) == 0) {
-            *split = splits[i];
-            return ISO_OK;
-        }
-    return iso_fail(err, ISO_E_USAGE, "--table is \"%s\", wanted value, deviation or gradient", a->table);
+    *second = ISO_SECOND_VALUE_NONE;
+    if (!a->tf_2d)
+        return ISO_OK;
+    if (strcmp(a->tf_2d, "deviation") == 0)
+        *second = ISO_SECOND_VALUE_DEVIATION;
+    else if (strcmp(a->tf_2d, "gradient") == 0)
+        *second = ISO_SECOND_VALUE_GRADIENT;
+    else
+        return iso_fail(err, ISO_E_USAGE, "--tf-2d is \"%s\", wanted deviation or gradient", a->tf_2d);
+    return ISO_OK;
 }
 
 /* How to adapt, said without asking for it, would be passed over in silence. */
 static bool is_told_how(const iso_cli_adapted *a)
 {
-    return a->average || a->weight || a->table || a->window != 0 || a->mix_s != 0 || a->mix_t != 0 || a->always ||
+    return a->average || a->weight || a->tf_2d || a->window != 0 || a->mix_s != 0 || a->mix_t != 0 || a->always ||
            a->bits != iso_adapt_defaults().bits;
 }
 
-/* The 1-D table stands beside the classes for what can show no other: a ColorRamp, an isosurface. */
-static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split, iso_adapt_options *opt,
+/* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
+static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second, iso_adapt_options *opt,
                         iso_view *view, iso_error *err)
 {
     iso_tf_table table;
     iso_tf_2d *tf_2d = NULL;
     iso_status status = ISO_OK;
-    if (split != ISO_SECOND_VALUE_NONE && level > 0) {
+    if (second != ISO_SECOND_VALUE_NONE && level > 0) {
         opt->fall_back = false;
         tf_2d = calloc(1, sizeof *tf_2d);
-        status = tf_2d ? iso_adapt_tf_2d(p, dir, level, split, &view->tf, opt, tf_2d, err)
+        status = tf_2d ? iso_adapt_tf_2d(p, dir, level, second, &view->tf, opt, tf_2d, err)
                          : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     if (status == ISO_OK)
@@ -84,15 +85,15 @@ iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const 
                               int threads, iso_error *err)
 {
     iso_adapt_options opt;
-    iso_second_value split;
+    iso_second_value second;
     if (!a->wanted && is_told_how(a))
-        return iso_fail(err, ISO_E_USAGE, "--table, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
+        return iso_fail(err, ISO_E_USAGE, "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
     if (!a->wanted)
         return ISO_OK;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
     if (status == ISO_OK)
-        status = iso_cli_adapt_second_value(a, &split, err);
-    if (status == ISO_OK && split != ISO_SECOND_VALUE_NONE)
-        status = iso_words_check_range("--bits with a --table over two values", a->bits, 8, 12, err);
-    return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, split, &opt, view, err) : status;
+        status = iso_cli_adapt_second_value(a, &second, err);
+    if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
+        status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
+    return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, second, &opt, view, err) : status;
 }

@@ -8,8 +8,8 @@
  *     ... iso_cli_parse(...), iso_subject_load_view(...) ...
  *     iso_cli_adapt_view(&adapted, path, &pyramid, level, &view, threads, err);
  *
- * An adapted view is the same view with another table, or with tables over value
- * and class, so every renderer and exporter takes it. */
+ * An adapted view is the same view with another transfer function, 1D or 2D, so
+ * every renderer and exporter takes it. */
 #ifndef ISO_OPTIONS_ADAPTED_H
 #define ISO_OPTIONS_ADAPTED_H
 
@@ -21,7 +21,7 @@
 
 typedef struct iso_cli_adapted {
     int wanted;             /* --adapt */
-    char *average, *weight, *table; /* by popt; live until the process ends */
+    char *average, *weight, *tf_2d; /* by popt; live until the process ends */
     double window, mix_s, mix_t;
     int bits, always;
 } iso_cli_adapted;
@@ -38,20 +38,20 @@ typedef struct iso_cli_adapted {
 
 #define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \
-    {"table", 0, POPT_ARG_STRING, &(a)->table, 0, "value (default), deviation or gradient: over the value alone, or also over a second one", "OVER"}, \
+    {"tf-2d", 0, POPT_ARG_STRING, &(a)->tf_2d, 0, "a 2D transfer function, whose second value is the deviation or the gradient magnitude", "deviation|gradient"}, \
     ISO_CLI_ADAPT_METHOD_OPTIONS(a)
 
 void iso_cli_adapted_defaults(iso_cli_adapted *a);
 /* ISO_E_USAGE with option and value. */
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);
 
-/* Replaces view->tf by the table of `level` when it is wanted, and sets view->classes
- * for a table over two values at a coarse level (then without the indicator). path:
- * what p was loaded from; a pyramid on disk keeps its histograms. */
+/* Replaces view->tf by the transfer function adapted to `level` when it is wanted; with --tf-2d and a coarse level
+ * sets view->tf_2d too, whether adapting pays or not. path: what p was loaded from; a pyramid on disk keeps its
+ * histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
                               int threads, iso_error *err);
 
-/* What --table says: ISO_SECOND_VALUE_NONE without it. */
-iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *split, iso_error *err);
+/* What --tf-2d says: ISO_SECOND_VALUE_NONE without it. */
+iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *second, iso_error *err);
 
 #endif

@@ -24,7 +24,7 @@ static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_er
 }
 
 /* The scene's table, or the adapted one of the level inside. */
-static iso_status inner_table(const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p, size_t level,
+static iso_status roi_tf(const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p, size_t level,
                               const iso_tf_table *tf, int threads, iso_tf_table *table, iso_error *err)
 {
     iso_adapt_options opt;
@@ -53,7 +53,7 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted
     opt.level = (size_t)r->level;
     opt.band = r->band;
     if (status == ISO_OK)
-        status = inner_table(adapted, path, p, opt.level, &view->tf, threads, &table, err);
+        status = roi_tf(adapted, path, p, opt.level, &view->tf, threads, &table, err);
     if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
         status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
     if (status == ISO_OK)

@@ -26,7 +26,7 @@ typedef struct layer {
 
 /* A ray in the level's index space, with what its samples need. */
 typedef struct ray_state {
-    const layer *layer, *inner; /* inner: the region of interest's, or NULL */
+    const layer *layer, *roi; /* roi: the region of interest's, or NULL */
     const iso_view *view;
     const iso_tf_integral *integral; /* preintegrated */
     iso_vec3 origin, direction; /* index per mm of t */
@@ -53,12 +53,12 @@ static void mark_bends(const iso_tf_table *tf, size_t *bends)
     }
 }
 
-/* bends[i]: how many of the TF's entries below i are bends, in any class. To be freed. */
+/* bends[i]: how many of the TF's entries below i are bends, in any row of a 2D transfer function. To be freed. */
 static size_t *bends_create(const iso_tf_table *tf, const iso_tf_2d *tf_2d)
 {
     size_t *bends = calloc(tf->count + 1, sizeof *bends);
     for (int c = 0; bends && c < (tf_2d ? ISO_TF_2D_ROWS : 1); ++c)
-        mark_bends(tf_2d ? &tf_2d->tables[c] : tf, bends);
+        mark_bends(tf_2d ? &tf_2d->rows[c] : tf, bends);
     for (size_t i = 0; bends && i < tf->count; ++i)
         bends[i + 1] += bends[i];
     return bends;
@@ -83,7 +83,7 @@ static void classify(const layer *l, iso_vec3 p, double rgbs[4])
 {
     double s = iso_sample_scalar(l->sampler, p);
     if (l->tf_2d)
-        iso_tf_2d_lookup(l->tf_2d, s, iso_tf_2d_coordinate(iso_sample_bytes(l->sampler, l->tf_2d->bytes, p)), rgbs);
+        iso_tf_2d_lookup(l->tf_2d, s, iso_tf_2d_row_of(iso_sample_bytes(l->sampler, l->tf_2d->bytes, p)), rgbs);
     else
         iso_tf_lookup(l->tf, s, rgbs);
 }
@@ -111,14 +111,14 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
 /* The same of all layers: two media in one place (roi.h). */
 static double emission(const ray_state *ray, double t, double color[3])
 {
-    double w = ray->inner ? iso_roi_weight(ray->view->roi, iso_madd(ray->origin, ray->direction, t)) : 0, inner[3];
+    double w = ray->roi ? iso_roi_weight(ray->view->roi, iso_madd(ray->origin, ray->direction, t)) : 0, inside[3];
     if (w <= 0)
         return layer_emission(ray, ray->layer, t, color);
-    double sigma = w * layer_emission(ray, ray->inner, t, inner);
-    double outer = w < 1 ? (1 - w) * layer_emission(ray, ray->layer, t, color) : 0;
+    double sigma = w * layer_emission(ray, ray->roi, t, inside);
+    double around = w < 1 ? (1 - w) * layer_emission(ray, ray->layer, t, color) : 0;
     for (int c = 0; c < 3; ++c)
-        color[c] = w * inner[c] + (w < 1 ? (1 - w) * color[c] : 0);
-    return sigma + outer;
+        color[c] = w * inside[c] + (w < 1 ? (1 - w) * color[c] : 0);
+    return sigma + around;
 }
 
 /* front over back */
@@ -213,8 +213,8 @@ static stretch integrate_piece(const ray_state *ray, double a, double b, double 
     if (depth >= max_depth || weight <= tolerance)
         return fine;
     double cut = cut_at_bend(ray, ray->layer, a, b);
-    if (!(cut > a && cut < b) && ray->inner)
-        cut = cut_at_bend(ray, ray->inner, a, b);
+    if (!(cut > a && cut < b) && ray->roi)
+        cut = cut_at_bend(ray, ray->roi, a, b);
     if (!(cut > a && cut < b)) {
         if (weight * distance(fine, coarse) <= caution * tolerance)
             return fine;
@@ -256,7 +256,7 @@ static double cell_end(const ray_state *ray, double a, double least, double t1)
     iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
     double step = fmin(to_next_plane(p.x, ray->direction.x),
                        fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
-    if (ray->inner) {
+    if (ray->roi) {
         const iso_roi *f = ray->view->roi;
         const iso_vec3 q = iso_roi_inside(f, p), d = iso_scale(ray->direction, f->scale);
         step = fmin(step, to_next_face(f, p, ray->direction));
@@ -380,7 +380,7 @@ static void render_pixel(const layer l[2], const iso_view *view, const iso_refer
     const iso_geometry *g = &l->sampler->level->geometry, *finest = iso_view_step_geometry(view, g);
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.layer = &l[0], .inner = view->roi ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.layer = &l[0], .roi = view->roi ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -417,20 +417,20 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
     return ISO_OK;
 }
 
-/* inner: of the region of interest, or NULL. */
-static iso_status render_all(const iso_sampler *sampler, const iso_sampler *inner, const iso_view *view,
+/* roi: of the region of interest, or NULL. */
+static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi, const iso_view *view,
                              const iso_reference_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
 {
     const iso_roi *f = view->roi;
-    /* The tables of all classes have one range and count, so the first serves for them where entries are counted. */
-    const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->tables[0] : &view->tf;
-    size_t *bends = bends_create(tf, view->tf_2d), *inner_bends = f ? bends_create(&f->tf, NULL) : NULL;
+    /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are counted. */
+    const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
+    size_t *bends = bends_create(tf, view->tf_2d), *roi_bends = f ? bends_create(&f->tf, NULL) : NULL;
     layer l[2] = {{.sampler = sampler, .tf = tf, .tf_2d = view->tf_2d, .bends = bends, .scale = 1}};
     if (f)
-        l[1] = (layer){.sampler = inner, .tf = &f->tf, .bends = inner_bends, .scale = f->scale,
+        l[1] = (layer){.sampler = roi, .tf = &f->tf, .bends = roi_bends, .scale = f->scale,
                        .offset = {f->offset[0], f->offset[1], f->offset[2]}};
     iso_status status = iso_image_create(image, view->width, view->height, err);
-    if (status == ISO_OK && (!bends || (f && !inner_bends)))
+    if (status == ISO_OK && (!bends || (f && !roi_bends)))
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
     iso_tf_integral integral = {0};
     if (status == ISO_OK && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
@@ -448,7 +448,7 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *inne
     }
     iso_tf_integral_destroy(&integral);
     free(bends);
-    free(inner_bends);
+    free(roi_bends);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
@@ -458,16 +458,16 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err)
 {
-    iso_sampler sampler = {0}, inner = {0};
+    iso_sampler sampler = {0}, roi = {0};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
     if (status == ISO_OK)
         status = iso_sampler_create(&sampler, level, code, opt->source, err);
     if (status == ISO_OK && view->roi)
-        status = iso_sampler_create(&inner, &view->roi->level, code, opt->source, err);
+        status = iso_sampler_create(&roi, &view->roi->level, code, opt->source, err);
     if (status == ISO_OK)
-        status = render_all(&sampler, &inner, view, opt, image, progress, err);
-    iso_sampler_destroy(&inner);
+        status = render_all(&sampler, &roi, view, opt, image, progress, err);
+    iso_sampler_destroy(&roi);
     iso_sampler_destroy(&sampler);
     return status;
 }
@@ -481,7 +481,7 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
     if (status == ISO_OK && (view->tf_2d || view->roi))
-        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have neither classes nor a region of interest");
+        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have neither a 2D transfer function nor a region of interest");
     if (status != ISO_OK)
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);

@@ -69,11 +69,11 @@ iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_tabl
     iso_status status = check(p, around, opt, err);
     if (status != ISO_OK)
         return status;
-    const iso_level *inner = &p->levels[opt->level];
+    const iso_level *finer = &p->levels[opt->level];
     size_t first[3], count[3];
     f->scale = ldexp(1, (int)(around - opt->level));
     for (int a = 0; a < 3; ++a) {
-        const double margin = 2, size = (double)inner->geometry.size[a];
+        const double margin = 2, size = (double)finer->geometry.size[a];
         f->lo[a] = ldexp(opt->lo[a], -(int)around);
         f->hi[a] = ldexp(opt->hi[a], -(int)around);
         double begin = fmax(floor((f->lo[a] - f->band) * f->scale) - margin, 0);
@@ -89,7 +89,7 @@ iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_tabl
     else
         memcpy(f->tf.entries, tf->entries, 4 * tf->count * sizeof *tf->entries);
     if (status == ISO_OK)
-        status = crop_level(inner, first, count, &f->level, err);
+        status = crop_level(finer, first, count, &f->level, err);
     if (status != ISO_OK)
         iso_roi_destroy(f);
     return status;

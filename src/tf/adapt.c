@@ -64,7 +64,7 @@ struct iso_adapter {
     uint16_t *entry_z;
     float *entry_weight; /* a row's sum to 1; rows without voxels are empty */
     double *row_count;   /* voxels of a row */
-    size_t row_count_of; /* rows: s.count of each class */
+    size_t row_count_of; /* rows: s.count for each bin of the second value */
 };
 
 void iso_adapter_destroy(iso_adapter *a)
@@ -323,12 +323,12 @@ iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const
     return status;
 }
 
-/* ---- a table over value and class ------------------------------------------------ */
+/* ---- 2D transfer functions ------------------------------------------------------- */
 
-/* The class's row, drawn to the row of all classes by pseudo-counts: few voxels say little. */
-static void blend_class(const row_sums *all, double count, row_sums *r)
+/* A row of the 2D transfer function, drawn to the 1D one by pseudo-counts: few voxels say little. */
+static void blend_tf_2d_row(const row_sums *all, double count, row_sums *r)
 {
-    double own = count / (count + ISO_CLASS_PSEUDO_COUNTS);
+    double own = count / (count + ISO_TF_2D_PSEUDO_COUNTS);
     for (int c = 0; c < 4; ++c)
         r->rgbw[c] = own * r->rgbw[c] + (1 - own) * all->rgbw[c];
     for (int c = 0; c < 3; ++c)
@@ -336,8 +336,8 @@ static void blend_class(const row_sums *all, double count, row_sums *r)
     r->largest = fmax(r->largest, all->largest);
 }
 
-static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *split, const iso_tf_table *tf, double length_mm,
-                                    iso_tf_table tables[ISO_TF_2D_ROWS], iso_error *err)
+static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, const iso_tf_table *tf, double length_mm,
+                                    iso_tf_table rows[ISO_TF_2D_ROWS], iso_error *err)
 {
     weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
     if (!prepared)
@@ -346,19 +346,19 @@ static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *split, c
     for (size_t row = 0; row < all->s.count; ++row) {
         row_sums of_all = sum_row(all, prepared, row);
         for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c) {
-            row_sums own = sum_row(split, prepared, c * all->s.count + row);
-            blend_class(&of_all, split->row_count[c * all->s.count + row], &own);
-            finish_row(all, &own, length_mm, tables[c].entries + 4 * row);
+            row_sums own = sum_row(second, prepared, c * all->s.count + row);
+            blend_tf_2d_row(&of_all, second->row_count[c * all->s.count + row], &own);
+            finish_row(all, &own, length_mm, rows[c].entries + 4 * row);
         }
     }
     for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
-        fill_empty_rows(all, &tables[c], length_mm);
+        fill_empty_rows(all, &rows[c], length_mm);
     free(prepared);
     return ISO_OK;
 }
 
-/* The class coordinate of each voxel of the level, in a byte. */
-static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_second_value split, int threads, uint8_t **bytes,
+/* The second value of each voxel of the level, in a byte. */
+static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_second_value second, int threads, uint8_t **bytes,
                               iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
@@ -366,43 +366,43 @@ static iso_status class_bytes(const iso_pyramid *p, size_t level, iso_second_val
     *bytes = malloc(count);
     if (!planes || !*bytes) {
         free(planes);
-        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the classes of %zu voxels", count);
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the second value of %zu voxels", count);
     }
-    iso_status status = iso_joint_class_coordinates(p, level, split, threads, planes, err);
+    iso_status status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_TF_2D_ROWS - 1)) + 0.5f);
     free(planes);
     return status;
 }
 
-iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split,
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
                              const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
 {
-    iso_joint joint = {0}, joint_split = {0};
-    iso_adapter *all = NULL, *by_class = NULL;
+    iso_joint joint = {0}, joint_2d = {0};
+    iso_adapter *all = NULL, *by_second = NULL;
     *out = (iso_tf_2d){0};
-    iso_adapt_options split_opt = *opt; /* classes take a row's bulk and its tail apart by themselves */
+    iso_adapt_options opt_2d = *opt; /* the second value takes a row's bulk and its tail apart */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
-        split_opt.window = ISO_CLASS_WINDOW;
+        opt_2d.window = ISO_TF_2D_WINDOW;
     iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SECOND_VALUE_NONE, opt->threads, &joint, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(p, dir, level, opt->bits, split, opt->threads, &joint_split, err);
+        status = iso_joint_obtain(p, dir, level, opt->bits, second, opt->threads, &joint_2d, err);
     if (status == ISO_OK)
-        status = iso_adapter_create(&joint, &split_opt, &all, err);
+        status = iso_adapter_create(&joint, &opt_2d, &all, err);
     if (status == ISO_OK)
-        status = iso_adapter_create(&joint_split, &split_opt, &by_class, err);
+        status = iso_adapter_create(&joint_2d, &opt_2d, &by_second, err);
     for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
-        status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->tables[c], err);
+        status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->rows[c], err);
     if (status == ISO_OK && joint.entry_count > 0)
-        status = fill_tf_2d(all, by_class, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->tables, err);
+        status = fill_tf_2d(all, by_second, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->rows, err);
     if (status == ISO_OK)
-        status = class_bytes(p, level, split, opt->threads, &out->bytes, err);
+        status = second_value_bytes(p, level, second, opt->threads, &out->bytes, err);
     if (status != ISO_OK)
         iso_tf_2d_destroy(out);
     iso_adapter_destroy(all);
-    iso_adapter_destroy(by_class);
+    iso_adapter_destroy(by_second);
     iso_joint_destroy(&joint);
-    iso_joint_destroy(&joint_split);
+    iso_joint_destroy(&joint_2d);
     return status;
 }
 

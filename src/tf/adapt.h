@@ -96,19 +96,17 @@ iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const
 
 /* All of it for one level of a pyramid: what renderers and exporters call. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
- * of tf. judgement may be NULL. */
+ * of tf. judgment may be NULL. */
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
                            const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
                            iso_error *err);
 
-/* The better table where one value has two meanings: over value and class
- * (tf_2d.h), by the deviation inside the coarse voxel or by the level's
- * gradient, for `level` alone. Each class's row is drawn to the row of all classes by
- * ISO_CLASS_PSEUDO_COUNTS of its voxels. level: at least 1; bits: at most 12.
- * ISO_E_RANGE, ISO_E_MEMORY. */
-#define ISO_CLASS_PSEUDO_COUNTS 16
-#define ISO_CLASS_WINDOW 3.0 /* of the flat weight, where the options leave it open */
-iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value split,
+/* The 2D transfer function (tf_2d.h) adapted to `level` alone, for volumes in which one value stands for two things.
+ * Few voxels say little: each of its rows is averaged with the 1D transfer function, which has the weight of
+ * ISO_TF_2D_PSEUDO_COUNTS voxels. level: at least 1; opt->bits: at most 12. ISO_E_RANGE, ISO_E_MEMORY. */
+#define ISO_TF_2D_PSEUDO_COUNTS 16
+#define ISO_TF_2D_WINDOW 3.0 /* of the flat weight, where the options leave it open */
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
                              const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that

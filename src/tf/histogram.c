@@ -92,13 +92,13 @@ typedef struct counter {
     uint32_t *tables; /* dense, table_count of them */
     pair_map map;
     float *blended;
-    uint32_t *keys, *class_bins;
+    uint32_t *keys, *second_bins;
     bool failed;
 } counter;
 
 struct iso_joint_builder {
     iso_bins z, s;
-    size_t tf_2d, fine[3], coarse[3], level;
+    size_t second_count, fine[3], coarse[3], level;
     int thread_count;
     bool dense, shared; /* shared: the threads add to `table` */
     size_t table_count; /* of a thread: 1 or 2 */
@@ -110,7 +110,7 @@ struct iso_joint_builder {
 
 static size_t pair_count(const iso_joint_builder *b)
 {
-    return b->z.count * b->s.count * b->tf_2d;
+    return b->z.count * b->s.count * b->second_count;
 }
 
 static void free_counter(counter *c)
@@ -119,7 +119,7 @@ static void free_counter(counter *c)
     map_free(&c->map);
     free(c->blended);
     free(c->keys);
-    free(c->class_bins);
+    free(c->second_bins);
 }
 
 static bool make_counter(counter *c, const iso_joint_builder *b)
@@ -127,8 +127,8 @@ static bool make_counter(counter *c, const iso_joint_builder *b)
     c->blended = malloc((b->coarse[0] + 2) * sizeof *c->blended);
     c->keys = malloc(b->fine[0] * sizeof *c->keys);
     c->tables = b->dense && !b->shared ? calloc(b->table_count * pair_count(b), sizeof *c->tables) : NULL;
-    c->class_bins = malloc(b->fine[0] * sizeof *c->class_bins);
-    return c->blended && c->keys && c->class_bins && (c->tables || !b->dense || b->shared);
+    c->second_bins = malloc(b->fine[0] * sizeof *c->second_bins);
+    return c->blended && c->keys && c->second_bins && (c->tables || !b->dense || b->shared);
 }
 
 void iso_joint_abandon(iso_joint_builder *b)
@@ -143,15 +143,15 @@ void iso_joint_abandon(iso_joint_builder *b)
     free(b);
 }
 
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t tf_2d, const size_t fine_size[3],
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_count, const size_t fine_size[3],
                            const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
                            iso_error *err)
 {
     *builder = NULL;
     if (level < 1 || level > 30)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
-    if (tf_2d != 1 && tf_2d != ISO_TF_2D_ROWS)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu classes, must be 1 or %d", tf_2d, ISO_TF_2D_ROWS);
+    if (second_count != 1 && second_count != ISO_TF_2D_ROWS)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu bins of the second value, must be 1 or %d", second_count, ISO_TF_2D_ROWS);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
             return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
@@ -159,7 +159,7 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t tf_2d, c
     iso_joint_builder *b = calloc(1, sizeof *b);
     if (!b)
         return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
-    *b = (iso_joint_builder){.z = *z, .s = *s, .tf_2d = tf_2d, .level = level, .thread_count = iso_threads(threads)};
+    *b = (iso_joint_builder){.z = *z, .s = *s, .second_count = second_count, .level = level, .thread_count = iso_threads(threads)};
     memcpy(b->fine, fine_size, sizeof b->fine);
     memcpy(b->coarse, coarse_size, sizeof b->coarse);
     size_t pairs = pair_count(b);
@@ -223,15 +223,15 @@ static iso_row_scale scale_of(const iso_bins *bins)
 }
 
 static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
-                    const float *coarse, const float *tf_2d, size_t coarse_z0)
+                    const float *coarse, const float *second, size_t coarse_z0)
 {
     size_t n = b->fine[0];
     lookup_row(b, c, y, z, coarse, coarse_z0, scale_of(&b->s), c->keys);
-    if (b->tf_2d > 1) {
-        const iso_row_scale whole = {0, 1, (float)(b->tf_2d - 1)};
-        lookup_row(b, c, y, z, tf_2d, coarse_z0, whole, c->class_bins);
+    if (b->second_count > 1) {
+        const iso_row_scale whole = {0, 1, (float)(b->second_count - 1)};
+        lookup_row(b, c, y, z, second, coarse_z0, whole, c->second_bins);
         for (size_t x = 0; x < n; ++x)
-            c->keys[x] += c->class_bins[x] * (uint32_t)b->s.count;
+            c->keys[x] += c->second_bins[x] * (uint32_t)b->s.count;
     }
     iso_join_bins(fine_row, n, scale_of(&b->z), (uint32_t)b->z.count, c->keys);
     count_row(b, c);
@@ -272,7 +272,7 @@ static bool merge(iso_joint_builder *b)
 }
 
 iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse,
-                         const float *tf_2d, iso_error *err)
+                         const float *second, iso_error *err)
 {
     size_t ny = b->fine[1], nx = b->fine[0], first, count, part = (size_t)b->thread_count;
     iso_joint_needs(b, z0, z1, &first, &count);
@@ -280,7 +280,7 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
     for (size_t t = 0; t < part; ++t) {
         size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
         for (size_t r = row0; r < row1; ++r)
-            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, tf_2d, first);
+            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, second, first);
     }
     b->voxel_count += (uint64_t)((z1 - z0) * ny * nx);
     return merge(b) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
@@ -290,7 +290,7 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
 
 static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t entry_count, iso_error *err)
 {
-    *joint = (iso_joint){.z = b->z, .s = b->s, .split = ISO_SECOND_VALUE_NONE, .class_count = b->tf_2d, .entry_count = entry_count};
+    *joint = (iso_joint){.z = b->z, .s = b->s, .second = ISO_SECOND_VALUE_NONE, .second_count = b->second_count, .entry_count = entry_count};
     joint->row_start = calloc(iso_joint_row_count(joint) + 1, sizeof *joint->row_start);
     joint->entry_z = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_z);
     joint->entry_count_of = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_count_of);
@@ -379,9 +379,9 @@ void iso_joint_destroy(iso_joint *joint)
     *joint = (iso_joint){0};
 }
 
-/* ---- classes by deviation and by gradient -------------------------------------------------------------- */
+/* ---- the second value: deviation or gradient magnitude -------------------------------------------------------------- */
 
-static double class_coordinate(const float *fine, const size_t n[3], size_t z0, size_t level, const size_t at[3], double half_range)
+static double deviation_coordinate(const float *fine, const size_t n[3], size_t z0, size_t level, const size_t at[3], double half_range)
 {
     size_t lo[3], hi[3], count = 1;
     for (int a = 0; a < 3; ++a) {
@@ -404,7 +404,7 @@ static double class_coordinate(const float *fine, const size_t n[3], size_t z0, 
     return half_range > 0 ? (ISO_TF_2D_ROWS - 1) * sqrt(fmin(sqrt(variance) / half_range, 1)) : 0;
 }
 
-void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
+void iso_joint_deviation_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
                             size_t c1, double half_range, int threads, float *out)
 {
     size_t rows = (c1 - c0) * coarse_size[1];
@@ -412,7 +412,7 @@ void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const 
     for (size_t r = 0; r < rows; ++r)
         for (size_t x = 0; x < coarse_size[0]; ++x) {
             const size_t at[3] = {x, r % coarse_size[1], c0 + r / coarse_size[1]};
-            out[r * coarse_size[0] + x] = (float)class_coordinate(fine, fine_size, c0 << level, level, at, half_range);
+            out[r * coarse_size[0] + x] = (float)deviation_coordinate(fine, fine_size, c0 << level, level, at, half_range);
         }
 }
 
@@ -437,21 +437,21 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
     return status;
 }
 
-iso_status iso_joint_class_coordinates(const iso_pyramid *p, size_t level, iso_second_value split, int threads, float *out,
+iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads, float *out,
                                        iso_error *err)
 {
     const iso_level *fine = &p->levels[0];
     const iso_geometry *g = &p->levels[level].geometry;
     const double half_range = (fine->max - fine->min) / 2;
-    if (split == ISO_SECOND_VALUE_GRADIENT)
+    if (second == ISO_SECOND_VALUE_GRADIENT)
         return gradient_coordinates(&p->levels[level], half_range, threads, out, err);
-    iso_joint_class_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], half_range, threads, out);
+    iso_joint_deviation_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], half_range, threads, out);
     return ISO_OK;
 }
 
 /* ---- a pyramid in memory ------------------------------------------------------------- */
 
-static iso_status count_all(const iso_pyramid *p, size_t level, const float *tf_2d, iso_joint_builder *b, iso_error *err)
+static iso_status count_all(const iso_pyramid *p, size_t level, const float *second, iso_joint_builder *b, iso_error *err)
 {
     const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
     const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
@@ -461,12 +461,12 @@ static iso_status count_all(const iso_pyramid *p, size_t level, const float *tf_
         size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
         iso_joint_needs(b, z0, z1, &first, &count);
         status = iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1],
-                               tf_2d ? tf_2d + first * m[0] * m[1] : NULL, err);
+                               second ? second + first * m[0] * m[1] : NULL, err);
     }
     return status;
 }
 
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value split, int threads, iso_joint *joint,
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads, iso_joint *joint,
                              iso_error *err)
 {
     *joint = (iso_joint){0};
@@ -474,23 +474,23 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to %zu", level, p->level_count - 1);
     if (bits < 8 || bits > 16)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits, must be 8 to 16", bits);
-    if (split < ISO_SECOND_VALUE_NONE || split > ISO_SECOND_VALUE_GRADIENT)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: split %d is none of them", (int)split);
-    if (split != ISO_SECOND_VALUE_NONE && bits > 12)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with classes, must be 8 to 12", bits);
+    if (second < ISO_SECOND_VALUE_NONE || second > ISO_SECOND_VALUE_GRADIENT)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: second value %d is none of them", (int)second);
+    if (second != ISO_SECOND_VALUE_NONE && bits > 12)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with a second value, must be 8 to 12", bits);
     const iso_level *fine = &p->levels[0];
     const size_t *n = fine->geometry.size, *m = p->levels[level].geometry.size;
     iso_bins z, s;
     iso_joint_builder *b;
     float *planes = NULL;
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    iso_status status = iso_joint_begin(&z, &s, split == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, n, m, level, threads, &b, err);
-    if (status == ISO_OK && split != ISO_SECOND_VALUE_NONE) {
+    iso_status status = iso_joint_begin(&z, &s, second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, n, m, level, threads, &b, err);
+    if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE) {
         planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
         if (!planes)
-            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the classes of %zu voxels", m[0] * m[1] * m[2]);
+            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the second value of %zu voxels", m[0] * m[1] * m[2]);
         else
-            status = iso_joint_class_coordinates(p, level, split, threads, planes, err);
+            status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
     }
     if (status == ISO_OK)
         status = count_all(p, level, planes, b, err);
@@ -500,6 +500,6 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
         return status;
     }
     status = iso_joint_end(b, joint, err);
-    joint->split = split;
+    joint->second = second;
     return status;
 }

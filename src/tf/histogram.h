@@ -20,15 +20,14 @@
  * 3 (2k + 1) or so binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
  * Counts are integers, so threads and slabs change nothing.
  *
- * A split divides each row into ISO_TF_2D_ROWS classes (tf_2d.h): a
- * homogeneous tissue and the partial voxels of a thin structure that share a
- * value s fall apart. Class coordinate (ISO_TF_2D_ROWS - 1) sqrt(q / (range / 2)),
- * looked up like s, then rounded, where q is
- *   by deviation   that of the fine values inside the coarse voxel; half the range
- *                  is the largest there can be
- *   by gradient    the magnitude of the level's central differences in value a
- *                  voxel, the class capped at half the range: no data of level 0
- * The root spends classes on what is small.
+ * For a 2D transfer function (tf_2d.h) each row of the histogram is divided into
+ * ISO_TF_2D_ROWS bins of a second value, so that a homogeneous tissue and the
+ * partial voxels of a thin structure that share a value s are counted apart. The bin is
+ * (ISO_TF_2D_ROWS - 1) sqrt(q / (range / 2)), looked up like s, then rounded; q is
+ *   deviation   of the fine values inside the coarse voxel; at most half the range
+ *   gradient    the magnitude of the level's central differences, in value a voxel,
+ *               capped at half the range; it needs no data of level 0
+ * The square root gives small q more bins.
  *
  * Kept as rows of (z, count), z ascending; stored dense or sparse, whichever is
  * smaller. */
@@ -52,8 +51,8 @@ typedef struct iso_bins {
 
 typedef struct iso_joint {
     iso_bins z, s;
-    iso_second_value split;
-    size_t class_count;   /* 1, or ISO_TF_2D_ROWS: then row c * s.count + i is bin i of class c */
+    iso_second_value second;
+    size_t second_count;  /* bins of the second value: 1, or ISO_TF_2D_ROWS; row c * s.count + i is bin i of s in bin c */
     uint64_t voxel_count; /* the sum of all counts */
     size_t entry_count;
     size_t *row_start; /* rows + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
@@ -63,15 +62,15 @@ typedef struct iso_joint {
 
 static inline size_t iso_joint_row_count(const iso_joint *j)
 {
-    return j->s.count * j->class_count;
+    return j->s.count * j->second_count;
 }
 
 /* The bins for values in [min, max] of level 0. bits 8 to 16. */
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s);
 
 /* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16; at most 12
- * with a split). ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value split, int threads, iso_joint *joint,
+ * with a second value). ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads, iso_joint *joint,
                              iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
@@ -79,40 +78,41 @@ void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
 typedef struct iso_joint_builder iso_joint_builder;
 
-/* classes: 1 or ISO_TF_2D_ROWS; fine_size: of level 0; coarse_size: of level `level`. */
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t tf_2d, const size_t fine_size[3],
+/* second_count: bins of the second value, 1 or ISO_TF_2D_ROWS; fine_size: of level 0; coarse_size: of level `level`. */
+iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_count, const size_t fine_size[3],
                            const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
                            iso_error *err);
 /* The coarse planes [*first, *first + *count) that the fine planes [z0, z1) look at. */
 void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
-/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(); classes:
- * those planes of class coordinates, NULL with 1 class. At most 2^31 voxels at once. */
+/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(); second: the second value in these planes, as
+ * a bin, which may lie between two; NULL with a second_count of 1. At most 2^31 voxels at once. */
 iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
-                         const float *tf_2d, iso_error *err);
-/* Frees the builder in every case. Who has counted classes says which in joint->split. */
+                         const float *second, iso_error *err);
+/* Frees the builder in every case. A caller that gave a second value sets joint->second to its kind. */
 iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
 void iso_joint_abandon(iso_joint_builder *builder);
 
-/* Class coordinates by deviation of the coarse planes [c0, c1), in [0, ISO_TF_2D_ROWS - 1]. fine: level 0's
+/* Bins by deviation of the coarse planes [c0, c1), in [0, ISO_TF_2D_ROWS - 1]. fine: level 0's
  * planes from c0 2^level on. half_range: (max - min) / 2 of level 0. */
-void iso_joint_class_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
+void iso_joint_deviation_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
                             size_t c1, double half_range, int threads, float *out);
-/* Class coordinates of all voxels of a level, by either split. ISO_E_MEMORY. */
-iso_status iso_joint_class_coordinates(const iso_pyramid *p, size_t level, iso_second_value split, int threads, float *out,
+/* Bins of all voxels of a level, by either second value. ISO_E_MEMORY. */
+iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads, float *out,
                                        iso_error *err);
 
 /* ---- beside the level -------------------------------------------------------- */
 
-/* DIR/level_K_jointBITS.nrrd (split: level_K_jointBITSxCLASSES.nrrd by deviation, ...gCLASSES.nrrd by gradient), gzip: dense (z fastest, then s), or sparse, three
- * numbers an entry: z, s, count. Bins stand in the file's geometry. */
+/* DIR/level_K_jointBITS.nrrd, with deviation level_K_jointBITSxROWS.nrrd, with gradient level_K_jointBITSgROWS.nrrd (ROWS:
+ * ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers an entry: z, s, count. The file's geometry
+ * gives the bins' places. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
 /* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value split,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value second,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads what is stored in `dir`, else computes it and stores it there. dir may
  * be NULL; a folder that cannot be written is no failure. p may be the outline of
  * the pyramid in `dir`: its samples are read when they are needed. */
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value split, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value second, int threads,
                             iso_joint *joint, iso_error *err);
 
 /* Bytes of the smaller form before compression, for Table 1's figures. */

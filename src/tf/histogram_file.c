@@ -9,11 +9,11 @@
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
-static char *file_path(const char *dir, size_t level, int bits, iso_second_value split)
+static char *file_path(const char *dir, size_t level, int bits, iso_second_value second)
 {
     char *path = NULL;
-    if (split != ISO_SECOND_VALUE_NONE)
-        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, split == ISO_SECOND_VALUE_GRADIENT ? 'g' : 'x',
+    if (second != ISO_SECOND_VALUE_NONE)
+        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, second == ISO_SECOND_VALUE_GRADIENT ? 'g' : 'x',
                         ISO_TF_2D_ROWS) < 0 ? NULL : path;
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
@@ -65,7 +65,7 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
     bool sparse = sparse_is_smaller(j);
     iso_geometry g = bins_geometry(j, sparse);
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, j->split);
+    char *path = file_path(dir, level, bits, j->second);
     iso_status status = path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     for (size_t s = 0; status == ISO_OK && s < iso_joint_row_count(j); ++s)
@@ -84,18 +84,18 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 }
 
 /* Fills the rows from the file's numbers; false when they are not what save writes. */
-static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_second_value split,
+static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_second_value second,
                             iso_joint *j, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     bool sparse = n[0] == 3 && z->count != 3;
     size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
-    size_t tf_2d = split == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, rows = s->count * tf_2d;
+    size_t second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, rows = s->count * second_count;
     if (!sparse && (n[0] != z->count || n[1] != rows))
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
-    *j = (iso_joint){.z = *z, .s = *s, .split = split, .class_count = tf_2d, .entry_count = entries};
+    *j = (iso_joint){.z = *z, .s = *s, .second = second, .second_count = second_count, .entry_count = entries};
     j->row_start = calloc(rows + 1, sizeof *j->row_start);
     j->entry_z = malloc((entries + 1) * sizeof *j->entry_z);
     j->entry_count_of = malloc((entries + 1) * sizeof *j->entry_count_of);
@@ -120,12 +120,12 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     return ISO_OK;
 }
 
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value split,
+iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value second,
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, split);
+    char *path = file_path(dir, level, bits, second);
     iso_status status = path ? iso_volume_load(path, &v, err) : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
         status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
@@ -138,7 +138,7 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     if (status == ISO_OK)
-        status = read_rows(&v, path, z, s, split, j, err);
+        status = read_rows(&v, path, z, s, second, j, err);
     if (status == ISO_OK && j->voxel_count != voxel_count)
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
@@ -149,15 +149,15 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
     return status;
 }
 
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value split, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value second, int threads,
                             iso_joint *j, iso_error *err)
 {
     iso_bins z, s;
     const iso_level *fine = &p->levels[0];
     if (bits < 8 || bits > 16 || level < 1 || level >= p->level_count)
-        return iso_joint_compute(p, level, bits, split, threads, j, err); /* names the value and the limit */
+        return iso_joint_compute(p, level, bits, second, threads, j, err); /* names the value and the limit */
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    if (dir && iso_joint_load(dir, level, bits, &z, &s, split, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
+    if (dir && iso_joint_load(dir, level, bits, &z, &s, second, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
         return ISO_OK;
     iso_pyramid whole = {0};
     iso_status status = ISO_OK;
@@ -166,7 +166,7 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level,
     if (!fine->scalar)
         status = iso_pyramid_load(dir, &whole, err);
     if (status == ISO_OK)
-        status = iso_joint_compute(fine->scalar ? p : &whole, level, bits, split, threads, j, err);
+        status = iso_joint_compute(fine->scalar ? p : &whole, level, bits, second, threads, j, err);
     iso_pyramid_destroy(&whole);
     if (status == ISO_OK && dir)
         iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */

@@ -2,7 +2,7 @@
 /* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it; with the pyramid's own directions also under the tables over two values. The ray caster and
+ * adapting changes it; with the pyramid's own directions also under 2D transfer functions. The ray caster and
  * POV-Ray by the same samples, Cycles by its limit; exports carry directions, so gradients on the fly are the ray
  * caster's alone. The quick run keeps to the ray caster. */
 #include <stdio.h>
@@ -53,8 +53,8 @@ typedef struct used_tf {
     const char *name, *file, *options;
 } used_tf;
 static const used_tf original_tf = {"", "", ""}, adapted_tf = {", adapted TF", "adapted-", " --adapt"},
-                     deviation_tf = {", TF over value and deviation", "deviation-", " --adapt --table deviation"},
-                     gradient_tf = {", TF over value and gradient", "gradient-", " --adapt --table gradient"};
+                     deviation_tf = {", 2D TF (deviation)", "deviation-", " --adapt --tf-2d deviation"},
+                     gradient_tf = {", 2D TF (gradient)", "gradient-", " --adapt --tf-2d gradient"};
 
 /* The validation of one row's kind: copy of v with another pyramid, view and name. */
 static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
@@ -67,7 +67,7 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
     snprintf(prefix, sizeof prefix, "%.50s%s-%s", v->image_prefix, m->name, tf->file);
     if (!own)
         snprintf(build, sizeof build, "--direction-filter %s", iso_direction_filter_name(m->filter));
-    snprintf(render, sizeof render, "%s%s", m->source == ISO_FROM_ON_THE_FLY ? " --gradients on-the-fly" : "",
+    snprintf(render, sizeof render, "%s%s", m->source == ISO_FROM_ON_THE_FLY ? " --shading-from on-the-fly" : "",
              tf->options);
     w.pyramid = p, w.view = view, w.source = m->source;
     w.variant = variant, w.image_prefix = prefix, w.build_options = build, w.render_options = render;
@@ -76,18 +76,18 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
     return status;
 }
 
-/* The same of a table over two values. */
-static iso_status compare_table(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
-                                iso_second_value split, iso_error *err)
+/* The same of a 2D transfer function. */
+static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
+                                iso_second_value second, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d tf_2d, *own = view->tf_2d;
     opt.threads = v->threads;
-    iso_status status = iso_adapt_tf_2d(p, NULL, level, split, &v->view->tf, &opt, &tf_2d, err);
+    iso_status status = iso_adapt_tf_2d(p, NULL, level, second, &v->view->tf, &opt, &tf_2d, err);
     if (status != ISO_OK)
         return status;
     view->tf_2d = &tf_2d;
-    status = compare(v, p, m, level, view, split == ISO_SECOND_VALUE_GRADIENT ? &gradient_tf : &deviation_tf, err);
+    status = compare(v, p, m, level, view, second == ISO_SECOND_VALUE_GRADIENT ? &gradient_tf : &deviation_tf, err);
     view->tf_2d = own;
     iso_tf_2d_destroy(&tf_2d);
     return status;
@@ -112,8 +112,8 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     view.tf = v->level_tfs[level].table;
     if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
-    for (int split = ISO_SECOND_VALUE_DEVIATION; split <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++split)
-        status = compare_table(v, p, m, level, &view, (iso_second_value)split, err);
+    for (int second = ISO_SECOND_VALUE_DEVIATION; second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++second)
+        status = compare_tf_2d(v, p, m, level, &view, (iso_second_value)second, err);
     return status;
 }
 

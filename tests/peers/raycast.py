@@ -192,7 +192,7 @@ def isoshade_picture(args, tf, folder):
     path, picture = os.path.join(folder, tf + ".scene.json"), os.path.join(folder, tf + ".png")
     with open(path, "w") as f:
         json.dump(scene, f)
-    run([ISOSHADE, "render", args.volume, "--scene", path, "--gradients", "on-the-fly", "-o", picture])
+    run([ISOSHADE, "render", args.volume, "--scene", path, "--shading-from", "on-the-fly", "-o", picture])
     return picture
 
 

@@ -295,7 +295,7 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels must be above 0, cache of %d bits 16 or 32", step_voxels,
                         opt->cache_bits);
     if (view->tf_2d || view->roi)
-        return iso_fail(err, ISO_E_RANGE, "gl: bricks have neither classes nor a region of interest");
+        return iso_fail(err, ISO_E_RANGE, "gl: bricks have neither a 2D transfer function nor a region of interest");
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = upload(gl, f, view, opt, &textures, &pack, stats, err);

@@ -15,7 +15,7 @@
 #include "render/sampler.h"
 #include "tf/integral.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_CLASSES, UNIT_TF_SUMS, UNIT_ROI_SCALAR, UNIT_ROI_TF, UNIT_ROI_DIRECTIONS };
+enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_SECOND_VALUE, UNIT_TF_SUMS, UNIT_ROI_SCALAR, UNIT_ROI_TF, UNIT_ROI_DIRECTIONS };
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
@@ -195,15 +195,15 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
 }
 
 /* Bytes where they are filtered as finely as floats, else the same in 16 bits. */
-static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t, iso_error *err)
+static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t, iso_error *err)
 {
     const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
     bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
                 gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
-    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "classes", &t->tf_2d, err);
+    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "second value", &t->tf_2d, err);
     uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
     if (status == ISO_OK && wide && !plane)
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu classes", plane_count);
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu second values", plane_count);
     for (size_t z = 0; z < size[2] && status == ISO_OK; ++z) {
         for (size_t i = 0; wide && i < plane_count; ++i)
             plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
@@ -214,11 +214,11 @@ static iso_status upload_class_bytes(const iso_gl *gl, const iso_level *level, c
     return status;
 }
 
-/* The tables of all classes as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
+/* The rows of a 2D transfer function as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
                                  const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
 {
-    const iso_tf_table *tables = tf_2d->tables;
+    const iso_tf_table *tables = tf_2d->rows;
     size_t row = 4 * tables[0].count;
     iso_tf_table envelope = {0};
     float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
@@ -229,15 +229,15 @@ static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const i
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_TF_2D_ROWS, rows, &t->tf, err);
-    glActiveTexture(GL_TEXTURE0 + UNIT_CLASSES);
+    glActiveTexture(GL_TEXTURE0 + UNIT_SECOND_VALUE);
     if (status == ISO_OK)
-        status = upload_class_bytes(gl, level, tf_2d->bytes, t, err);
+        status = upload_second_value(gl, level, tf_2d->bytes, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
         status = upload_occupancy(gl, level, opt, &envelope, t, err);
     free(rows);
     iso_tf_table_destroy(&envelope);
-    return status == ISO_OK ? iso_gl_check("uploading classes", err) : status;
+    return status == ISO_OK ? iso_gl_check("uploading a 2D transfer function", err) : status;
 }
 
 static bool is_from_palette(iso_direction_source source)
@@ -310,7 +310,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_int(program, "tf", UNIT_TF);
     iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "palette", UNIT_PALETTE);
-    iso_gl_set_int(program, "class_part", UNIT_CLASSES);
+    iso_gl_set_int(program, "second_value", UNIT_SECOND_VALUE);
     iso_gl_set_int(program, "tf_sums", UNIT_TF_SUMS);
     iso_vec3 voxel = {1 / (double)g->size[0], 1 / (double)g->size[1], 1 / (double)g->size[2]};
     iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
@@ -373,7 +373,7 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
     char defines[420];
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
-             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define CLASSES %d\n"
+             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define TF_2D_ROWS %d\n"
              "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define ROI %d\n",
              shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
              opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
@@ -391,7 +391,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     const double step_voxels = opt->step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
     *image = (iso_image){0};
     if (opt->surface && (view->tf_2d || !isfinite(opt->surface->iso)))
-        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no deviation classes");
+        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no 2D transfer function");
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
     if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->roi))
@@ -422,7 +422,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         glUseProgram(program);
         iso_gl_set_camera(program, &level->geometry, view,
                           step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry)));
-        set_field(program, level, &textures, opt, view->tf_2d ? &view->tf_2d->tables[0] : &view->tf);
+        set_field(program, level, &textures, opt, view->tf_2d ? &view->tf_2d->rows[0] : &view->tf);
         iso_gl_set_light(program, view);
         if (view->roi)
             set_roi(program, view->roi, &level->geometry, &roi_textures);

@@ -64,7 +64,7 @@ typedef struct iso_gl_options {
     bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
-    bool preintegrated;          /* not with classes */
+    bool preintegrated;          /* not with a 2D transfer function */
     bool exact_lookups;          /* textures are filtered in the shader, at positions in double precision, instead of by the
                                   * texture unit, whose coordinates are floats, and so is the table's entry found: slow,
                                   * for certifying; not with a surface, pre-integration or a region of interest */

@@ -8,7 +8,7 @@
 //
 // Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
 // voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), CLASSES (rows of a TF over classes, tf_2d.h; 0 or absent: one),
+// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), TF_2D_ROWS (rows of a 2D transfer function, tf_2d.h; 0 or absent: it is 1D),
 // PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
 // integral; else first_hit.glsl instead), EXACT (0, absent or 1: textures are filtered here and values classified, in double), ROI (0, absent or 1: roi.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
 // them), POINTS (absent, or points.glsl instead).
@@ -30,11 +30,11 @@ uniform sampler2D tf;
 uniform float tf_scale, tf_offset; // texel value to entry
 uniform int tf_count;
 
-#ifndef CLASSES
-#define CLASSES 0
+#ifndef TF_2D_ROWS
+#define TF_2D_ROWS 0
 #endif
-#if CLASSES
-uniform sampler3D class_part;      // class / (CLASSES - 1)
+#if TF_2D_ROWS
+uniform sampler3D second_value;      // 0 in the first row, 1 in the last
 #endif
 
 #ifndef PREINTEGRATED
@@ -314,9 +314,9 @@ vec4 classify_at(vec3 p)
 #else
     float s = scalar_at(p);
 #endif
-#if CLASSES
-    float c = fetch(class_part, p).r * float(CLASSES - 1);
-    int i = min(int(c), CLASSES - 2);
+#if TF_2D_ROWS
+    float c = fetch(second_value, p).r * float(TF_2D_ROWS - 1);
+    int i = min(int(c), TF_2D_ROWS - 2);
     return mix(tf_row(s, i), tf_row(s, i + 1), c - float(i));
 #else
     return tf_row(s, 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Transfer functions over two values: what the second value is, and that every renderer looks up one table. Sizes and
+/* 2D transfer functions: what the second value is, and that every renderer looks up one definition. Sizes and
  * spacings are unequal, the grid is rotated. */
 #include "test.h"
 
@@ -62,37 +62,37 @@ static iso_view make_view(const iso_pyramid *p)
     return view;
 }
 
-static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value split, const iso_view *view)
+static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value second, const iso_view *view)
 {
     const iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d t;
-    assert_ok(iso_adapt_tf_2d(p, NULL, 1, split, &view->tf, &opt, &t, &err));
+    assert_ok(iso_adapt_tf_2d(p, NULL, 1, second, &view->tf, &opt, &t, &err));
     return t;
 }
 
 /* ---- planted faults -------------------------------------------------------------------- */
 
-typedef enum fault { SWAPPED_AXES, HALF_A_CLASS_OFF, NO_CLASSES, FAULT_COUNT } fault;
+typedef enum fault { SWAPPED_AXES, HALF_A_ROW_OFF, FIRST_ROW_ALONE, FAULT_COUNT } fault;
 
 static size_t voxel_count(const iso_pyramid *p) { return iso_geometry_voxel_count(&p->levels[1].geometry); }
 
 static iso_tf_2d with_fault(const iso_tf_2d *t, const iso_pyramid *p, fault which)
 {
     iso_tf_2d bad = *t;
-    const size_t count = t->tables[0].count, last = count - 1;
+    const size_t count = t->rows[0].count, last = count - 1;
     bad.bytes = malloc(voxel_count(p));
     for (size_t i = 0; i < voxel_count(p); ++i) {
-        int byte = t->bytes[i] + (which == HALF_A_CLASS_OFF ? 255 / (2 * (ISO_TF_2D_ROWS - 1)) : 0);
-        bad.bytes[i] = (uint8_t)(which == NO_CLASSES ? 0 : byte < 255 ? byte : 255);
+        int byte = t->bytes[i] + (which == HALF_A_ROW_OFF ? 255 / (2 * (ISO_TF_2D_ROWS - 1)) : 0);
+        bad.bytes[i] = (uint8_t)(which == FIRST_ROW_ALONE ? 0 : byte < 255 ? byte : 255);
     }
     for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c) {
-        bad.tables[c].entries = malloc(4 * count * sizeof(float));
-        memcpy(bad.tables[c].entries, t->tables[c].entries, 4 * count * sizeof(float));
+        bad.rows[c].entries = malloc(4 * count * sizeof(float));
+        memcpy(bad.rows[c].entries, t->rows[c].entries, 4 * count * sizeof(float));
         for (size_t i = 0; i < count && which == SWAPPED_AXES; ++i) {
-            double rgbs[4], value = t->tables[0].lo + (t->tables[0].hi - t->tables[0].lo) * (double)c / (ISO_TF_2D_ROWS - 1);
+            double rgbs[4], value = t->rows[0].lo + (t->rows[0].hi - t->rows[0].lo) * (double)c / (ISO_TF_2D_ROWS - 1);
             iso_tf_2d_lookup(t, value, (double)i / (double)last * (ISO_TF_2D_ROWS - 1), rgbs);
             for (size_t k = 0; k < 4; ++k)
-                bad.tables[c].entries[4 * i + k] = (float)rgbs[k];
+                bad.rows[c].entries[4 * i + k] = (float)rgbs[k];
         }
     }
     return bad;
@@ -121,11 +121,11 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
 {
     iso_pyramid p = noise_pyramid();
     iso_view view = make_view(&p);
-    for (int split = ISO_SECOND_VALUE_DEVIATION; split <= ISO_SECOND_VALUE_GRADIENT; ++split) {
-        iso_tf_2d t = adapt(&p, (iso_second_value)split, &view);
+    for (int second = ISO_SECOND_VALUE_DEVIATION; second <= ISO_SECOND_VALUE_GRADIENT; ++second) {
+        iso_tf_2d t = adapt(&p, (iso_second_value)second, &view);
         iso_image have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
         iso_metrics m = compare(&have, &want);
-        print_message("%s, split %d: rmse %.3g, max %.3g\n", iso_renderer_name(with->renderer), split, m.rmse, m.max_abs);
+        print_message("%s, second %d: rmse %.3g, max %.3g\n", iso_renderer_name(with->renderer), second, m.rmse, m.max_abs);
         assert_at_most(m.max_abs, max_abs);
         assert_at_most(m.rmse, rmse);
         for (int f = 0; f < FAULT_COUNT; ++f) {
@@ -178,9 +178,9 @@ static void lookups_are_bilinear_and_clamped(void **state)
     float entries[ISO_TF_2D_ROWS][12];
     iso_tf_2d t = {.bytes = NULL};
     for (int c = 0; c < ISO_TF_2D_ROWS; ++c) {
-        for (int i = 0; i < 12; ++i) /* bilinear in (entry, class), differently in each component */
+        for (int i = 0; i < 12; ++i) /* bilinear in (entry, row), differently in each component */
             entries[c][i] = (float)(i % 4 + (1 + 0.5 * c) * (i / 4) + 0.25 * c * (i % 4));
-        t.tables[c] = (iso_tf_table){.count = 3, .lo = 10, .hi = 20, .entries = entries[c]};
+        t.rows[c] = (iso_tf_table){.count = 3, .lo = 10, .hi = 20, .entries = entries[c]};
     }
     const double values[] = {8, 10, 12.5, 19, 25}, coordinates[] = {-1, 0, 0.3, 3, 6.75, 7, 9};
     for (int v = 0; v < 5; ++v)
@@ -190,11 +190,11 @@ static void lookups_are_bilinear_and_clamped(void **state)
             for (int i = 0; i < 4; ++i)
                 assert_within(rgbs[i], i + (1 + 0.5 * c) * x + 0.25 * c * i, 1e-12);
         }
-    assert_within(iso_tf_2d_coordinate(255), ISO_TF_2D_ROWS - 1, 0);
+    assert_within(iso_tf_2d_row_of(255), ISO_TF_2D_ROWS - 1, 0);
 }
 
 /* A ramp: a gradient of 3 a voxel along x, so 6 a voxel at level 1, on a range of 3 (n - 1). */
-static void the_gradient_of_a_ramp_has_one_class(void **state)
+static void the_gradient_of_a_ramp_has_one_second_value(void **state)
 {
     (void)state;
     iso_geometry g = iso_geometry_axis_aligned((const size_t[]){16, 6, 4}, (const double[]){2, 1, 5});
@@ -207,17 +207,17 @@ static void the_gradient_of_a_ramp_has_one_class(void **state)
         ((uint8_t *)v.data)[i] = (uint8_t)(3 * (i % 16));
     assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
     float tf_2d[8 * 3 * 2];
-    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SECOND_VALUE_GRADIENT, 2, tf_2d, &err));
+    assert_ok(iso_joint_second_coordinates(&p, 1, ISO_SECOND_VALUE_GRADIENT, 2, tf_2d, &err));
     for (int i = 0; i < 48; ++i)
         assert_within(tf_2d[i], 7 * sqrt(6 / 22.5), 1e-6); /* in float */
-    assert_ok(iso_joint_class_coordinates(&p, 1, ISO_SECOND_VALUE_DEVIATION, 2, tf_2d, &err));
+    assert_ok(iso_joint_second_coordinates(&p, 1, ISO_SECOND_VALUE_DEVIATION, 2, tf_2d, &err));
     for (int i = 0; i < 48; ++i)
         assert_within(tf_2d[i], 7 * sqrt(1.5 / 22.5), 1e-6); /* two values 3 apart */
     iso_volume_destroy(&v);
     iso_pyramid_destroy(&p);
 }
 
-static void the_envelope_bounds_every_class(void **state)
+static void the_envelope_bounds_every_row(void **state)
 {
     (void)state;
     iso_pyramid p = noise_pyramid();
@@ -228,7 +228,7 @@ static void the_envelope_bounds_every_class(void **state)
     for (size_t i = 0; i < 4 * envelope.count; ++i) {
         float largest = 0;
         for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
-            largest = fmaxf(largest, t.tables[c].entries[i]);
+            largest = fmaxf(largest, t.rows[c].entries[i]);
         assert_true(envelope.entries[i] == largest);
     }
     iso_tf_table_destroy(&envelope);
@@ -248,8 +248,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lookups_are_bilinear_and_clamped),
-        cmocka_unit_test(the_gradient_of_a_ramp_has_one_class),
-        cmocka_unit_test(the_envelope_bounds_every_class),
+        cmocka_unit_test(the_gradient_of_a_ramp_has_one_second_value),
+        cmocka_unit_test(the_envelope_bounds_every_row),
         cmocka_unit_test(the_ray_caster_looks_up_the_same_tables),
         cmocka_unit_test(povray_looks_up_the_same_tables),
         cmocka_unit_test(cycles_looks_up_the_same_tables),
