@@ -52,7 +52,7 @@ refuse a_folder_is_needed 2 '-o is missing' "$ISOSHADE" atlas
 mkdir mine && touch mine/thesis.txt
 refuse a_folder_of_somebody_else_is_kept 3 mine "$ISOSHADE" atlas --case code-folds --quiet -o mine
 
-timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --disable-component-update \
+patiently chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --disable-component-update \
     --user-data-dir="$dir/browser" --window-size=1200,1600 --virtual-time-budget=5000 --screenshot="$dir/atlas.png" \
     "file://$dir/an atlas/index.html" >/dev/null 2>&1
 # A blank page of this size packs into a few kilobytes.
@@ -65,7 +65,7 @@ performance.getEntriesByType('resource').filter(r => !r.name.startsWith('file:')
 addEventListener('load', say);</script>
 END
 { sed 's|</body></html>||' "an atlas/index.html"; cat probe.html; echo '</body></html>'; } >"an atlas/driven.html"
-timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --disable-component-update \
+patiently chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --disable-component-update \
     --user-data-dir="$dir/browser" --window-size=1200,1600 --virtual-time-budget=5000 --dump-dom "file://$dir/an atlas/driven.html" 2>/dev/null >dom
 check every_picture_is_seen grep -q '<title>50 pictures, 0 broken, 0 fetched, 0 too wide' dom
 exit $failed

@@ -12,7 +12,7 @@ expect a_report_with_a_failed_case_is_exit_1 1 "$ISOSHADE" validate --suite "$di
 browse() { # page, options: the browser keeps to a folder of its own
     local page=$1
     shift
-    timeout 120 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
+    patiently chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
         --disable-component-update --user-data-dir="$dir/browser" --window-size=1200,1600 --virtual-time-budget=20000 "$@" \
         "file://$page" 2>"$dir/browser.err"
 }

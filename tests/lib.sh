@@ -2,10 +2,13 @@
 # lib.sh - sourced by the check scripts. Leaves the shell in a private folder $dir, knows the project's $top and the
 # program $ISOSHADE. Cases print "ok NAME" or "not ok NAME: why"; a script ends with `exit $failed`.
 set -u
+. "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-export ISOSHADE=${ISOSHADE:-$top/isoshade}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+ISOSHADE=$(realpath -s "${ISOSHADE:-$top/isoshade}")
+export ISOSHADE
+dir=$(mktemp -d) HOME=$(mktemp -d)
+export HOME
+trap 'rm -rf "$dir" "$HOME"' EXIT
 cd "$dir" || exit 1
 failed=0
 ok() { echo "ok $1"; }

@@ -5,8 +5,10 @@
 # "ok NAME" or "not ok NAME: why" a case.
 set -u
 cd "$(dirname "$0")/.."
-logs=$(mktemp -d)
-trap 'rm -rf "$logs"' EXIT
+. tests/environment.sh
+logs=$(mktemp -d) HOME=$(mktemp -d)
+export HOME
+trap 'rm -rf "$logs" "$HOME"' EXIT
 # Libraries and popt keep memory until the end (a command runs once): not ours to report.
 export LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0
 export ASAN_OPTIONS=detect_odr_violation=0
@@ -15,7 +17,7 @@ export ISOSHADE=$PWD/$1/isoshade
 run_one() { # name, command ...: output, exit code and seconds into the logs; one line for people
     local name=$1 log=$logs/${1//\//_} start=$SECONDS
     shift
-    timeout 900 "$@" >"$log.out" 2>&1 </dev/null
+    patiently "$@" >"$log.out" 2>&1 </dev/null
     echo $? >"$log.code"
     if [ "$(cat "$log.code")" = 0 ]; then
         printf 'pass  %-48s %3d s\n' "$name" $((SECONDS - start))

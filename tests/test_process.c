@@ -2,14 +2,17 @@
 /* Programs that are run: their exit codes, time limits, and what a signal leaves. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/process.h"
+#include "folder.h"
 #include "test.h"
 
 static void an_exit_code_is_reported_with_the_line_that_speaks_of_an_error(void **state)
@@ -24,7 +27,7 @@ static void an_exit_code_is_reported_with_the_line_that_speaks_of_an_error(void 
 static void a_program_that_takes_too_long_is_ended(void **state)
 {
     (void)state;
-    const char *argv[] = {"/bin/sh", "-c", "sleep 60 & sleep 60", NULL};
+    const char *argv[] = {"/bin/sh", "-c", "sleep 3600 & sleep 3600", NULL};
     const iso_process_options options = {.timeout_seconds = 0.1};
     assert_status(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
 }
@@ -39,7 +42,7 @@ static void send_interrupt(void *user, const char *line)
 static void a_signal_ends_the_program_and_is_a_failure(void **state)
 {
     (void)state;
-    const char *argv[] = {"/bin/sh", "-c", "echo ready; sleep 60", NULL};
+    const char *argv[] = {"/bin/sh", "-c", "echo ready; exec sleep 3600", NULL};
     const iso_process_options options = {.line = send_interrupt};
     iso_error err = {""};
     assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
@@ -50,20 +53,39 @@ static void a_signal_ends_the_program_and_is_a_failure(void **state)
     assert_true(now.sa_handler == SIG_DFL);
 }
 
-/* The one that begins last ends first: signals stay watched until both are over. */
+/* A program in a thread of its own, however few OpenMP may have. */
+typedef struct run {
+    const char *argv[5];
+    iso_process_options options;
+    iso_status status;
+    iso_error error;
+} run;
+
+static void *run_in_a_thread(void *user)
+{
+    run *r = user;
+    r->status = iso_process_run(r->argv, &r->options, &r->error);
+    return NULL;
+}
+
+/* The second says "ready" when the first runs: each waits at the fifo for the other. */
 static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **state)
 {
     (void)state;
-    const char *const programs[2][4] = {{"/bin/sh", "-c", "sleep 60", NULL}, {"/bin/sh", "-c", "sleep 0.2; echo ready; sleep 60", NULL}};
-    const iso_process_options options[2] = {{.line = NULL}, {.line = send_interrupt}};
-    iso_error errors[2] = {{""}, {""}};
-    iso_status results[2];
-    #pragma omp parallel for num_threads(2) schedule(static, 1)
+    char *fifo = iso_path_join(folder, "fifo");
+    assert_int_equal(mkfifo(fifo, 0600), 0);
+    run runs[2] = {{.argv = {"/bin/sh", "-c", "echo up >\"$0\"; exec sleep 3600", fifo, NULL}},
+                   {.argv = {"/bin/sh", "-c", "read up <\"$0\"; echo ready; exec sleep 3600", fifo, NULL},
+                    .options = {.line = send_interrupt}}};
+    pthread_t threads[2];
     for (int i = 0; i < 2; ++i)
-        results[i] = iso_process_run(programs[i], &options[i], &errors[i]);
+        assert_int_equal(pthread_create(&threads[i], NULL, run_in_a_thread, &runs[i]), 0);
+    for (int i = 0; i < 2; ++i)
+        pthread_join(threads[i], NULL);
+    free(fifo);
     for (int i = 0; i < 2; ++i) {
-        assert_int_equal(results[i], ISO_E_PROGRAM);
-        assert_non_null(strstr(errors[i].text, "stopped by signal 15"));
+        assert_int_equal(runs[i].status, ISO_E_PROGRAM);
+        assert_non_null(strstr(runs[i].error.text, "stopped by signal 15"));
     }
     struct sigaction now;
     sigaction(SIGTERM, NULL, &now);
@@ -85,7 +107,7 @@ static void a_killed_caller_leaves_nothing_running(void **state)
     assert_int_equal(pipe(fds), 0);
     const pid_t caller = fork();
     if (caller == 0) {
-        const char *argv[] = {"/bin/sh", "-c", "echo $$; exec sleep 60", NULL};
+        const char *argv[] = {"/bin/sh", "-c", "echo $$; exec sleep 3600", NULL};
         const iso_process_options options = {.line = tell_pid, .user = &fds[1]};
         iso_process_run(argv, &options, NULL);
         _exit(0);
@@ -98,7 +120,7 @@ static void a_killed_caller_leaves_nothing_running(void **state)
     char path[64], text[256] = "";
     snprintf(path, sizeof path, "/proc/%ld/stat", program);
     bool gone = false;
-    for (int i = 0; i < 100 && !gone; ++i) {
+    for (int i = 0; i < 12000 && !gone; ++i) { /* ten minutes, on a machine that has much else to do */
         FILE *f = fopen(path, "r");
         gone = !f || !fgets(text, sizeof text, f) || strstr(text, ") Z") || strstr(text, ") X");
         if (f)
@@ -120,5 +142,5 @@ int main(void)
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),
         cmocka_unit_test(a_killed_caller_leaves_nothing_running),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -34,7 +34,7 @@ iso_status iso_blender_version(char *version, size_t size, iso_error *err)
     if (status != ISO_OK)
         return status;
     const char *argv[] = {blender, "--version", NULL};
-    iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 60};
+    iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 600};
     status = iso_process_run(argv, &options, err);
     if (status == ISO_OK && !found[0])
         status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version", blender);

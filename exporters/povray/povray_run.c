@@ -42,7 +42,7 @@ iso_status iso_povray_version(char *version, size_t size, iso_error *err)
         return status;
     version_search search = {version, size};
     const char *argv[] = {program, "--version", NULL};
-    const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 60};
+    const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 600};
     status = iso_process_run(argv, &options, err);
     if (status == ISO_OK && !version[0])
         status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of POV-Ray", program);

@@ -526,7 +526,10 @@ static void print_skipped(const iso_chart_result *r)
         printf("%zu settings could not be rendered: %s\n", r->refused_count, r->refusal);
     if (skipped == 0)
         return;
-    printf("%zu of %zu settings did not fit into %g s", skipped, r->count, r->budget_seconds);
+    if (r->budget_seconds > 0)
+        printf("%zu of %zu settings did not fit into %g s", skipped, r->count, r->budget_seconds);
+    else
+        printf("%zu of %zu settings are of renderers that were left out", skipped, r->count);
     if (find_untried(r, &untried) == ISO_OK && untried->count > 0) {
         printf("; not one of: ");
         for (size_t i = 0; i < untried->count; ++i)

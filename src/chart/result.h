@@ -32,7 +32,7 @@ typedef struct iso_chart_result {
     double want;               /* 0: none */
     size_t fastest, smallest;  /* with at most the wanted error; done_count: none */
     size_t best;               /* of the least error */
-    double budget_seconds, spent_seconds;
+    double budget_seconds, spent_seconds; /* budget 0: none */
     const char *scene, *size, *output, *style;
     char versions[ISO_RENDERER_COUNT][320]; /* empty: not used */
     char left_out[ISO_RENDERER_COUNT][320]; /* why a renderer was; or empty */

@@ -17,8 +17,8 @@ typedef struct chart_arguments {
     char *scene, *output, *size, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
     int level_count, processor_time;
-    double budget_seconds;
-    double want; /* 0: none */
+    double budget_seconds; /* 0: none, the whole grid is tried */
+    double want;           /* 0: none */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
 } chart_arguments;
@@ -35,6 +35,12 @@ typedef struct chart_run {
 /* Two pictures by gnuplot, and the files. */
 static double seconds_for_drawing(double budget_seconds) { return fmin(3, 0.2 * budget_seconds); }
 
+/* When the last setting has to be done. */
+static double end_of_measuring(const chart_run *run)
+{
+    const double budget_seconds = run->arguments->budget_seconds;
+    return budget_seconds > 0 ? run->start_seconds + budget_seconds - seconds_for_drawing(budget_seconds) : INFINITY;
+}
 
 /* A renderer that nobody asked for by name is left out where it does not answer; one that was asked for has to be there. */
 static iso_status find_renderers(chart_run *run, iso_error *err)
@@ -101,6 +107,9 @@ static bool is_worth_timing_again(const iso_chart_result *r, const iso_chart_cas
     return true;
 }
 
+/* Budgets too short for it leave each setting with its first frames. */
+static bool has_time_for_rounds(double budget_seconds) { return !(budget_seconds > 0) || budget_seconds > 1; }
+
 /* In rounds, so that a moment in which the machine was busy meets each setting once. */
 static iso_status time_again(chart_run *run, double end_seconds, iso_error *err)
 {
@@ -108,7 +117,7 @@ static iso_status time_again(chart_run *run, double end_seconds, iso_error *err)
     iso_progress progress = iso_cli_progress(run->cli);
     iso_chart_result *result = &run->result;
     iso_status status = ISO_OK;
-    for (size_t k = 0; k < rounds * result->count && status == ISO_OK && run->arguments->budget_seconds > 1; ++k) {
+    for (size_t k = 0; k < rounds * result->count && status == ISO_OK && has_time_for_rounds(run->arguments->budget_seconds); ++k) {
         iso_chart_case *c = &result->cases[k % result->count];
         iso_progress_report(&progress, "the best again", (double)k / (double)(rounds * result->count));
         if (iso_clock_seconds() + iso_chart_bench_foresee(&run->bench, c) < end_seconds && is_worth_timing_again(result, c))
@@ -191,11 +200,13 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
         status = iso_chart_grid_cases(&run->grid, &run->bench.first, run->bench.is_volume, &result->cases, &result->count, err);
     if (status == ISO_OK)
         status = iso_chart_bench_reference(&run->bench, err);
-    const double end_seconds = run->start_seconds + a->budget_seconds - seconds_for_drawing(a->budget_seconds);
-    const double left_seconds = fmax(end_seconds - iso_clock_seconds(), 0);
+    const double end_seconds = end_of_measuring(run);
     const bool some_again = run->grid.with[ISO_WITH_GL] || run->grid.with[ISO_WITH_REFERENCE];
+    double again_seconds = 0;
+    if (isfinite(end_seconds) && some_again)
+        again_seconds = AGAIN_PART * fmax(end_seconds - iso_clock_seconds(), 0);
     if (status == ISO_OK)
-        status = measure_all(run, end_seconds - (some_again ? AGAIN_PART * left_seconds : 0), err);
+        status = measure_all(run, end_seconds - again_seconds, err);
     if (status == ISO_OK)
         status = time_again(run, end_seconds, err);
     if (status == ISO_OK)
@@ -213,7 +224,7 @@ static iso_status check(chart_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
     iso_status status = iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
     if (status == ISO_OK)
-        status = iso_words_check_range("--budget", a->budget_seconds, 0.001, 1e6, err);
+        status = iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err);
     if (status == ISO_OK && a->want_text)
         status = iso_words_parse_error("--want", a->want_text, &a->want, err);
     if (status == ISO_OK && a->metric_text)
@@ -245,7 +256,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"want", 0, POPT_ARG_STRING, &a.want_text, 0, "name the fastest and the smallest setting with this error or less, as command lines", "1/255"},
         {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC"},
         {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0, "device (default): what the renderer holds; or stored: the level in files", "WHICH"},
-        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "for everything, from reading to drawing; the reference and one setting are made in any case", "SECONDS"},
+        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "for everything, from reading to drawing; the reference and one setting are made in any case; 0: no limit, the whole grid is tried", "SECONDS"},
         {"with", 0, POPT_ARG_STRING, &a.words.with, 0, with_default(help[0], sizeof *help, "renderers; also reference. Those of the default are left out where missing", usual->with), "LIST"},
         {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0, with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
         {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0, with_default(help[2], sizeof *help, "of gl and the reference", usual->quadratures), "LIST"},
@@ -280,8 +291,8 @@ const iso_command iso_command_chart = {
                "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. The error is\n"
                "against one truth: the converged reference of level 0 under the scene's own transfer function, with the directions of\n"
                "the first estimator as floats. First the usual choices at every level and step, then what departs from them in one\n"
-               "axis, then in two ...; what does not fit into the budget is named. A setting is on the front when no other is both as\n"
-               "fast (or as small) and as exact.\n"
+               "axis, then in two ...; what does not fit into the budget is named, and --budget 0 tries everything. A setting is on the\n"
+               "front when no other is both as fast (or as small) and as exact.\n"
                "\n"
                "Times are of the frame alone: the fastest of up to 5, after a warm-up; those near the front are timed again at the\n"
                "end, in rounds. The median and the slowest stand beside it, as does what came before the frame (textures; start,\n"
@@ -291,7 +302,7 @@ const iso_command iso_command_chart = {
                "DIR holds pareto.svg, pareto.pdf, pareto.csv, chart.json and reference.exr; edit style.gp there and run\n"
                "\"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that was tried has the wanted error; the nearest is named.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 96 --budget 20 --want 1/255 -o chart\n"
+                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
                 "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .run = run,
 };

@@ -264,8 +264,8 @@ static iso_status draw(const tf_arguments *a, script_writer write, void *user, i
     if (status == ISO_OK && !(script = iso_path_join(dir, "tf.gp")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
-        const iso_process_options process = {.timeout_seconds = 60};
-        status = iso_process_run((const char *[]){gnuplot, script, NULL}, &process, err);
+        const iso_process_options process = {.timeout_seconds = 600};
+        status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
     }
     if (status == ISO_OK)
         status = iso_gnuplot_check_whole(out.temp_path, iso_path_ends_with(a->output, ".png") ? "png" : "svg", err);

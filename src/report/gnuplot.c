@@ -50,8 +50,8 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
     if (asprintf(&picture, "%s/%s.%s", dir, name, format) < 0)
         picture = NULL;
     if (script && setting && picture) {
-        const char *argv[] = {gnuplot, "-e", setting, script, NULL};
-        status = iso_process_run(argv, &(iso_process_options){.directory = dir, .timeout_seconds = 60}, err);
+        const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
+        status = iso_process_run(argv, &(iso_process_options){.directory = dir, .timeout_seconds = 600}, err);
         if (status == ISO_OK && !iso_path_exists(picture))
             status = iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
         if (status == ISO_OK)
