@@ -57,7 +57,7 @@ shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/*.glsl \
+embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* \
 	$(foreach suffix,html js css gp,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean

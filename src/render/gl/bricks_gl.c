@@ -10,6 +10,7 @@
 #include "brick/pack.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
+#include "render/gl/gl_variant.h"
 
 enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_PAGES };
 enum { MORE_PAGES = ISO_BRICK_MAX_PAGES - 1 };
@@ -180,14 +181,28 @@ static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
     return iso_view_keeps(view, &n->geometry, lo, hi);
 }
 
-static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_view *view,
-                         const iso_gl_brick_options *opt, brick_textures *t, iso_brick_pack *pack,
-                         iso_gl_brick_stats *stats, iso_error *err)
+/* What is drawn, and what stands on the GPU of it. */
+typedef struct brick_job {
+    iso_gl *gl;
+    const iso_brick_field *field;
+    const iso_view *view;
+    const iso_gl_brick_options *opt;
+    double step_voxels;
+    iso_brick_pack pack;
+    brick_textures textures;
+} brick_job;
+
+static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *err)
 {
+    const iso_gl *gl = job->gl;
+    const iso_brick_field *f = job->field;
+    const iso_view *view = job->view;
+    const iso_gl_brick_options *opt = job->opt;
     const iso_node_levels *n = f->nodes;
+    iso_brick_pack *pack = &job->pack;
+    brick_textures *t = &job->textures;
     size_t count = iso_brick_count(n);
     uint8_t *visible = malloc(count);
-    *t = (brick_textures){0};
     if (!visible)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
     float entries[12];
@@ -195,7 +210,8 @@ static iso_status upload(const iso_gl *gl, const iso_brick_field *f, const iso_v
     double shown = iso_brick_cull(f, &surface, 0, visible);
     for (size_t i = 0; i < count; ++i)
         visible[i] = visible[i] && (!opt->wanted || opt->wanted[i]) && is_kept(n, view, i);
-    size_t largest = (size_t)gl->max_texture_3d_size, page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
+    size_t largest = (size_t)gl->max_texture_3d_size;
+    size_t page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible, page_side,
                                               opt->max_slots, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
@@ -251,31 +267,35 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
     iso_gl_set_light(program, view);
 }
 
-static iso_status get_program(iso_gl *gl, const iso_view *view, const iso_gl_brick_options *opt, bool skip_empty,
-                              size_t page_count, GLuint *program, iso_error *err)
+static iso_status get_program(const brick_job *job, GLuint *program, iso_error *err)
 {
-    char defines[256];
-    snprintf(defines, sizeof defines,
-             "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
-             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define FIRST_HIT %d\n#define PAGES %zu\n",
-             opt->shaded ? view->light_count : 0, opt->shaded && view->shading.specular > 0, skip_empty,
-             opt->surface ? (int)opt->surface->output + 1 : 0, page_count);
-    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+    const iso_view *view = job->view;
+    const iso_gl_brick_options *opt = job->opt;
+    const iso_gl_variant variant = {
+        .direction_source = SOURCE_VECTORS,
+        .output = iso_gl_output(opt->surface),
+        .light_count = opt->shaded ? view->light_count : 0,
+        .specular = opt->shaded && view->shading.specular > 0,
+        .skip_empty = job->textures.skip_empty,
+        .bricks = true,
+        .pages = job->pack.page_count,
+    };
+    return iso_gl_get_variant(job->gl, &variant, program, err);
 }
 
-static iso_status draw(iso_gl *gl, const iso_brick_field *f, const iso_brick_pack *pack, const iso_view *view,
-                       const iso_gl_brick_options *opt, const brick_textures *t, double step_voxels, iso_image *image,
-                       iso_gl_brick_stats *stats, iso_error *err)
+static iso_status draw(const brick_job *job, iso_image *image, iso_gl_brick_stats *stats, iso_error *err)
 {
+    const iso_gl_brick_options *opt = job->opt;
+    const iso_gl_repeats repeats = {opt->repeats, opt->repeat_seconds};
     GLuint program;
-    iso_status status = get_program(gl, view, opt, t->skip_empty, pack->page_count, &program, err);
+    iso_status status = get_program(job, &program, err);
     if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+        status = iso_image_create(image, job->view->width, job->view->height, err);
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
-    set_uniforms(program, f, pack, view, step_voxels, opt->surface);
-    status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &stats->seconds, &stats->gl, err);
+    set_uniforms(program, job->field, &job->pack, job->view, job->step_voxels, opt->surface);
+    status = iso_gl_draw_repeatedly(job->gl, program, &repeats, image, &stats->seconds, &stats->gl, err);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
@@ -285,9 +305,9 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
                                 const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                                 iso_error *err)
 {
-    double step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
-    iso_brick_pack pack = {0};
-    brick_textures textures;
+    const double start = iso_clock_seconds();
+    const double step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    brick_job job = {.gl = gl, .field = f, .view = view, .opt = opt, .step_voxels = step_voxels};
     iso_gl_brick_stats own;
     stats = stats ? stats : &own;
     *image = (iso_image){0};
@@ -298,14 +318,14 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
         return iso_fail(err, ISO_E_RANGE, "gl: bricks have neither a 2D transfer function nor a region of interest");
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
-        status = upload(gl, f, view, opt, &textures, &pack, stats, err);
+        status = upload(&job, stats, err);
     if (status == ISO_OK) {
         glFinish();
-        stats->gl.texture_bytes = bytes_of(&textures);
+        stats->gl.texture_bytes = bytes_of(&job.textures);
         stats->bake_seconds = stats->gl.upload_seconds = iso_clock_seconds() - start;
-        status = draw(gl, f, &pack, view, opt, &textures, step_voxels, image, stats, err);
-        destroy_textures(&textures);
+        status = draw(&job, image, stats, err);
+        destroy_textures(&job.textures);
     }
-    iso_brick_pack_destroy(&pack);
+    iso_brick_pack_destroy(&job.pack);
     return status;
 }

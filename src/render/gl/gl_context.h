@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* gl_context.h - a headless OpenGL context, its programs and its textures.
+/* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
  * The context comes from EGL through libepoxy: each EGL device that is no
  * software renderer first, then Mesa without a surface (llvmpipe). Core profile,
@@ -58,9 +58,15 @@ iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t 
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
                        iso_error *err);
 
-/* Draws `repeats` times (0: once) while they have taken less than repeat_seconds (0: all; else after a draw of one pixel);
- * adds the draws to the stats. *least may be NULL. */
-iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, size_t repeats, double repeat_seconds, iso_image *image,
+/* How often a program is drawn: `count` times (0: once) while they have taken less than `seconds` (0: all; else after a
+ * draw of one pixel). */
+typedef struct iso_gl_repeats {
+    size_t count;
+    double seconds;
+} iso_gl_repeats;
+
+/* Adds the draws to the stats; *least (may be NULL) is the fastest. */
+iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repeats *repeats, iso_image *image,
                                   double *least, iso_gl_stats *stats, iso_error *err);
 
 /* Bytes of a texture by the bits that GL says its format has; 0 for the name 0. */

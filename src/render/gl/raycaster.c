@@ -2,7 +2,6 @@
 #include "render/gl/raycaster.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +11,7 @@
 #include "render/gl/gl_palette.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
+#include "render/gl/gl_variant.h"
 #include "render/sampler.h"
 #include "tf/integral.h"
 
@@ -367,20 +367,43 @@ static void set_roi(GLuint program, const iso_roi *f, const iso_geometry *around
 static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
                               bool skip_empty, GLuint *program, iso_error *err)
 {
-    static const int shader_sources[ISO_SOURCE_COUNT] = {
-        [ISO_FROM_CODES] = 0, [ISO_FROM_DECODED] = 1, [ISO_FROM_FLOAT] = 1, [ISO_FROM_ON_THE_FLY] = 2,
-        [ISO_FROM_PALETTE] = 3, [ISO_FROM_PALETTE_NEAREST] = 4, [ISO_FROM_FLIPPED] = 5};
-    char defines[420];
-    snprintf(defines, sizeof defines,
-             "#define DIRECTION_SOURCE %d\n#define SHADE_TABLE %d\n#define DECODER %d\n#define LIGHT_COUNT %zu\n"
-             "#define SPECULAR %d\n#define SKIP_EMPTY %d\n#define BRICKS 0\n#define TF_2D_ROWS %d\n"
-             "#define PREINTEGRATED %d\n#define EXACT %d\n#define FIRST_HIT %d\n#define ROI %d\n",
-             shader_sources[opt->source], is_from_palette(opt->source) && opt->shade_table,
-             opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0, view->light_count,
-             view->shading.specular > 0, skip_empty, view->tf_2d ? ISO_TF_2D_ROWS : 0, opt->preintegrated,
-             opt->exact_lookups,
-             opt->surface ? (int)opt->surface->output + 1 : 0, view->roi != NULL);
-    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+    static const int sources[ISO_SOURCE_COUNT] = {
+        [ISO_FROM_CODES] = SOURCE_CODES,     [ISO_FROM_DECODED] = SOURCE_VECTORS,
+        [ISO_FROM_FLOAT] = SOURCE_VECTORS,   [ISO_FROM_ON_THE_FLY] = SOURCE_ON_THE_FLY,
+        [ISO_FROM_PALETTE] = SOURCE_PALETTE, [ISO_FROM_PALETTE_NEAREST] = SOURCE_NEAREST,
+        [ISO_FROM_FLIPPED] = SOURCE_FLIPPED};
+    const iso_gl_variant variant = {
+        .direction_source = sources[opt->source],
+        .decoder = opt->source == ISO_FROM_CODES ? iso_code_describe(code)->decoder : 0,
+        .output = iso_gl_output(opt->surface),
+        .light_count = view->light_count,
+        .specular = view->shading.specular > 0,
+        .shade_table = is_from_palette(opt->source) && opt->shade_table,
+        .skip_empty = skip_empty,
+        .preintegrated = opt->preintegrated,
+        .exact = opt->exact_lookups,
+        .roi = view->roi != NULL,
+        .tf_2d_rows = view->tf_2d ? ISO_TF_2D_ROWS : 0,
+    };
+    return iso_gl_get_variant(gl, &variant, program, err);
+}
+
+static iso_status check_options(const iso_gl_options *opt, const iso_view *view, iso_error *err)
+{
+    if (opt->surface && (view->tf_2d || !isfinite(opt->surface->iso)))
+        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no 2D transfer function");
+    if (!(opt->step_voxels > 0 && isfinite(opt->step_voxels)))
+        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", opt->step_voxels);
+    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->roi))
+        return iso_fail(err, ISO_E_USAGE,
+                        "gl: exact lookups are for the integral by midpoints, without a region of interest");
+    if (view->tf_2d && opt->preintegrated)
+        return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
+    if (view->roi && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
+        return iso_fail(err, ISO_E_USAGE,
+                        "gl: a region of interest takes codes, decoded or float directions, and no surface or "
+                        "pre-integration");
+    return ISO_OK;
 }
 
 iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
@@ -388,26 +411,20 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
 {
     iso_gl_options with_step = *options, *opt = &with_step;
     /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
-    const double step_voxels = opt->step_voxels = opt->surface ? 1 : opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    const double step_voxels = opt->step_voxels = opt->surface           ? 1
+                                                  : opt->step_voxels > 0 ? opt->step_voxels
+                                                                         : view->step_voxels;
     *image = (iso_image){0};
-    if (opt->surface && (view->tf_2d || !isfinite(opt->surface->iso)))
-        return iso_fail(err, ISO_E_USAGE, "gl: an isosurface has one finite value and no 2D transfer function");
-    if (!(step_voxels > 0 && isfinite(step_voxels)))
-        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels, must be above 0", step_voxels);
-    if (opt->exact_lookups && (opt->surface || opt->preintegrated || view->roi))
-        return iso_fail(err, ISO_E_USAGE, "gl: exact lookups are for the integral by midpoints, without a region of interest");
-    if (view->tf_2d && opt->preintegrated)
-        return iso_fail(err, ISO_E_USAGE, "gl: a TF over two values is not pre-integrated");
-    if (view->roi && (opt->surface || opt->preintegrated || opt->source > ISO_FROM_FLOAT))
-        return iso_fail(err, ISO_E_USAGE, "gl: a region of interest takes codes, decoded or float directions, and no surface or "
-                                          "pre-integration");
+    iso_status status = check_options(opt, view, err);
+    if (status != ISO_OK)
+        return status;
     GLuint program;
     level_textures textures, roi_textures = {0};
     iso_gl_stats stats = {0};
     const double start = iso_clock_seconds();
     if (view->roi)
         with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
-    iso_status status = iso_gl_bind(gl, err);
+    status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = upload(gl, level, code, opt, view, &textures, err);
     if (status != ISO_OK)
@@ -432,7 +449,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         glFinish();
         stats.texture_bytes = bytes_of(&textures) + bytes_of(&roi_textures);
         stats.upload_seconds = iso_clock_seconds() - start;
-        status = iso_gl_draw_repeatedly(gl, program, opt->repeats, opt->repeat_seconds, image, &least, &stats, err);
+        status = iso_gl_draw_repeatedly(gl, program, &(iso_gl_repeats){opt->repeats, opt->repeat_seconds}, image,
+                                        &least, &stats, err);
     }
     if (opt->stats)
         *opt->stats = stats;

@@ -2,7 +2,6 @@
 #include "render/gl/warp_gl.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,11 +9,15 @@
 #include "brick/occupancy.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
+#include "render/gl/gl_variant.h"
 
 enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_NEIGHBORS, UNIT_POINTS };
 
 typedef struct warp_cache {
+    iso_gl *gl;
     const iso_warp_field *field;
+    const iso_level *level; /* whose field it is */
+    const iso_gl_brick_options *opt;
     size_t count[3]; /* bricks */
     size_t size[3];  /* texels of the cache */
     GLuint scalar, directions, tf, occupancy, layout, neighbors;
@@ -122,17 +125,22 @@ static iso_status fill_cache(const iso_gl *gl, warp_cache *c, const uint8_t *hel
     return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
 }
 
+/* How GL stores a table's texels, and how they are given to it. */
+typedef struct texel_format {
+    GLenum stored, channels, type;
+} texel_format;
+
 /* One texel a brick, nearest. */
-static iso_status upload_table(const iso_gl *gl, const warp_cache *c, GLenum format, GLenum layout, GLenum type,
-                               const void *texels, GLuint *texture, iso_error *err)
+static iso_status upload_table(const iso_gl *gl, const warp_cache *c, texel_format format, const void *texels,
+                               GLuint *texture, iso_error *err)
 {
-    iso_status status = iso_gl_create_texture_3d(gl, format, c->count, "a brick layout", texture, err);
+    iso_status status = iso_gl_create_texture_3d(gl, format.stored, c->count, "a brick layout", texture, err);
     if (status != ISO_OK)
         return status;
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)c->count[0], (GLsizei)c->count[1], (GLsizei)c->count[2], layout,
-                    type, texels);
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)c->count[0], (GLsizei)c->count[1], (GLsizei)c->count[2],
+                    format.channels, format.type, texels);
     return iso_gl_check("uploading the brick layout", err);
 }
 
@@ -156,10 +164,11 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
     }
     glActiveTexture(GL_TEXTURE0 + UNIT_LAYOUT);
     if (status == ISO_OK)
-        status = upload_table(gl, c, GL_RGBA32F, GL_RGBA, GL_FLOAT, texels, &c->layout, err);
+        status = upload_table(gl, c, (texel_format){GL_RGBA32F, GL_RGBA, GL_FLOAT}, texels, &c->layout, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_NEIGHBORS);
     if (status == ISO_OK)
-        status = upload_table(gl, c, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, bits, &c->neighbors, err);
+        status =
+            upload_table(gl, c, (texel_format){GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, bits, &c->neighbors, err);
     free(texels);
     free(bits);
     return status;
@@ -183,12 +192,16 @@ static iso_status cull(const warp_cache *c, const iso_level *level, const iso_tf
     return ISO_OK;
 }
 
-static iso_status create_cache(const iso_gl *gl, warp_cache *c, const iso_warp_field *f, const iso_level *level,
-                               const iso_tf_table *tf, const iso_gl_brick_options *opt, iso_gl_brick_stats *stats,
-                               iso_error *err)
+/* Bricks that tf does not show are left out; NULL: none. */
+static iso_status create_cache(warp_cache *c, const iso_tf_table *tf, iso_gl_brick_stats *stats, iso_error *err)
 {
-    *c = (warp_cache){.field = f, .zero = level->min, .per_texel = level->max > level->min ? level->max - level->min : 1,
-                      .shaded = opt->shaded && f->channels == ISO_WARP_CHANNELS};
+    const iso_gl *gl = c->gl;
+    const iso_warp_field *f = c->field;
+    const iso_level *level = c->level;
+    const iso_gl_brick_options *opt = c->opt;
+    c->zero = level->min;
+    c->per_texel = level->max > level->min ? level->max - level->min : 1;
+    c->shaded = opt->shaded && f->channels == ISO_WARP_CHANNELS;
     for (int a = 0; a < 3; ++a)
         c->count[a] = iso_warp_bricks(f, a);
     const size_t count = all_bricks(c);
@@ -227,10 +240,10 @@ static iso_status create_cache(const iso_gl *gl, warp_cache *c, const iso_warp_f
 
 /* ---- drawing ------------------------------------------------------------------ */
 
-static void set_field(GLuint program, const warp_cache *c, const iso_level *level)
+static void set_field(GLuint program, const warp_cache *c)
 {
     const double side = (double)c->field->brick_voxels;
-    const size_t *size = level->geometry.size;
+    const size_t *size = c->level->geometry.size;
     iso_gl_set_int(program, "scalar", UNIT_SCALAR);
     iso_gl_set_int(program, "tf", UNIT_TF);
     iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
@@ -245,38 +258,45 @@ static void set_field(GLuint program, const warp_cache *c, const iso_level *leve
     iso_gl_set_vec3(program, "last_node", iso_v3((double)size[0] / side, (double)size[1] / side, (double)size[2] / side));
 }
 
-static iso_status get_program(iso_gl *gl, const warp_cache *c, const iso_view *view, const iso_gl_brick_options *opt,
-                              GLuint *program, iso_error *err)
+/* Without a view: the field at points. */
+static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint *program, iso_error *err)
 {
-    char defines[320];
+    static const char *const transitions[ISO_WARP_MODE_COUNT] = {[ISO_WARP_NONE] = "ISO_TRANSITION_NONE",
+                                                                 [ISO_WARP_WRITTEN] = "ISO_TRANSITION_WRITTEN",
+                                                                 [ISO_WARP_MENDED] = "ISO_TRANSITION_MENDED"};
     const bool lit = c->shaded && view;
-    snprintf(defines, sizeof defines,
-             "#define DIRECTION_SOURCE 1\n#define SHADE_TABLE 0\n#define DECODER 0\n#define LIGHT_COUNT %zu\n#define SPECULAR %d\n"
-             "#define SKIP_EMPTY %d\n#define BRICKS 1\n#define TRANSITION %d\n#define FIRST_HIT %d\n%s",
-             lit ? view->light_count : 0, lit && view->shading.specular > 0, c->skip_empty, (int)c->field->mode,
-             opt->surface ? (int)opt->surface->output + 1 : 0, view ? "" : "#define POINTS\n");
-    return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
+    const iso_gl_variant variant = {
+        .direction_source = SOURCE_VECTORS,
+        .output = view ? iso_gl_output(c->opt->surface) : OUTPUT_POINTS,
+        .light_count = lit ? view->light_count : 0,
+        .specular = lit && view->shading.specular > 0,
+        .skip_empty = c->skip_empty,
+        .bricks = true,
+        .transition = transitions[c->field->mode],
+    };
+    return iso_gl_get_variant(c->gl, &variant, program, err);
 }
 
-static iso_status draw(iso_gl *gl, const warp_cache *c, const iso_level *level, const iso_view *view,
-                       const iso_gl_brick_options *opt, double step_voxels, iso_image *image, iso_gl_brick_stats *stats,
-                       iso_error *err)
+static iso_status draw(const warp_cache *c, const iso_view *view, double step_voxels, iso_image *image,
+                       iso_gl_brick_stats *stats, iso_error *err)
 {
+    iso_gl *gl = c->gl;
+    const iso_geometry *g = &c->level->geometry;
     GLuint program;
     const double per_brick = 1 / (double)c->field->brick_voxels;
-    iso_status status = get_program(gl, c, view, opt, &program, err);
+    iso_status status = get_program(c, view, &program, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
-    iso_gl_set_camera(program, &level->geometry, view, step_voxels * iso_geometry_min_spacing_mm(&level->geometry));
+    iso_gl_set_camera(program, g, view, step_voxels * iso_geometry_min_spacing_mm(g));
     iso_gl_set_coordinates(program, iso_v3(per_brick, per_brick, per_brick), iso_v3(0, 0, 0));
-    set_field(program, c, level);
+    set_field(program, c);
     iso_gl_set_tf(program, &view->tf, c->zero, c->per_texel);
     iso_gl_set_light(program, view);
     stats->seconds = INFINITY;
-    for (size_t i = 0; status == ISO_OK && i < (opt->repeats ? opt->repeats : 1); ++i) {
+    for (size_t i = 0; status == ISO_OK && i < (c->opt->repeats ? c->opt->repeats : 1); ++i) {
         double once;
         status = iso_gl_draw(gl, program, view->width, view->height, image->rgba, &once, err);
         stats->seconds = fmin(stats->seconds, once);
@@ -291,7 +311,7 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso
 {
     const double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
     iso_gl_brick_stats own;
-    warp_cache cache;
+    warp_cache cache = {.gl = gl, .field = field, .level = level, .opt = opt};
     stats = stats ? stats : &own;
     *image = (iso_image){0};
     if (!(step_voxels > 0 && isfinite(step_voxels)) || (opt->cache_bits != 16 && opt->cache_bits != 32) || opt->surface)
@@ -299,7 +319,7 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso
                         step_voxels, opt->cache_bits);
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
-        status = create_cache(gl, &cache, field, level, &view->tf, opt, stats, err);
+        status = create_cache(&cache, &view->tf, stats, err);
     if (status != ISO_OK)
         return status;
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
@@ -307,7 +327,7 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso
     glFinish();
     stats->bake_seconds = iso_clock_seconds() - start;
     if (status == ISO_OK)
-        status = draw(gl, &cache, level, view, opt, step_voxels, image, stats, err);
+        status = draw(&cache, view, step_voxels, image, stats, err);
     destroy_cache(&cache);
     return status;
 }
@@ -320,11 +340,11 @@ iso_status iso_gl_sample_warp(iso_gl *gl, const iso_warp_field *field, const iso
     const size_t height = (count + width - 1) / width;
     const double side = (double)field->brick_voxels;
     iso_gl_brick_stats stats;
-    warp_cache cache;
+    warp_cache cache = {.gl = gl, .field = field, .level = level, .opt = &opt};
     GLuint program, points = 0;
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
-        status = create_cache(gl, &cache, field, level, NULL, &opt, &stats, err);
+        status = create_cache(&cache, NULL, &stats, err);
     if (status != ISO_OK)
         return status;
     float *texels = calloc(4 * width * height, sizeof *texels), *image = malloc(4 * width * height * sizeof *image);
@@ -336,10 +356,10 @@ iso_status iso_gl_sample_warp(iso_gl *gl, const iso_warp_field *field, const iso
     if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, width, height, texels, &points, err);
     if (status == ISO_OK)
-        status = get_program(gl, &cache, NULL, &opt, &program, err);
+        status = get_program(&cache, NULL, &program, err);
     if (status == ISO_OK) {
         glUseProgram(program);
-        set_field(program, &cache, level);
+        set_field(program, &cache);
         status = iso_gl_draw(gl, program, width, height, image, NULL, err);
     }
     for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)

@@ -5,8 +5,8 @@
 // length, known from four fetches; its Bezier points bound it, and what they cannot exclude is halved. So no step is
 // too long for a thin sheet.
 //
-// FIRST_HIT: 1 the colour, 2 the place in index coordinates, 3 the shading normal; of the last two alpha is 0 where
-// nothing is hit. DIRECTION_SOURCE and the rest as in raycast.glsl.
+// OUTPUT_HIT_COLOR, or the place in index coordinates (OUTPUT_HIT_PLACE) or the shading normal (OUTPUT_HIT_NORMAL), whose
+// alpha is 0 where nothing is hit. All else as in raycast.glsl.
 
 uniform float iso_texel;     // the surface's value, as a texel
 uniform vec3 samples_per_p;  // of level 0; brick levels are coarser by their layout's w
@@ -160,11 +160,11 @@ void main()
     bool found = at < ray.length;
     vec3 p = point_of(ray, at);
     vec4 where = address(p);
-#if FIRST_HIT == 1
+#if OUTPUT == OUTPUT_HIT_COLOR
     color = vec4(background, 0.0);
     if (found)
         color = vec4(tf_row(iso_texel, 0).rgb * shade_at(where.xyz, halfway_to(ray.world)), 1.0);
-#elif FIRST_HIT == 2
+#elif OUTPUT == OUTPUT_HIT_PLACE
     color = found ? vec4(p * samples_per_p - first_sample + 0.5, 1.0) : vec4(0.0);
 #else
     color = found ? vec4(normal_at(where.xyz), 1.0) : vec4(0.0);

@@ -6,12 +6,19 @@
 // A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
 // show in the image. Its samples are floats, from the middle of the first segment.
 //
-// Defined before this file: DIRECTION_SOURCE (0 codes, 1 decoded or float, 2 on the fly, 3 a palette's entries of eight
-// voxels, 4 of one, 5 as 1 with opposite directions turned to one side), SHADE_TABLE (0 or 1: a palette's shades for its directions), DECODER (of code_decode.h), LIGHT_COUNT,
-// SPECULAR (0 or 1), SKIP_EMPTY (0 or 1), BRICKS (0 or 1), TF_2D_ROWS (rows of a 2D transfer function, tf_2d.h; 0 or absent: it is 1D),
-// PREINTEGRATED (0, absent or 1: the TF's means between the values at both ends of a segment), FIRST_HIT (0 or absent: the
-// integral; else first_hit.glsl instead), EXACT (0, absent or 1: textures are filtered here and values classified, in double), ROI (0, absent or 1: roi.glsl instead), TRANSITION (absent, or see transition.glsl: with BRICKS whose samples lie inside
-// them), POINTS (absent, or points.glsl instead).
+// Defined before this file (gl_variant.c), each 0 or 1 where nothing else is said:
+//     DIRECTION_SOURCE, OUTPUT   names of variants.h
+//     DECODER                    a name of code_decode.h, for SOURCE_CODES
+//     LIGHT_COUNT, SPECULAR      of the view
+//     SHADE_TABLE                a palette's shades instead of its directions
+//     SKIP_EMPTY                 bricks that the TF does not show are passed over
+//     PREINTEGRATED              the TF's means between the values at both ends of a segment
+//     EXACT                      textures are filtered here and values classified, in double
+//     ROI                        a finer level inside a region: roi.glsl
+//     TF_2D_ROWS                 rows of a 2D transfer function (tf_2d.h); 0: it is 1D
+//     BRICKS, PAGES              a cache of bricks, and how many textures hold it
+//     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; else undefined
+#include "variants.h"
 
 uniform dvec2 image_size;
 uniform bool orthographic;
@@ -30,16 +37,10 @@ uniform sampler2D tf;
 uniform float tf_scale, tf_offset; // texel value to entry
 uniform int tf_count;
 
-#ifndef TF_2D_ROWS
-#define TF_2D_ROWS 0
-#endif
 #if TF_2D_ROWS
 uniform sampler3D second_value;      // 0 in the first row, 1 in the last
 #endif
 
-#ifndef PREINTEGRATED
-#define PREINTEGRATED 0
-#endif
 #if PREINTEGRATED
 uniform sampler2D tf_sums;         // rows: of sigma c and sigma up to each entry, and what float leaves of them
 #endif
@@ -54,14 +55,11 @@ uniform sampler3D layout_of_bricks; // xyz: where the brick's node (0,0,0) is in
 uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinates of the cache
 uniform vec3 last_node;             // p of the volume's last node
 #endif
-#ifndef PAGES
-#define PAGES 1
-#endif
 #if PAGES > 1                       // of the cache: coordinates z + page
 uniform sampler3D scalar_pages[PAGES - 1], direction_pages[PAGES - 1]; // those behind the first
 #endif
 
-#if DIRECTION_SOURCE == 3 || DIRECTION_SOURCE == 4
+#if DIRECTION_SOURCE == SOURCE_PALETTE || DIRECTION_SOURCE == SOURCE_NEAREST
 uniform usampler3D palette_index;
 uniform sampler2D palette;        // an entry: its direction, and its shade under the lights
 #endif
@@ -78,9 +76,6 @@ uniform vec4 shading;             // ambient, diffuse, specular, power
 uniform vec3 background;
 out vec4 color;
 
-#ifndef EXACT
-#define EXACT 0
-#endif
 #if EXACT
 dvec3 exact_start, exact_stride; // of the ray
 dvec3 exact_p;                   // of the segment at hand
@@ -332,7 +327,7 @@ vec4 classify(Segment at, vec4 where)
 #endif
 }
 
-#if DIRECTION_SOURCE == 3 || DIRECTION_SOURCE == 4
+#if DIRECTION_SOURCE == SOURCE_PALETTE || DIRECTION_SOURCE == SOURCE_NEAREST
 vec4 entry_of(ivec3 i)
 {
     i = clamp(i, ivec3(0), textureSize(palette_index, 0) - 1);
@@ -342,7 +337,7 @@ vec4 entry_of(ivec3 i)
 vec4 entry_at(vec3 p)
 {
     vec3 q = p * vec3(textureSize(palette_index, 0));
-#if DIRECTION_SOURCE == 4
+#if DIRECTION_SOURCE == SOURCE_NEAREST
     return entry_of(ivec3(floor(q)));
 #else
     ivec3 i = ivec3(floor(q - 0.5));
@@ -356,7 +351,7 @@ vec4 entry_at(vec3 p)
 }
 #endif
 
-#if DIRECTION_SOURCE == 5
+#if DIRECTION_SOURCE == SOURCE_FLIPPED
 // Eight exact fetches; those that oppose the one that counts most are turned (code_decode.h).
 vec3 flipped_at(vec3 p)
 {
@@ -382,14 +377,14 @@ vec3 flipped_at(vec3 p)
 
 vec3 normal_at(vec3 p)
 {
-#if DIRECTION_SOURCE == 0
+#if DIRECTION_SOURCE == SOURCE_CODES
     vec3 e = fetch_direction(p).rgb * direction_scale + direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
-#elif DIRECTION_SOURCE == 5
+#elif DIRECTION_SOURCE == SOURCE_FLIPPED
     return iso_shading_normal(flipped_at(p));
-#elif DIRECTION_SOURCE >= 3
+#elif DIRECTION_SOURCE == SOURCE_PALETTE || DIRECTION_SOURCE == SOURCE_NEAREST
     return iso_shading_normal(entry_at(p).xyz);
-#elif DIRECTION_SOURCE == 1
+#elif DIRECTION_SOURCE == SOURCE_VECTORS
     return iso_shading_normal(fetch_direction(p).rgb);
 #else
     vec3 dx = vec3(voxel.x, 0.0, 0.0), dy = vec3(0.0, voxel.y, 0.0), dz = vec3(0.0, 0.0, voxel.z);
@@ -436,15 +431,9 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
     return halfway;
 }
 
-#ifndef FIRST_HIT
-#define FIRST_HIT 0
-#endif
-#ifndef ROI
-#define ROI 0
-#endif
-#ifdef POINTS
+#if OUTPUT == OUTPUT_POINTS
 #include "points.glsl"
-#elif FIRST_HIT
+#elif OUTPUT != OUTPUT_INTEGRAL
 #include "first_hit.glsl"
 #elif ROI
 #include "roi.glsl"

@@ -29,7 +29,7 @@ vec4 roi_classify(vec3 q)
 vec3 roi_normal(vec3 q)
 {
     vec3 e = textureLod(roi_directions, q, 0.0).rgb;
-#if DIRECTION_SOURCE == 0
+#if DIRECTION_SOURCE == SOURCE_CODES
     return iso_shading_normal(iso_decode(DECODER, e * direction_scale + direction_offset));
 #else
     return iso_shading_normal(e);

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT */
+/* Textures, and a program drawn over a whole image. */
+#include <math.h>
+
+#include "base/parallel.h"
+#include "render/gl/gl_context.h"
+
+iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
+                                    GLuint *texture, iso_error *err)
+{
+    *texture = 0;
+    for (int a = 0; a < 3; ++a)
+        if (size[a] > (size_t)gl->max_texture_3d_size)
+            return iso_fail(err, ISO_E_RANGE, "gl: %s of %zu x %zu x %zu, %s takes at most %d along an axis", what,
+                            size[0], size[1], size[2], gl->info.renderer, (int)gl->max_texture_3d_size);
+    glGenTextures(1, texture);
+    glBindTexture(GL_TEXTURE_3D, *texture);
+    glTexStorage3D(GL_TEXTURE_3D, 1, internal_format, (GLsizei)size[0], (GLsizei)size[1], (GLsizei)size[2]);
+    static const GLenum wraps[3] = {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R};
+    for (int a = 0; a < 3; ++a)
+        glTexParameteri(GL_TEXTURE_3D, wraps[a], GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    iso_status status = iso_gl_check(what, err);
+    if (status != ISO_OK) {
+        glDeleteTextures(1, texture);
+        *texture = 0;
+    }
+    return status;
+}
+
+iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
+                                   iso_error *err)
+{
+    iso_status status = iso_gl_create_texture_3d(gl, GL_R8UI, count, "brick occupancy", texture, err);
+    if (status != ISO_OK)
+        return status;
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)count[0], (GLsizei)count[1], (GLsizei)count[2], GL_RED_INTEGER,
+                    GL_UNSIGNED_BYTE, distance);
+    return iso_gl_check("uploading the brick occupancy", err);
+}
+
+iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
+                                         GLuint *texture, iso_error *err)
+{
+    *texture = 0;
+    if (width > (size_t)gl->max_texture_size || height > (size_t)gl->max_texture_size)
+        return iso_fail(err, ISO_E_RANGE, "gl: image or table of %zu x %zu, %s takes at most %d along an axis", width,
+                        height, gl->info.renderer, (int)gl->max_texture_size);
+    glGenTextures(1, texture);
+    glBindTexture(GL_TEXTURE_2D, *texture);
+    glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA32F, (GLsizei)width, (GLsizei)height);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    if (rgba)
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_FLOAT, rgba);
+    iso_status status = iso_gl_check("image or table", err);
+    if (status != ISO_OK) {
+        glDeleteTextures(1, texture);
+        *texture = 0;
+    }
+    return status;
+}
+
+iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
+                       iso_error *err)
+{
+    GLuint target = 0, frame = 0;
+    /* Bound to a unit that no program samples: the target must not replace a texture of the caller's. */
+    GLint unit;
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &unit);
+    glActiveTexture(GL_TEXTURE15);
+    iso_status status = iso_gl_create_texture_rgba32f(gl, width, height, NULL, &target, err);
+    glActiveTexture((GLenum)unit);
+    if (status != ISO_OK)
+        return status;
+    glGenFramebuffers(1, &frame);
+    glBindFramebuffer(GL_FRAMEBUFFER, frame);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target, 0);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        status = iso_fail(err, ISO_E_PROGRAM, "gl: no float target of %zu x %zu", width, height);
+    if (status == ISO_OK) {
+        glViewport(0, 0, (GLsizei)width, (GLsizei)height);
+        glUseProgram(program);
+        glBindVertexArray(gl->vertex_array);
+        glFinish();
+        double (*clock)(void) = gl->times_processor ? iso_cpu_seconds : iso_clock_seconds;
+        double start = clock();
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glFinish();
+        if (seconds)
+            *seconds = clock() - start;
+        glReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_FLOAT, rgba);
+        status = iso_gl_check("drawing", err);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glDeleteFramebuffers(1, &frame);
+    glDeleteTextures(1, &target);
+    return status;
+}
+
+iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repeats *repeats, iso_image *image,
+                                  double *least, iso_gl_stats *stats, iso_error *err)
+{
+    const size_t most = repeats->count ? repeats->count : 1;
+    const bool timed = repeats->seconds > 0;
+    float pixel[4];
+    double sum = 0, best = INFINITY;
+    iso_status status = timed ? iso_gl_draw(gl, program, 1, 1, pixel, NULL, err) : ISO_OK;
+    for (size_t i = 0; status == ISO_OK && i < most && (i == 0 || !timed || sum < repeats->seconds); ++i) {
+        double once = 0;
+        status = iso_gl_draw(gl, program, image->width, image->height, image->rgba, &once, err);
+        best = fmin(best, once);
+        sum += once;
+        if (stats->draw_count < ISO_GL_MAX_DRAWS)
+            stats->draw_seconds[stats->draw_count++] = once;
+    }
+    if (least)
+        *least = best;
+    return status;
+}
+
+double iso_gl_texture_bytes(GLenum target, GLuint texture)
+{
+    static const GLenum sizes[] = {GL_TEXTURE_WIDTH, GL_TEXTURE_HEIGHT, GL_TEXTURE_DEPTH};
+    static const GLenum channels[] = {GL_TEXTURE_RED_SIZE, GL_TEXTURE_GREEN_SIZE, GL_TEXTURE_BLUE_SIZE,
+                                      GL_TEXTURE_ALPHA_SIZE};
+    double texels = 1, bits = 0;
+    GLint unit, value;
+    if (!texture)
+        return 0;
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &unit);
+    glActiveTexture(GL_TEXTURE15); /* which no program samples */
+    glBindTexture(target, texture);
+    for (size_t i = 0; i < 3; ++i) {
+        glGetTexLevelParameteriv(target, 0, sizes[i], &value);
+        texels *= value;
+    }
+    for (size_t i = 0; i < 4; ++i) {
+        glGetTexLevelParameteriv(target, 0, channels[i], &value);
+        bits += value;
+    }
+    glBindTexture(target, 0);
+    glActiveTexture((GLenum)unit);
+    return texels * bits / 8;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* gl_variant.h - the ray caster's variants: raycast.glsl compiled with what a view needs, by names that the shaders
+ * share (shaders/variants.h). */
+#ifndef ISO_GL_VARIANT_H
+#define ISO_GL_VARIANT_H
+
+#include "render/gl/gl_context.h"
+#include "render/gl/shaders/variants.h"
+
+/* The fields are the shader's switches of the same names; raycast.glsl says what each does. */
+typedef struct iso_gl_variant {
+    int direction_source; /* SOURCE_... */
+    int decoder;          /* ISO_DECODER_... of code_decode.h, for SOURCE_CODES */
+    int output;           /* OUTPUT_... */
+    size_t light_count;
+    bool specular, shade_table, skip_empty, preintegrated, exact, roi, bricks;
+    int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
+    size_t pages;           /* of the brick cache; 0: one */
+    const char *transition; /* a name of warp_map.h; NULL: bricks share the nodes of their faces */
+} iso_gl_variant;
+
+/* OUTPUT_HIT_... of a surface; OUTPUT_INTEGRAL without one. */
+int iso_gl_output(const iso_surface *surface);
+
+/* Compiled once, kept by the context. */
+iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *program, iso_error *err);
+
+#endif

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// variants.h - the names of the ray caster's variants: raycast.glsl chooses by them, gl_variant.c defines them.
+//
+// DIRECTION_SOURCE: what a direction is made from.
+#define SOURCE_CODES 0      // codes, decoded after the filter
+#define SOURCE_VECTORS 1    // floats, or codes decoded before the upload
+#define SOURCE_ON_THE_FLY 2 // differences of the scalar
+#define SOURCE_PALETTE 3    // the palette's entries of eight voxels
+#define SOURCE_NEAREST 4    // the palette's entry of one voxel
+#define SOURCE_FLIPPED 5    // vectors, opposite ones turned to one side before they are filtered
+
+// OUTPUT: what a pixel is.
+#define OUTPUT_INTEGRAL 0  // the rendering equation
+#define OUTPUT_HIT_COLOR 1 // the first hit of a surface: first_hit.glsl
+#define OUTPUT_HIT_PLACE 2
+#define OUTPUT_HIT_NORMAL 3
+#define OUTPUT_POINTS 4 // the field at given places: points.glsl
