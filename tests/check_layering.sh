@@ -26,7 +26,7 @@ renderers:  $shared render vdb povray blender
 compare:    base image
 plan:       $shared render compare
 report:     base image compare
-validate:   $shared render povray renderers compare report
+validate:   $shared render renderers compare report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options

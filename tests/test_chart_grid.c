@@ -41,7 +41,7 @@ static size_t count_out_of_order(const iso_chart_case *cases, size_t count)
         const iso_chart_case *a = &cases[i - 1], *b = &cases[i];
         wrong += a->departures > b->departures;
         wrong += a->departures == b->departures && a->needs_pyramid == b->needs_pyramid && a->estimator == b->estimator &&
-                 a->filter == b->filter && iso_chart_is_other_program(a->renderer) == iso_chart_is_other_program(b->renderer) &&
+                 a->filter == b->filter && iso_renderer_has(a->renderer, ISO_IS_PROGRAM) == iso_renderer_has(b->renderer, ISO_IS_PROGRAM) &&
                  a->relative_cost > b->relative_cost;
     }
     return wrong;
@@ -70,7 +70,7 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
     size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0, preintegrated = 0;
     for (size_t i = 0; i < g.count; ++i) {
         const iso_chart_case *c = &g.cases[i];
-        renderers |= 1u << c->renderer;
+        renderers |= 1u << iso_renderer_index(c->renderer);
         sources |= 1u << c->source;
         transfer_functions |= 1u << (c->second + (c->adapted ? 0 : 8));
         filters |= 1u << c->filter;

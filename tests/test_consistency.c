@@ -59,7 +59,7 @@ static void open_subject(subject *s, iso_field_kind kind, const char *name)
     s->validation = (iso_validation){.pyramid = &s->pyramid, .scene = &s->scene, .view = &s->view, .scene_name = name,
                                      .consistency_size = pixels, .consistency_views = views, .threads = 1,
                                      .renderers = renderers};
-    s->validation.wanted[ISO_WITH_GL] = true;
+    s->validation.wanted[iso_renderer_index(&iso_renderer_gl)] = true;
     assert_ok(iso_report_create(&s->validation.report, s->dir, &about, &err));
     assert_ok(iso_validate_adapt(&s->validation, &err));
 }
@@ -125,7 +125,7 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
         iso_view view;
         iso_image fine, coarse;
         iso_metrics m;
-        const iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
+        const iso_render_options opt = iso_render_defaults(&iso_renderer_gl);
         scene.camera_direction = iso_view_along_diagonal(i);
         scene.camera_up = iso_view_up(scene.camera_direction);
         assert_ok(iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, &err));

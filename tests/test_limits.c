@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "validate/closed_form.h"
-#include "renderers/faults.h"
+#include "validate/faults.h"
 #include "validate/validate.h"
 #include "test.h"
 #include "volume/synthetic.h"
@@ -67,7 +67,7 @@ static void close_subject(subject *s)
 static iso_image reference(const subject *s)
 {
     iso_image image;
-    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options opt = iso_render_defaults(&iso_renderer_reference);
     assert_ok(iso_render_with(&renderers, &s->pyramid, 0, &s->view, &opt, &image, NULL, NULL, &err));
     return image;
 }
@@ -80,7 +80,7 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 }
 
 /* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
-static const char *judge(const subject *s, const iso_image *truth, iso_renderer which, bool sharp, char gate[64])
+static const char *judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp, char gate[64])
 {
     iso_limit limit;
     iso_limit_options opt = iso_limit_defaults();
@@ -161,7 +161,7 @@ static void the_ray_caster_has_the_reference_for_its_limit(void **state)
     for (int sharp = 0; sharp < 2; ++sharp) {
         subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
         iso_image truth = reference(&s);
-        assert_string_equal(judge(&s, &truth, ISO_WITH_GL, sharp, gate), "agree");
+        assert_string_equal(judge(&s, &truth, &iso_renderer_gl, sharp, gate), "agree");
         iso_image_destroy(&truth);
         close_subject(&s);
     }
@@ -179,7 +179,7 @@ static void planted_faults_move_the_limit_out_of_its_bars(void **state)
         subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
         char gate[64];
         iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
-        if (strcmp(judge(&wrong, &truth, ISO_WITH_GL, false, gate), "differ") != 0)
+        if (strcmp(judge(&wrong, &truth, &iso_renderer_gl, false, gate), "differ") != 0)
             fail_msg("not caught: %s", iso_fault_name(faults[i]));
         assert_string_equal(gate, "left of the error by halving the step");
         close_subject(&wrong);
@@ -193,11 +193,11 @@ static const char *judge_from_afar(const subject *s, const iso_image *truth, boo
 {
     iso_limit limit;
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
-    iso_limit_options opt = iso_validate_limit_options(&asked, ISO_WITH_GL, 2, 0);
+    iso_limit_options opt = iso_validate_limit_options(&asked, &iso_renderer_gl, 2, 0);
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 0.25;
     opt.hopeless = hopeless;
-    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, ISO_WITH_GL, &opt, &limit, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, &iso_renderer_gl, &opt, &limit, NULL, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     *step = limit.step_voxels;
@@ -241,7 +241,7 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     iso_limit limit;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = opt.finest_voxels = 0.5;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &limit, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &limit, NULL, &err));
     iso_report_agreement row = {.a = "a", .b = "b"};
     assert_ok(iso_metrics_measure(&truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
@@ -260,16 +260,16 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     iso_limit coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &coarse, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &coarse, NULL, &err));
     assert_within(coarse.step_voxels, 1, 0);
     opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = coarse.step_bar / 10;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &fine, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &fine, NULL, &err));
     assert_at_most(fine.step_voxels, 0.5);
     assert_at_most(fine.bar, opt.wanted_bar);
     opt.seeds = 1;
     iso_limit none;
-    assert_status(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &none, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &none, NULL, &err), ISO_E_RANGE);
     iso_limit_destroy(&coarse);
     iso_limit_destroy(&fine);
     iso_image_destroy(&truth);
@@ -286,10 +286,10 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     iso_limit blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &blind, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &blind, NULL, &err));
     opt.wanted_ssim_dissimilarity = blind.ssim_dissimilarity / 20;
     opt.wanted_flip = blind.flip_mean / 4;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, ISO_WITH_GL, &opt, &seeing, NULL, &err));
+    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &seeing, NULL, &err));
     assert_within(blind.step_voxels, 1, 0);
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
@@ -308,8 +308,9 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
     const iso_geometry *g = &s.pyramid.levels[0].geometry;
     const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
     for (double step = 1; step > 0.005; step /= 2) {
-        iso_render_options coarse = iso_render_defaults(ISO_WITH_POVRAY), fine = coarse;
-        iso_limit_povray_pair(&s.pyramid.levels[0], step, 1.0 / 64, &coarse, &fine);
+        iso_render_options frames[2] = {iso_render_defaults(&iso_renderer_povray), iso_render_defaults(&iso_renderer_povray)};
+        iso_render_ask_steps(&iso_renderer_povray, &s.pyramid.levels[0], step, 2, fmin(fmax(64 * step, 1), 4), frames);
+        const iso_render_options coarse = frames[0], fine = frames[1];
         assert_int_equal(fine.intervals, 2 * coarse.intervals);
         assert_int_equal(fine.planes, coarse.planes);
         assert_at_most((double)fine.intervals, 255);
@@ -324,7 +325,7 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
 static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
 {
     (void)state;
-    static const iso_renderer which[] = {ISO_WITH_GL, ISO_WITH_POVRAY};
+    static const iso_renderer_info *const which[] = {&iso_renderer_gl, &iso_renderer_povray};
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
     for (int i = 0; i < 2; ++i) {

@@ -17,7 +17,7 @@ static int end_renderers(void **state)
 
 static iso_power_case open_case(uint64_t seed)
 {
-    iso_power_case c = {.seed = seed, .pixels = 12, .cycles_seeds = 3, .threads = 1};
+    iso_power_case c = {.seed = seed, .pixels = 12, .seeds = 3, .threads = 1};
     assert_ok(iso_power_open(&renderers, &c, &err));
     return c;
 }
@@ -32,8 +32,8 @@ static double change(const iso_power_case *c, iso_planted planted)
 static bool is_rejected(const iso_power_case *c, iso_power_gate gate, const iso_planted *planted)
 {
     bool rejected;
-    assert_ok(iso_power_ask(&renderers, c, gate, ISO_WITH_GL, planted, &rejected, &err));
-    assert_null(renderers.planted);
+    assert_ok(iso_power_ask(&renderers, c, gate, &iso_renderer_gl, planted, &rejected, &err));
+    assert_null(renderers.after.change);
     return rejected;
 }
 
@@ -100,10 +100,10 @@ static void a_bright_scene_of_povray_passes(void **state)
     (void)state;
     bool rejected;
     iso_power_case c = open_case(505);
-    assert_more_than(c.lock_step[1].max_abs, 2.5e-5);
-    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, ISO_WITH_POVRAY, NULL, &rejected, &err));
+    assert_more_than(c.lock_step[iso_renderer_index(&iso_renderer_povray)].max_abs, 2.5e-5);
+    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, NULL, &rejected, &err));
     assert_false(rejected);
-    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, ISO_WITH_POVRAY, &(iso_planted){.fault = ISO_FAULT_CLIPPED},
+    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, &(iso_planted){.fault = ISO_FAULT_CLIPPED},
                             &rejected, &err));
     assert_true(rejected);
     iso_power_close(&c);
@@ -156,7 +156,7 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
                 bool there;
                 const bool here = is_rejected(&c, (iso_power_gate)g, &planted);
                 renderers.cache = &cache;
-                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, ISO_WITH_GL, asked[d], planted.amount, &there, &err));
+                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl, asked[d], planted.amount, &there, &err));
                 renderers.cache = NULL;
                 assert_int_equal(here, there);
                 answers[here] += 1;
@@ -173,7 +173,7 @@ static void a_pixel_that_is_no_number_is_rejected(void **state)
 {
     (void)state;
     const iso_planted nan_pixel = {.deviation = ISO_DEVIATION_PIXEL, .amount = NAN};
-    const iso_renderer renderer[] = {ISO_WITH_GL, ISO_WITH_CYCLES};
+    const iso_renderer_info *const renderer[] = {&iso_renderer_gl, &iso_renderer_cycles};
     iso_power_case c = open_case(500);
     for (int i = 0; i < 2; ++i) {
         bool rejected;

@@ -207,7 +207,7 @@ static void an_image_has_no_step_where_the_box_ends(void **state)
     iso_roi_options box = {.lo = {14, 16, 0}, .hi = {32, 44, 34}};
     double step[3];
     for (int i = 0; i < 3; ++i) { /* level 0, blended, hard */
-        iso_render_options gl = iso_render_defaults(ISO_WITH_GL);
+        iso_render_options gl = iso_render_defaults(&iso_renderer_gl);
         iso_roi f = {0};
         box.band = i == 1 ? 2 : 0;
         if (i > 0)
@@ -282,7 +282,7 @@ static void the_ray_caster_blends_as_the_reference(void **state)
 {
     (void)state;
     subject s = open_subject();
-    iso_render_options gl = iso_render_defaults(ISO_WITH_GL), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options gl = iso_render_defaults(&iso_renderer_gl), reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
     check_image(&have, &s, &reference, "gl", 2e-5, 1e-6); /* the same samples in float */
@@ -294,7 +294,7 @@ static void povray_blends_as_the_reference(void **state)
 {
     (void)state;
     subject s = open_subject();
-    iso_render_options povray = iso_render_defaults(ISO_WITH_POVRAY), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options povray = iso_render_defaults(&iso_renderer_povray), reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
     iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
@@ -310,7 +310,7 @@ static void cycles_blends_as_the_reference(void **state)
     (void)state;
     enum { seeds = 8 };
     subject s = open_subject();
-    iso_render_options reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options reference = iso_render_defaults(&iso_renderer_reference);
     iso_view view = s.view; /* lent */
     iso_blender_options frames[seeds];
     iso_image pictures[seeds];
@@ -339,7 +339,7 @@ static void inside_the_box_nothing_but_the_finer_level_is_seen(void **state)
 {
     (void)state;
     subject s = open_subject();
-    iso_render_options reference = iso_render_defaults(ISO_WITH_REFERENCE), same = reference;
+    iso_render_options reference = iso_render_defaults(&iso_renderer_reference), same = reference;
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     reference.step_voxels = 0.5;
     same = reference;

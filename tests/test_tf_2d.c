@@ -125,7 +125,7 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
         iso_tf_2d t = adapt(&p, (iso_second_value)second, &view);
         iso_image have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
         iso_metrics m = compare(&have, &want);
-        print_message("%s, second %d: rmse %.3g, max %.3g\n", iso_renderer_name(with->renderer), second, m.rmse, m.max_abs);
+        print_message("%s, second %d: rmse %.3g, max %.3g\n", with->renderer->name, second, m.rmse, m.max_abs);
         assert_at_most(m.max_abs, max_abs);
         assert_at_most(m.rmse, rmse);
         for (int f = 0; f < FAULT_COUNT; ++f) {
@@ -148,7 +148,7 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
 static void the_ray_caster_looks_up_the_same_tables(void **state)
 {
     (void)state;
-    iso_render_options gl = iso_render_defaults(ISO_WITH_GL), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options gl = iso_render_defaults(&iso_renderer_gl), reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     check_renderer(&gl, &reference, GL_MAX_ABS, GL_RMSE);
 }
@@ -156,7 +156,7 @@ static void the_ray_caster_looks_up_the_same_tables(void **state)
 static void povray_looks_up_the_same_tables(void **state)
 {
     (void)state;
-    iso_render_options povray = iso_render_defaults(ISO_WITH_POVRAY), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options povray = iso_render_defaults(&iso_renderer_povray), reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
     check_renderer(&povray, &reference, POVRAY_MAX_ABS, 1e-5);
@@ -165,7 +165,7 @@ static void povray_looks_up_the_same_tables(void **state)
 static void cycles_looks_up_the_same_tables(void **state)
 {
     (void)state;
-    iso_render_options cycles = iso_render_defaults(ISO_WITH_CYCLES), reference = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options cycles = iso_render_defaults(&iso_renderer_cycles), reference = iso_render_defaults(&iso_renderer_reference);
     cycles.step_voxels = 0.125;
     check_renderer(&cycles, &reference, 1, CYCLES_RMSE);
 }

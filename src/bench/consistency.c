@@ -91,11 +91,11 @@ typedef struct bench_run {
     char *held, *figures;
     const char *with, *tf_names;
     bool wanted[METHOD_COUNT], wanted_tf[TF_COUNT];
-    bool wanted_renderer[ISO_RENDERER_COUNT];
-    iso_renderer renderer; /* the one at work */
+    bool wanted_renderer[ISO_MAX_RENDERERS];
+    const iso_renderer_info *renderer; /* the one at work */
     iso_renderers renderers;
     json_t *cases;
-    block_sums sums[ISO_RENDERER_COUNT][BLOCK_COUNT];
+    block_sums sums[ISO_MAX_RENDERERS][BLOCK_COUNT];
 } bench_run;
 
 static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view, iso_error *err)
@@ -166,7 +166,7 @@ static void add_to_sums(block_sums *sums, int m, size_t level, const case_result
 
 static void note_case(bench_run *run, int block, const char *volume, const char *tf, size_t level, const case_result results[METHOD_COUNT])
 {
-    block_sums *sums = &run->sums[run->renderer][block];
+    block_sums *sums = &run->sums[iso_renderer_index(run->renderer)][block];
     ++sums->case_count[0];
     ++sums->case_count[level];
     for (int m = 0; m < METHOD_COUNT; ++m) {
@@ -176,13 +176,13 @@ static void note_case(bench_run *run, int block, const char *volume, const char 
         const char *kept = all_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
         add_to_sums(sums, m, level, r, &results[0]);
         json_array_append_new(run->cases, json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
-                                                    iso_renderer_name(run->renderer), "volume", volume, "held", block == HELD, "tf", tf,
+                                                    run->renderer->name, "volume", volume, "held", block == HELD, "tf", tf,
                                                     "level", (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
                                                     r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse, "rms_voxels_original",
                                                     r->judgment.rms_original, "rms_voxels_adapted", r->judgment.rms_adapted,
                                                     "fell_back", r->judgment.use_original));
         if (!run->cli->json)
-            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", iso_renderer_name(run->renderer), volume, tf, level,
+            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", run->renderer->name, volume, tf, level,
                    all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgment.rms_original, r->judgment.rms_adapted, kept);
     }
     fflush(stdout);
@@ -238,9 +238,9 @@ static iso_status run_tf(bench_run *run, int block, const char *volume, const is
 static iso_status run_pyramid(bench_run *run, int block, const char *name, const iso_pyramid *p, iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (int r = 0; r < ISO_RENDERER_COUNT; ++r)
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
         for (int t = 0; run->wanted_renderer[r] && t < TF_COUNT && status == ISO_OK; ++t) {
-            run->renderer = (iso_renderer)r;
+            run->renderer = iso_renderer_at(r);
             if (run->wanted_tf[t])
                 status = run_tf(run, block, name, p, &tfs[t], err);
         }
@@ -328,13 +328,13 @@ static void report_means(const bench_run *run, const block_sums *sums, size_t le
     }
 }
 
-static json_t *report_block(const bench_run *run, iso_renderer renderer, int block)
+static json_t *report_block(const bench_run *run, const iso_renderer_info *renderer, int block)
 {
-    const block_sums *sums = &run->sums[renderer][block];
+    const block_sums *sums = &run->sums[iso_renderer_index(renderer)][block];
     json_t *means = json_array(), *behind = json_array();
     if (!run->cli->json)
         printf("\n%s, %s: %zu cases; geometric means of error / error of the original TF\n%-26s %8s %8s %8s   worse by .005   worst\n",
-               iso_renderer_name(renderer), block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
+               renderer->name, block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
     for (size_t level = 0; level < MAX_LEVELS; ++level)
         if (sums->case_count[level] > 0)
             report_means(run, sums, level, means);
@@ -342,7 +342,7 @@ static json_t *report_block(const bench_run *run, iso_renderer renderer, int blo
         if (run->wanted[m])
             json_array_append_new(behind, json_pack("{s:s, s:i, s:f}", "method", all_methods[m].name, "worse_count",
                                                     (int)sums->methods[m].worse, "worst_ssim_difference", sums->methods[m].worst));
-    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "renderer", iso_renderer_name(renderer), "block", block_names[block], "case_count",
+    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "renderer", renderer->name, "block", block_names[block], "case_count",
                      (int)sums->case_count[0], "means", means, "behind", behind);
 }
 
@@ -352,10 +352,10 @@ static void report(bench_run *run)
     json_object_update_new(json_object_get(root, "options"),
                            json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels", run->levels, "shaded",
                                      run->shaded, "step_voxels", run->step_voxels, "paper_setup", run->paper_setup));
-    for (int r = 0; r < ISO_RENDERER_COUNT; ++r)
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
         for (int block = 0; block < BLOCK_COUNT; ++block)
             if (run->sums[r][block].case_count[0] > 0)
-                json_array_append_new(blocks, report_block(run, (iso_renderer)r, block));
+                json_array_append_new(blocks, report_block(run, iso_renderer_at(r), block));
     json_object_set_new(root, "blocks", blocks);
     json_object_set(root, "cases", run->cases);
     if (run->cli->json)
@@ -407,11 +407,11 @@ static iso_status choose_renderers(bench_run *run, iso_error *err)
     for (const char *at = run->with; *at;) {
         size_t length = strcspn(at, ",");
         char name[32];
-        iso_renderer r;
+        const iso_renderer_info *r;
         snprintf(name, sizeof name, "%.*s", (int)length, at);
         if (iso_renderer_from_name(name, &r, err) != ISO_OK)
             return iso_fail_in(err, ISO_E_USAGE, "--with");
-        run->wanted_renderer[r] = true;
+        run->wanted_renderer[iso_renderer_index(r)] = true;
         at += length + (at[length] == ',');
     }
     return ISO_OK;
@@ -474,8 +474,10 @@ static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    bench_run b = {.views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = "gl", .tf_names = "surface,soft,two-material,shell"};
+    bench_run b = {.views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = iso_renderers_usual()->name, .tf_names = "surface,soft,two-material,shell"};
     const char *methods = "paper,default";
+    char names[256], with[300];
+    snprintf(with, sizeof with, "of %s: each against its own level 0", iso_renderers_with(0, ", ", ", ", names, sizeof names));
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20", "N"},
@@ -485,7 +487,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0, "beside the original: names with commas, or all", "NAMES"},
         {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas", "NAMES"},
         {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, "of gl, reference, povray, cycles: each against its own level 0", "LIST"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
         {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
         {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0, "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
         {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a headlight; else emission alone", NULL},

@@ -20,7 +20,6 @@
 #include "report/gnuplot.h"
 #include "compare/metrics.h"
 #include "compare/statistics.h"
-#include "povray/povray.h"
 
 ISO_EMBED(iso_convergence_gp, "src/bench/convergence.gp");
 
@@ -35,37 +34,18 @@ typedef struct convergence_options {
 
 /* One renderer's way down. */
 typedef struct descent {
-    iso_renderer renderer;
+    const iso_renderer_info *renderer;
     double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps];
     double limit_rmse, error_bar; /* of the extrapolated limit */
     bool agrees;
 } descent;
 
-/* POV-Ray's images have steps of 1.5e-5, which extrapolation widens; floats have less. */
+/* Images of 16 bits have steps of 1.5e-5, which extrapolation widens; floats have less. */
 static const double rounding = 1e-5;
-static const double expected_order = 2;
+static const double expected_order = 2; /* of all renderers that have a limit */
 /* The TF's bends and the cells' borders fall anywhere between the samples, so that part of the error has a random
  * phase: independent errors e and 4 e of the two finest leave 1.9 e in the limit, at a bar of 1.4 e. */
 static const double bars_allowed = 2;
-
-/* POV-Ray has intervals, not steps: the planes stay and the intervals double, so that every interval is halved. */
-static void set_step(const iso_level *level, const convergence_options *o, int i, iso_render_options *opt, double *step)
-{
-    const int halvings = o->steps - 1 - i;
-    *step = ldexp(o->finest, halvings);
-    if (opt->renderer != ISO_WITH_POVRAY) {
-        opt->step_voxels = *step;
-        return;
-    }
-    const iso_geometry *g = &level->geometry;
-    const double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
-    const size_t most = (size_t)ISO_POVRAY_MAX_INTERVALS >> (o->steps - 1) << (o->steps - 1);
-    const double pieces = ceil(chord_voxels / (o->finest * (double)most));
-    opt->planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
-    const double wanted = ceil(ldexp(chord_voxels / (o->finest * (double)(opt->planes + 1)), 1 - o->steps));
-    opt->intervals = (size_t)fmin(wanted, (double)(most >> (o->steps - 1))) << i;
-    *step = chord_voxels / (double)(opt->intervals * (opt->planes + 1));
-}
 
 static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view *view, const convergence_options *o,
                           const iso_image *reference, const iso_cli *cli, descent *d, iso_error *err)
@@ -75,14 +55,18 @@ static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view
     iso_metrics m = {0};
     iso_extrapolation extrapolation = {0};
     iso_status status = ISO_OK;
+    iso_render_options frames[most_steps];
+    for (int i = 0; i < o->steps; ++i) {
+        frames[i] = iso_render_defaults(d->renderer);
+        frames[i].threads = cli->threads;
+    }
+    iso_render_ask_steps(d->renderer, &p->levels[o->level], o->finest, (size_t)o->steps, 1, frames);
     for (int i = 0; i < o->steps && status == ISO_OK; ++i) {
-        iso_render_options opt = iso_render_defaults(d->renderer);
-        opt.threads = cli->threads;
-        set_step(&p->levels[o->level], o, i, &opt, &d->step[i]);
+        d->step[i] = iso_render_step_voxels(&p->levels[o->level], &frames[i]);
         iso_image_destroy(&coarser);
         coarser = image;
         image = (iso_image){0};
-        status = iso_render_with(r, p, (size_t)o->level, view, &opt, &image, NULL, &progress, err);
+        status = iso_render_with(r, p, (size_t)o->level, view, &frames[i], &image, NULL, &progress, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&image, reference, &m, err);
         d->rmse[i] = m.rmse;
@@ -114,13 +98,13 @@ static json_t *to_json(const descent *d, int steps)
     for (int i = 0; i < steps; ++i)
         json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse", number(d->rmse[i]),
                                               "max_abs", number(d->max_abs[i]), "order", number(d->order[i])));
-    return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", iso_renderer_name(d->renderer), "steps", list, "limit",
+    return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit",
                      "rmse", number(d->limit_rmse), "error_bar", number(d->error_bar), "agrees", d->agrees);
 }
 
 static void print_table(const descent *d, int steps)
 {
-    printf("%s\n  %12s %12s %12s %8s\n", iso_renderer_title(d->renderer), "step, voxels", "rmse", "max_abs", "order");
+    printf("%s\n  %12s %12s %12s %8s\n", d->renderer->title, "step, voxels", "rmse", "max_abs", "order");
     for (int i = 0; i < steps; ++i) {
         printf("  %12.5g %12.3g %12.3g", d->step[i], d->rmse[i], d->max_abs[i]);
         if (i > 0)
@@ -141,8 +125,8 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     fprintf(f, "renderer,kind,step_voxels,rmse,error_bar\n");
     for (size_t r = 0; r < count; ++r) {
         for (int i = 0; i < o->steps; ++i)
-            fprintf(f, "%s,step,%.9g,%.9g,NaN\n", iso_renderer_name(d[r].renderer), d[r].step[i], d[r].rmse[i]);
-        fprintf(f, "%s,limit,%.9g,%.9g,%.9g\n", iso_renderer_name(d[r].renderer), 0.75 * d[r].step[o->steps - 1],
+            fprintf(f, "%s,step,%.9g,%.9g,NaN\n", d[r].renderer->name, d[r].step[i], d[r].rmse[i]);
+        fprintf(f, "%s,limit,%.9g,%.9g,%.9g\n", d[r].renderer->name, 0.75 * d[r].step[o->steps - 1],
                 d[r].limit_rmse, d[r].error_bar);
     }
     fclose(f);
@@ -157,17 +141,19 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     return status;
 }
 
-/* "gl,povray" */
-static iso_status parse_renderers(const char *text, descent d[ISO_RENDERER_COUNT], size_t *count, iso_error *err)
+/* "gl,povray": those whose images have limits. */
+static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS], size_t *count, iso_error *err)
 {
     char *copy = strdup(text), *rest = copy;
     iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bench convergence: no memory");
     *count = 0;
     for (char *word; status == ISO_OK && (word = strsep(&rest, ","));) {
-        iso_renderer r = ISO_WITH_GL;
+        const iso_renderer_info *r;
+        char names[256];
         status = iso_renderer_from_name(word, &r, err);
-        if (status == ISO_OK && (r == ISO_WITH_REFERENCE || *count == ISO_RENDERER_COUNT))
-            status = iso_fail(err, ISO_E_USAGE, "--with is \"%s\", wanted a list of gl, cycles and povray", text);
+        if (status == ISO_OK && (!iso_renderer_has(r, ISO_HAS_LIMIT) || *count == ISO_MAX_RENDERERS))
+            status = iso_fail(err, ISO_E_USAGE, "--with is \"%s\", wanted a list of %s", text,
+                              iso_renderers_with(ISO_HAS_LIMIT, ", ", " and ", names, sizeof names));
         if (status == ISO_OK)
             d[(*count)++] = (descent){.renderer = r};
     }
@@ -194,11 +180,11 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_renderers renderers = {0};
-    iso_render_options arbiter = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options arbiter = iso_render_defaults(iso_renderers_truth());
     iso_pyramid p = {0};
     iso_view view = {0};
     iso_image reference = {0};
-    descent d[ISO_RENDERER_COUNT];
+    descent d[ISO_MAX_RENDERERS];
     size_t count = 0;
     iso_status status = check(o, err);
     if (status == ISO_OK)
@@ -232,13 +218,28 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     return status;
 }
 
+/* Those with a limit and without noise, which would hide the order. */
+static char *default_renderers(char *text, size_t size)
+{
+    size_t length = 0;
+    text[0] = 0;
+    for (size_t i = 0; i < iso_renderer_count() && length < size; ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        if (iso_renderer_has(r, ISO_HAS_LIMIT) && !iso_renderer_has(r, ISO_IS_RANDOM))
+            length += (size_t)snprintf(text + length, size - length, "%s%s", length ? "," : "", r->name);
+    }
+    return text;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    convergence_options o = {.with = "gl,povray", .format = "svg", .steps = 4, .finest = 0.125};
+    char usual[256], with[256];
+    convergence_options o = {.with = default_renderers(usual, sizeof usual), .format = "svg", .steps = 4, .finest = 0.125};
+    iso_renderers_with(ISO_HAS_LIMIT, ", ", ", ", with, sizeof with);
     iso_volume_input_defaults(&o.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &o.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, "gl, cycles, povray", "LIST"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
         {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0, "how many steps, each half of the one before", "N"},
         {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0, "the last step, in voxels of the level", "VOXELS"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest", "K"},

@@ -18,7 +18,7 @@ enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 m
 typedef struct power_options {
     char *with, *output, *format;
     int repetitions, planted, size, seed, quick, sensitivity, threads;
-    bool wanted[ISO_RENDERER_COUNT];
+    bool wanted[ISO_MAX_RENDERERS];
 } power_options;
 
 typedef struct tally {
@@ -26,11 +26,11 @@ typedef struct tally {
 } tally;
 
 typedef struct power_result {
-    double ratio[ISO_FAULT_COUNT][ISO_RENDERER_COUNT];  /* value over limit of the check made for it; NaN: not asked */
+    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS];  /* value over limit of the check made for it; NaN: not asked */
     size_t scenes, bright;                              /* all; those with a pixel above 1 */
     size_t changed[ISO_FAULT_COUNT];                    /* scenes that the fault changes by more than their error bar */
-    tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_RENDERER_COUNT]; /* in those; ISO_FAULT_NONE: clean scenes */
-    iso_power_noise noise[ISO_POWER_KIND_COUNT];        /* of Cycles, on scenes with planted faults */
+    tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS]; /* in those; ISO_FAULT_NONE: clean scenes */
+    iso_power_noise noise[ISO_MAX_RENDERERS][ISO_POWER_KIND_COUNT]; /* of random renderers, on scenes with planted faults */
     json_t *wrong;                                      /* faults that were missed and clean scenes that were flagged */
 } power_result;
 
@@ -40,10 +40,10 @@ typedef struct pace {
     double plain_seconds, dear_seconds;
 } pace;
 
-/* A limit of POV-Ray or Cycles takes seconds. */
-static bool is_dear(iso_power_gate gate, iso_renderer renderer)
+/* A limit of another program takes seconds. */
+static bool is_dear(iso_power_gate gate, const iso_renderer_info *renderer)
 {
-    return gate == ISO_POWER_LIMIT && renderer != ISO_WITH_GL;
+    return gate == ISO_POWER_LIMIT && iso_renderer_has(renderer, ISO_IS_PROGRAM);
 }
 
 static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o, power_result *out,
@@ -51,14 +51,14 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
 {
     iso_status status = ISO_OK;
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f)
-        for (int w = 0; w < ISO_RENDERER_COUNT && status == ISO_OK; ++w) {
+        for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
             iso_calibration c;
             const iso_planted planted = {.fault = (iso_fault)f};
             out->ratio[f][w] = NAN;
             if (!o->wanted[w])
                 continue;
             iso_progress_report(progress, "faults in the calibrations", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
-            status = iso_calibrate_check(r, (iso_renderer)w, &planted, iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
+            status = iso_calibrate_check(r, iso_renderer_at(w), &planted, iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
             out->ratio[f][w] = c.value / c.limit;
         }
     return status;
@@ -71,9 +71,9 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
     const iso_planted planted = {.fault = fault};
     iso_status status = ISO_OK;
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
-        for (int w = 0; w < ISO_RENDERER_COUNT && status == ISO_OK; ++w) {
+        for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
             const iso_power_gate gate = (iso_power_gate)g;
-            const iso_renderer renderer = (iso_renderer)w;
+            const iso_renderer_info *renderer = iso_renderer_at(w);
             tally *t = &out->seen[fault][g][w];
             bool rejected;
             if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_dear(gate, renderer) != dear)
@@ -83,7 +83,7 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
             t->rejected += rejected;
             if (status == ISO_OK && rejected == (fault == ISO_FAULT_NONE))
                 json_array_append_new(out->wrong, json_pack("{s:s, s:s, s:s, s:I, s:s}", "fault", iso_fault_name(fault), "gate",
-                                                            iso_power_gate_name(gate), "renderer", iso_renderer_name(renderer),
+                                                            iso_power_gate_name(gate), "renderer", renderer->name,
                                                             "seed", (json_int_t)c->seed, "kind", iso_power_kind_name(c->kind)));
         }
     return status;
@@ -110,13 +110,26 @@ static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const
 
 static iso_status test_noise(iso_renderers *r, const power_options *o, const iso_power_case *c, power_result *out, iso_error *err)
 {
-    iso_power_noise n, *sum = &out->noise[c->kind];
-    iso_status status = iso_power_test_noise(r, c, o->quick ? 8 : 16, &n, err);
-    sum->tests += n.tests;
-    sum->below += n.below;
-    sum->groups += n.groups;
-    sum->flagged += n.flagged;
+    iso_status status = ISO_OK;
+    for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
+        iso_power_noise n, *sum = &out->noise[w][c->kind];
+        if (!o->wanted[w] || !iso_renderer_has(iso_renderer_at(w), ISO_IS_RANDOM))
+            continue;
+        status = iso_power_test_noise(r, c, iso_renderer_at(w), o->quick ? 8 : 16, &n, err);
+        sum->tests += n.tests;
+        sum->below += n.below;
+        sum->groups += n.groups;
+        sum->flagged += n.flagged;
+    }
     return status;
+}
+
+static bool wants_some(const power_options *o, unsigned traits)
+{
+    bool some = false;
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        some = some || (o->wanted[w] && iso_renderer_has(iso_renderer_at(w), traits));
+    return some;
 }
 
 static void tell(const pace *p, const power_options *o, int i)
@@ -135,7 +148,7 @@ static void tell(const pace *p, const power_options *o, int i)
 static iso_status run_scene(iso_renderers *r, const power_options *o, int i, power_result *out, pace *p, iso_error *err)
 {
     iso_power_case c = {.seed = (uint64_t)o->seed * 1000 + (uint64_t)i, .pixels = (size_t)o->size, .first_seed = 1000 * i,
-                        .cycles_seeds = o->quick ? 3 : 4, .threads = o->threads};
+                        .seeds = o->quick ? 3 : 4, .threads = o->threads};
     const double start = iso_clock_seconds();
     tell(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
@@ -144,9 +157,9 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
     if (status == ISO_OK)
         status = plant_in_scene(r, o, &c, false, out, err);
     const double plain = iso_clock_seconds();
-    if (status == ISO_OK && i < o->planted && (o->wanted[ISO_WITH_POVRAY] || o->wanted[ISO_WITH_CYCLES]))
+    if (status == ISO_OK && i < o->planted && wants_some(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
         status = plant_in_scene(r, o, &c, true, out, err);
-    if (status == ISO_OK && i < o->planted && o->wanted[ISO_WITH_CYCLES] && o->size <= most_noise_pixels)
+    if (status == ISO_OK && i < o->planted && o->size <= most_noise_pixels)
         status = test_noise(r, o, &c, out, err);
     p->plain_seconds += plain - start;
     p->dear_seconds += iso_clock_seconds() - plain;
@@ -160,7 +173,7 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
 
 static bool is_caught(const power_result *r, int fault)
 {
-    for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
         if (r->ratio[fault][w] <= 1)
             return false;
     return true;
@@ -169,14 +182,14 @@ static bool is_caught(const power_result *r, int fault)
 /* The largest rate of false alarms that `asked` clean comparisons without one leave possible, at 95 % confidence. */
 static double rate_bound(size_t asked) { return 1 - pow(0.05, 1 / (double)asked); }
 
-static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_RENDERER_COUNT], const char *rejected)
+static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS], const char *rejected)
 {
     json_t *list = json_array();
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
-        for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
             if (t[g][w].asked)
                 json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
-                                                      "renderer", iso_renderer_name((iso_renderer)w), "comparisons",
+                                                      "renderer", iso_renderer_at(w)->name, "comparisons",
                                                       (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
     return list;
 }
@@ -184,12 +197,15 @@ static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_RENDERER_CO
 static json_t *noise_to_json(const power_result *r)
 {
     json_t *list = json_array();
-    for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k)
-        if (r->noise[k].tests)
-            json_array_append_new(list, json_pack("{s:s, s:I, s:I, s:I, s:I}", "kind", iso_power_kind_name((iso_power_kind)k),
-                                                  "groups", (json_int_t)r->noise[k].groups, "flagged",
-                                                  (json_int_t)r->noise[k].flagged, "tests", (json_int_t)r->noise[k].tests,
-                                                  "below_1e-3", (json_int_t)r->noise[k].below));
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
+            const iso_power_noise *n = &r->noise[w][k];
+            if (n->tests)
+                json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:I, s:I, s:I}", "renderer", iso_renderer_at(w)->name, "kind",
+                                                      iso_power_kind_name((iso_power_kind)k), "groups", (json_int_t)n->groups,
+                                                      "flagged", (json_int_t)n->flagged, "tests", (json_int_t)n->tests, "below_1e-3",
+                                                      (json_int_t)n->below));
+        }
     return list;
 }
 
@@ -198,9 +214,9 @@ static json_t *to_json(const power_result *r)
     json_t *faults = json_array();
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
         json_t *ratios = json_object();
-        for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
             if (isfinite(r->ratio[f][w]))
-                json_object_set_new(ratios, iso_renderer_name((iso_renderer)w), json_real(r->ratio[f][w]));
+                json_object_set_new(ratios, iso_renderer_at(w)->name, json_real(r->ratio[f][w]));
         json_array_append_new(faults, json_pack("{s:s, s:s, s:b, s:o, s:I, s:I, s:o}", "fault", iso_fault_name((iso_fault)f),
                                                 "check", iso_fault_check((iso_fault)f), "caught", is_caught(r, f),
                                                 "times_the_limit", ratios, "scenes", (json_int_t)r->scenes, "scenes_changed",
@@ -214,13 +230,13 @@ static json_t *to_json(const power_result *r)
 static void print_calibrations(const power_options *o, const power_result *r)
 {
     printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault", "check");
-    for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
         if (o->wanted[w])
-            printf(" %10s", iso_renderer_name((iso_renderer)w));
+            printf(" %10s", iso_renderer_at(w)->name);
     printf("\n");
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
         printf("%-50s %-18s", iso_fault_name((iso_fault)f), iso_fault_check((iso_fault)f));
-        for (int w = 0; w < ISO_RENDERER_COUNT; ++w)
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
             if (o->wanted[w])
                 printf(" %9.3gx", r->ratio[f][w]);
         printf("%s\n", is_caught(r, f) ? "" : "  NOT CAUGHT");
@@ -231,13 +247,13 @@ static void print_calibrations(const power_options *o, const power_result *r)
 static void print_scene_row(const power_options *o, const power_result *r, int fault)
 {
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
-        for (int w = 0; w < ISO_RENDERER_COUNT; ++w) {
+        for (size_t w = 0; w < iso_renderer_count(); ++w) {
             const tally *t = &r->seen[fault][g][w];
             char cell[48];
-            if (!o->wanted[w] || !iso_power_has_gate((iso_power_gate)g, (iso_renderer)w))
+            if (!o->wanted[w] || !iso_power_has_gate((iso_power_gate)g, iso_renderer_at(w)))
                 continue;
             if (fault == ISO_FAULT_NONE)
-                snprintf(cell, sizeof cell, "%s %s", iso_renderer_name((iso_renderer)w), iso_power_gate_name((iso_power_gate)g));
+                snprintf(cell, sizeof cell, "%s %s", iso_renderer_at(w)->name, iso_power_gate_name((iso_power_gate)g));
             else
                 snprintf(cell, sizeof cell, "%zu of %zu", t->rejected, t->asked);
             printf(" %16s", t->asked || fault == ISO_FAULT_NONE ? cell : "-");
@@ -246,13 +262,15 @@ static void print_scene_row(const power_options *o, const power_result *r, int f
 
 static void print_noise(const power_result *r)
 {
-    for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
-        const iso_power_noise *n = &r->noise[k];
-        if (n->tests)
-            printf("Cycles, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
-                   "    pixels would be below a chance of 1e-3\n",
-                   iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups, (double)n->below / (double)n->tests);
-    }
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
+            const iso_power_noise *n = &r->noise[w][k];
+            if (n->tests)
+                printf("%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
+                       "    pixels would be below a chance of 1e-3\n",
+                       iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
+                       (double)n->below / (double)n->tests);
+        }
 }
 
 static void print_scenes(const power_options *o, const power_result *r)
@@ -269,10 +287,10 @@ static void print_scenes(const power_options *o, const power_result *r)
     }
     printf("\n");
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
-        for (int w = 0; w < ISO_RENDERER_COUNT; ++w) {
+        for (size_t w = 0; w < iso_renderer_count(); ++w) {
             const tally *t = &r->seen[ISO_FAULT_NONE][g][w];
             if (t->asked)
-                printf("clean scenes, %s %s: %zu of %zu flagged%s", iso_renderer_name((iso_renderer)w),
+                printf("clean scenes, %s %s: %zu of %zu flagged%s", iso_renderer_at(w)->name,
                        iso_power_gate_name((iso_power_gate)g), t->rejected, t->asked, t->rejected ? "\n" : "");
             if (t->asked && !t->rejected)
                 printf(" (a rate below %.2g %%, at 95 %% confidence)\n", 100 * rate_bound(t->asked));
@@ -347,13 +365,15 @@ static iso_status bench(const iso_cli *cli, const power_options *o, iso_renderer
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
+    char names[256], with[300];
+    snprintf(with, sizeof with, "renderers besides the reference (%s)", iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
     struct poptOption options[] = {
         {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
-        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "in how many of them faults are planted for the limits of POV-Ray and Cycles (4; 1)", "N"},
-        {"with", 0, POPT_ARG_STRING, &o.with, 0, "renderers besides the reference (gl,cycles,povray)", "LIST"},
+        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
+        {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
         {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)", "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
-        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds of Cycles; the same gates", NULL},
+        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds; the same gates", NULL},
         {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0, "instead: the smallest amount of each deviation that each gate rejects", NULL},
         {"output", 'o', POPT_ARG_STRING, &o.output, 0, "of --sensitivity: a folder for the chart and its data", "DIR"},
         {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},

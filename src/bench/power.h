@@ -4,8 +4,8 @@
  * A case is a random scene with the images that its gates compare with. A gate renders the scene, spoilt or not, and
  * answers by the very limits and verdicts of validate.h.
  *
- *   lock-step   the same samples as the reference: the ray caster's, and POV-Ray's
- *   limit       of halved steps: the ray caster, POV-Ray and Cycles
+ *   lock-step   the same samples as the reference, of renderers whose samples are known
+ *   limit       of halved steps, of all but the reference
  *
  * Random scenes are a rotated, anisotropic noise, right- or left-handed, seen from anywhere, orthographic or in perspective, with one to three
  * lights, of four kinds in turn: smooth transfer functions; bright ones, dense and with highlights above 1; sharp ones
@@ -14,6 +14,7 @@
 #define ISO_BENCH_POWER_H
 
 #include "options/cli.h"
+#include "validate/faults.h"
 #include "validate/validate.h"
 
 typedef enum iso_power_kind { ISO_POWER_SMOOTH, ISO_POWER_BRIGHT, ISO_POWER_SHARP, ISO_POWER_LIT, ISO_POWER_KIND_COUNT } iso_power_kind;
@@ -21,22 +22,23 @@ const char *iso_power_kind_name(iso_power_kind kind);
 
 typedef enum iso_power_gate { ISO_POWER_LOCK_STEP, ISO_POWER_LIMIT, ISO_POWER_GATE_COUNT } iso_power_gate;
 const char *iso_power_gate_name(iso_power_gate gate);
-bool iso_power_has_gate(iso_power_gate gate, iso_renderer renderer);
+bool iso_power_has_gate(iso_power_gate gate, const iso_renderer_info *renderer);
 
 typedef struct iso_power_case {
     uint64_t seed;
     iso_power_kind kind;
     size_t pixels;      /* along the sides of its images */
-    size_t cycles_seeds;
-    int first_seed;     /* of Cycles */
+    size_t seeds;       /* of random renderers */
+    int first_seed;
     int threads;
     iso_scene_agreement asked;
-    iso_tolerances lock_step[2]; /* the ray caster's, POV-Ray's */
-    iso_image converged, midpoint, povray; /* the reference's of the clean scene: limits, lock-steps */
+    iso_image converged, midpoint; /* the reference's of the clean scene: what limits have to meet; what shows a fault */
+    iso_image same_samples[ISO_MAX_RENDERERS]; /* the reference's in lock-step with a renderer, of those that have one */
+    iso_tolerances lock_step[ISO_MAX_RENDERERS];
     double brightest;   /* value of a pixel of `converged` */
 } iso_power_case;
 
-/* The scene's images are rendered. seed, pixels, cycles_seeds, first_seed and threads of *c are given; its kind is that of
+/* The scene's images are rendered. seed, pixels, seeds, first_seed and threads of *c are given; its kind is that of
  * the seed. Release with iso_power_close(), which accepts what failed. */
 iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err);
 void iso_power_close(iso_power_case *c);
@@ -45,15 +47,15 @@ void iso_power_close(iso_power_case *c);
 iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse, iso_error *err);
 
 /* Does the gate reject the renderer, which is given the spoilt scene? planted NULL: the clean one. */
-iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
                          const iso_planted *planted, bool *rejected, iso_error *err);
 
 /* The same for a deviation, whose renderer has the clean scene while the reference's deviates the other way: with a cache
  * in r the images of the renderer are made once for all amounts. */
-iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
                                    iso_deviation deviation, double amount, bool *rejected, iso_error *err);
 
-/* Is the noise of Cycles what the test of its pixels takes it to be? `groups` groups of cycles_seeds seeds each, at the
+/* Is the noise of a random renderer what the test of its pixels takes it to be? `groups` groups of c->seeds seeds each, at the
  * first pair of steps: how many of them the gates of chance flag, and how far from normal the noise is by itself, each
  * group's limits tested against the mean of all others' without any tolerance. */
 typedef struct iso_power_noise {
@@ -61,11 +63,12 @@ typedef struct iso_power_noise {
     size_t tests, below; /* pixels and channels with noise, of all groups; those below a chance of ISO_POWER_NOISE_P */
 } iso_power_noise;
 #define ISO_POWER_NOISE_P 1e-3
-iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, size_t groups, iso_power_noise *out, iso_error *err);
+iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, size_t groups,
+                                iso_power_noise *out, iso_error *err);
 
 /* The smallest amount of each deviation that is rejected, by each gate. */
 typedef struct iso_sensitivity_options {
-    bool wanted[ISO_RENDERER_COUNT];
+    bool wanted[ISO_MAX_RENDERERS];
     int scenes, pixels, seed, threads;
     const char *output, *format; /* a folder for the chart and its data; or NULL */
 } iso_sensitivity_options;

@@ -19,9 +19,9 @@ const char *iso_power_gate_name(iso_power_gate gate)
     return gate == ISO_POWER_LOCK_STEP ? "lock-step" : "limit";
 }
 
-bool iso_power_has_gate(iso_power_gate gate, iso_renderer renderer)
+bool iso_power_has_gate(iso_power_gate gate, const iso_renderer_info *renderer)
 {
-    return renderer == ISO_WITH_GL || renderer == ISO_WITH_POVRAY || (renderer == ISO_WITH_CYCLES && gate == ISO_POWER_LIMIT);
+    return gate == ISO_POWER_LOCK_STEP ? renderer->lock_step != NULL : iso_renderer_has(renderer, ISO_HAS_LIMIT);
 }
 
 /* ---- random scenes -------------------------------------------------------------- */
@@ -135,10 +135,19 @@ static void clear_scene(power_scene *s)
 
 static iso_render_options reference_options(const iso_power_case *c, iso_quadrature quadrature)
 {
-    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
     opt.quadrature = quadrature;
-    opt.intervals = ISO_VALIDATE_POVRAY_INTERVALS;
     opt.threads = c->threads;
+    return opt;
+}
+
+/* What a gate compares a renderer with. */
+static iso_render_options truth_options(const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer)
+{
+    if (gate == ISO_POWER_LIMIT)
+        return reference_options(c, ISO_QUADRATURE_CONVERGED);
+    iso_render_options opt = reference_options(c, renderer->lock_step->quadrature);
+    opt.intervals = renderer->lock_step->intervals;
     return opt;
 }
 
@@ -153,19 +162,25 @@ static double largest(const iso_image *image)
 
 iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err)
 {
-    static const iso_quadrature quadratures[3] = {ISO_QUADRATURE_CONVERGED, ISO_QUADRATURE_MIDPOINT, ISO_QUADRATURE_POVRAY};
-    iso_image *const images[3] = {&c->converged, &c->midpoint, &c->povray};
+    const iso_render_options converged = reference_options(c, ISO_QUADRATURE_CONVERGED),
+                             midpoint = reference_options(c, ISO_QUADRATURE_MIDPOINT);
     power_scene s;
     c->kind = (iso_power_kind)(c->seed % ISO_POWER_KIND_COUNT);
     c->asked = (iso_scene_agreement){.tier = c->kind == ISO_POWER_LIT ? ISO_TIER_LIT : ISO_TIER_CONVERGENCE,
                                      .sharp = c->kind == ISO_POWER_SHARP, .why = "random"};
     iso_status status = make_scene(c, &s, err);
-    for (int i = 0; i < 3 && status == ISO_OK; ++i) {
-        const iso_render_options opt = reference_options(c, quadratures[i]);
-        status = iso_render_with(r, &s.pyramid, 0, &s.view, &opt, images[i], NULL, NULL, err);
+    if (status == ISO_OK)
+        status = iso_render_with(r, &s.pyramid, 0, &s.view, &converged, &c->converged, NULL, NULL, err);
+    if (status == ISO_OK)
+        status = iso_render_with(r, &s.pyramid, 0, &s.view, &midpoint, &c->midpoint, NULL, NULL, err);
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+        const iso_renderer_info *renderer = iso_renderer_at(i);
+        if (!renderer->lock_step)
+            continue;
+        const iso_render_options opt = truth_options(c, ISO_POWER_LOCK_STEP, renderer);
+        status = iso_render_with(r, &s.pyramid, 0, &s.view, &opt, &c->same_samples[i], NULL, NULL, err);
+        c->lock_step[i] = iso_validate_lock_step(renderer, &s.view, c->asked.sharp);
     }
-    c->lock_step[0] = iso_validate_lock_step(ISO_WITH_GL, &s.view, c->asked.sharp);
-    c->lock_step[1] = iso_validate_lock_step(ISO_WITH_POVRAY, &s.view, c->asked.sharp);
     c->brightest = status == ISO_OK ? largest(&c->converged) : NAN;
     clear_scene(&s);
     return status;
@@ -175,7 +190,8 @@ void iso_power_close(iso_power_case *c)
 {
     iso_image_destroy(&c->converged);
     iso_image_destroy(&c->midpoint);
-    iso_image_destroy(&c->povray);
+    for (size_t i = 0; i < ISO_MAX_RENDERERS; ++i)
+        iso_image_destroy(&c->same_samples[i]);
 }
 
 /* The scene is made anew for each fault, which spoils it. */
@@ -193,10 +209,10 @@ static iso_status render_spoilt(iso_renderers *r, const iso_power_case *c, const
     power_scene s;
     *image = (iso_image){0};
     iso_status status = make_spoilt(c, planted, &s, err);
-    r->planted = planted;
+    r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_render_with(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, opt, image, NULL, NULL, err);
-    r->planted = NULL;
+    r->after = (iso_image_hook){0};
     clear_scene(&s);
     return status;
 }
@@ -218,44 +234,44 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
 
 static bool is_rejected(const iso_report_agreement *row) { return strcmp(iso_report_verdict(row), "agree") != 0; }
 
-static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, iso_renderer renderer, const iso_planted *planted,
+static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, const iso_planted *planted,
                                 bool *rejected, iso_error *err)
 {
-    const bool povray = renderer == ISO_WITH_POVRAY;
+    const size_t index = iso_renderer_index(renderer);
     iso_image image = {0};
     power_scene s;
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[povray]};
-    opt.intervals = povray ? ISO_VALIDATE_POVRAY_INTERVALS : 0;
+    iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[index]};
+    opt.intervals = renderer->lock_step->intervals;
     opt.threads = c->threads;
     iso_status status = make_spoilt(c, planted, &s, err);
-    r->planted = planted;
+    r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_render_several(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, 1, &image, NULL, err);
-    r->planted = NULL;
+    r->after = (iso_image_hook){0};
     clear_scene(&s);
     if (status == ISO_OK)
-        status = iso_metrics_measure(povray ? &c->povray : &c->midpoint, &image, &row.metrics, err);
+        status = iso_metrics_measure(&c->same_samples[index], &image, &row.metrics, err);
     *rejected = status == ISO_OK && is_rejected(&row);
     iso_image_destroy(&image);
     return status;
 }
 
-static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, iso_renderer renderer, const iso_planted *planted,
+static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, const iso_planted *planted,
                             bool *rejected, iso_error *err)
 {
     power_scene s;
     iso_limit limit = {0};
     iso_report_agreement row = {0};
-    iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->cycles_seeds, c->threads);
+    iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->seeds, c->threads);
     opt.first_seed = c->first_seed;
     opt.hopeless = 5; /* spares the last halvings of gross faults: tests/test_limits.c shows that verdicts stay */
     iso_status status = make_spoilt(c, planted, &s, err);
-    r->planted = planted;
+    r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_limit_find(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &c->converged, renderer, &opt, &limit,
                                 NULL, err);
-    r->planted = NULL;
+    r->after = (iso_image_hook){0};
     if (status == ISO_OK)
         status = iso_metrics_measure(&c->converged, &limit.image, &row.metrics, err);
     if (status == ISO_OK)
@@ -266,31 +282,29 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, iso_rende
     return status;
 }
 
-iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
                          const iso_planted *planted, bool *rejected, iso_error *err)
 {
     return gate == ISO_POWER_LOCK_STEP ? ask_lock_step(r, c, renderer, planted, rejected, err)
                                        : ask_limit(r, c, renderer, planted, rejected, err);
 }
 
-iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, iso_renderer renderer,
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
                                    iso_deviation deviation, double amount, bool *rejected, iso_error *err)
 {
     const iso_planted inverse = iso_planted_inverse(&(iso_planted){.deviation = deviation, .amount = amount});
-    const iso_render_options opt = reference_options(c, gate == ISO_POWER_LIMIT         ? ISO_QUADRATURE_CONVERGED
-                                                        : renderer == ISO_WITH_POVRAY ? ISO_QUADRATURE_POVRAY
-                                                                                      : ISO_QUADRATURE_MIDPOINT);
+    const iso_render_options opt = truth_options(c, gate, renderer);
     iso_image truth;
     iso_power_case other = *c; /* borrows what it does not replace */
     iso_status status = render_spoilt(r, c, &inverse, &opt, &truth, err);
-    other.converged = other.midpoint = other.povray = truth;
+    other.converged = other.same_samples[iso_renderer_index(renderer)] = truth;
     if (status == ISO_OK)
         status = iso_power_ask(r, &other, gate, renderer, NULL, rejected, err);
     iso_image_destroy(&truth);
     return status;
 }
 
-/* ---- the noise of Cycles ---------------------------------------------------------------- */
+/* ---- noise ------------------------------------------------------------------------------ */
 
 /* The mean of all images but [skip, skip + count). */
 static void mean_of_others(const iso_image *images, size_t all, size_t skip, size_t count, iso_image *mean)
@@ -330,7 +344,7 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
 static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images, iso_image *limits,
                               iso_power_noise *out, iso_error *err)
 {
-    const size_t n = c->cycles_seeds;
+    const size_t n = c->seeds;
     iso_extrapolation unused;
     iso_image others = {0};
     iso_status status = iso_image_create(&others, c->pixels, c->pixels, err);
@@ -352,10 +366,11 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     return status;
 }
 
-iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, size_t groups, iso_power_noise *out, iso_error *err)
+iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, size_t groups,
+                                iso_power_noise *out, iso_error *err)
 {
-    const size_t n = c->cycles_seeds, count = 2 * n * groups;
-    const iso_limit_options opt = iso_validate_limit_options(&c->asked, ISO_WITH_CYCLES, n, c->threads);
+    const size_t n = c->seeds, count = 2 * n * groups;
+    const iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, n, c->threads);
     power_scene s;
     iso_image *images = calloc(count, sizeof *images), *limits = calloc(n * groups, sizeof *limits);
     iso_render_options *frames = calloc(count, sizeof *frames);
@@ -364,7 +379,7 @@ iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, size_
     if (status == ISO_OK && !(images && limits && frames))
         status = iso_fail(err, ISO_E_MEMORY, "bench power: no memory for %zu images", count);
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        frames[i] = iso_render_defaults(ISO_WITH_CYCLES);
+        frames[i] = iso_render_defaults(renderer);
         frames[i].step_voxels = i % (2 * n) < n ? 2 * opt.step_voxels : opt.step_voxels;
         frames[i].seed = c->first_seed + (int)(i / (2 * n) * n + i % n);
         frames[i].threads = c->threads;

@@ -23,24 +23,14 @@ enum { most_scenes = 64 };
 
 /* What is asked: a calibration, or a gate. cost: how long an answer takes, for the estimate. */
 typedef struct probe {
-    const char *name;
-    iso_renderer renderer;
+    char name[64];
+    const iso_renderer_info *renderer;
     bool is_calibration;
     iso_power_gate gate;
     double cost;
 } probe;
 
-/* The limits of the calibrations are 15 times and more what any renderer errs there by itself (test_calibrate), so that the
- * amounts are nearly the same for all: the reference is asked. */
-static const probe probes[] = {
-    {"calibration", ISO_WITH_REFERENCE, true, 0, 1},
-    {"gl lock-step", ISO_WITH_GL, false, ISO_POWER_LOCK_STEP, 4},
-    {"povray lock-step", ISO_WITH_POVRAY, false, ISO_POWER_LOCK_STEP, 4},
-    {"gl limit", ISO_WITH_GL, false, ISO_POWER_LIMIT, 10},
-    {"povray limit", ISO_WITH_POVRAY, false, ISO_POWER_LIMIT, 12},
-    {"cycles limit", ISO_WITH_CYCLES, false, ISO_POWER_LIMIT, 20},
-};
-enum { probe_count = sizeof probes / sizeof *probes };
+enum { most_probes = 1 + ISO_POWER_GATE_COUNT * ISO_MAX_RENDERERS };
 
 /* Smallest amounts, a scene each; a calibration has one. INFINITY: none is rejected; count 0: not asked. */
 typedef struct threshold {
@@ -53,15 +43,38 @@ typedef struct study {
     const iso_sensitivity_options *opt;
     const iso_progress *progress;
     double start, done, all; /* seconds; costs */
-    threshold found[ISO_DEVIATION_COUNT][probe_count];
+    size_t probe_count;
+    probe probes[most_probes]; /* of the wanted renderers */
+    threshold found[ISO_DEVIATION_COUNT][most_probes];
 } study;
+
+/* The limits of the calibrations are 15 times and more what any renderer errs there by itself (test_calibrate), so that the
+ * amounts are nearly the same for all: the reference is asked. */
+static void list_probes(study *s)
+{
+    s->probes[s->probe_count++] = (probe){"calibration", iso_renderers_truth(), true, 0, 1};
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (size_t w = 0; w < iso_renderer_count(); ++w) {
+            const iso_renderer_info *renderer = iso_renderer_at(w);
+            const iso_power_gate gate = (iso_power_gate)g;
+            if (!s->opt->wanted[w] || !iso_power_has_gate(gate, renderer))
+                continue;
+            probe *p = &s->probes[s->probe_count++];
+            *p = (probe){.renderer = renderer, .gate = gate, .cost = gate == ISO_POWER_LIMIT ? 12 : 4};
+            snprintf(p->name, sizeof p->name, "%.40s %s", renderer->name, iso_power_gate_name(gate));
+        }
+}
+
+/* A scene is quickly rendered anew with each amount by a renderer of this process. A program renders it once, and the
+ * reference's scene deviates the other way. */
+static bool renders_each_amount(const probe *p) { return !iso_renderer_has(p->renderer, ISO_IS_PROGRAM); }
 
 static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double amount, bool *rejected,
                       iso_error *err)
 {
     const iso_planted planted = {.deviation = d, .amount = amount};
     iso_calibration result;
-    if (!p->is_calibration && p->renderer == ISO_WITH_GL) /* quicker than the reference */
+    if (!p->is_calibration && renders_each_amount(p))
         return iso_power_ask(s->renderers, c, p->gate, p->renderer, &planted, rejected, err);
     if (!p->is_calibration)
         return iso_power_ask_deviation(s->renderers, c, p->gate, p->renderer, d, amount, rejected, err);
@@ -70,6 +83,9 @@ static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_dev
     *rejected = status == ISO_OK && !result.passed;
     return status;
 }
+
+/* An RMSE is about a quarter of the largest difference. */
+static double guess_of_lock_step(const iso_lock_step *lock) { return lock->smooth.rmse > 0 ? lock->smooth.rmse : lock->smooth.max_abs / 4; }
 
 /* Where to begin: images change in proportion to small amounts, and the gates' limits are known. */
 static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double *amount, iso_error *err)
@@ -80,13 +96,13 @@ static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_d
     iso_calibration result;
     iso_status status;
     if (p->is_calibration) {
-        status = iso_calibrate_check(s->renderers, ISO_WITH_REFERENCE, &planted,
+        status = iso_calibrate_check(s->renderers, p->renderer, &planted,
                                      iso_calibration_number(iso_deviation_check(d)), &result, err);
         change = result.value;
         wanted = result.limit;
     } else {
         status = iso_power_change(s->renderers, c, &planted, &change, err);
-        wanted = p->gate == ISO_POWER_LIMIT ? 0.5 * iso_validate_error_bar(&c->asked) : p->renderer == ISO_WITH_GL ? 1e-6 : 5e-6;
+        wanted = p->gate == ISO_POWER_LIMIT ? 0.5 * iso_validate_error_bar(&c->asked) : guess_of_lock_step(p->renderer->lock_step);
     }
     *amount = fmin(change > 0 ? small * wanted / change : iso_deviation_most(d), iso_deviation_most(d));
     return status;
@@ -135,7 +151,7 @@ static void tell(study *s, const probe *p, int scene)
 /* One probe, all deviations. c NULL: a calibration. */
 static iso_status run_probe(study *s, const iso_power_case *c, size_t index, int scene, iso_error *err)
 {
-    const probe *p = &probes[index];
+    const probe *p = &s->probes[index];
     iso_status status = ISO_OK;
     tell(s, p, scene);
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT && status == ISO_OK; ++d) {
@@ -159,21 +175,21 @@ static uint64_t seed_of(const study *s, int i)
 static iso_status run_study(study *s, iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (size_t p = 0; p < probe_count; ++p)
-        if (s->opt->wanted[probes[p].renderer])
-            s->all += probes[p].cost * (probes[p].is_calibration ? 1 : s->opt->scenes);
+    list_probes(s);
+    for (size_t p = 0; p < s->probe_count; ++p)
+        s->all += s->probes[p].cost * (s->probes[p].is_calibration ? 1 : s->opt->scenes);
     s->start = iso_clock_seconds();
-    for (size_t p = 0; p < probe_count && status == ISO_OK; ++p)
-        if (s->opt->wanted[probes[p].renderer] && probes[p].is_calibration)
+    for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p)
+        if (s->probes[p].is_calibration)
             status = run_probe(s, NULL, p, 0, err);
     for (int i = 0; i < s->opt->scenes && status == ISO_OK; ++i) {
-        iso_power_case c = {.seed = seed_of(s, i), .pixels = (size_t)s->opt->pixels, .cycles_seeds = 4, .first_seed = 1000 * i,
+        iso_power_case c = {.seed = seed_of(s, i), .pixels = (size_t)s->opt->pixels, .seeds = 4, .first_seed = 1000 * i,
                             .threads = s->opt->threads};
         iso_frame_cache cache = {0};
         status = iso_power_open(s->renderers, &c, err);
-        for (size_t p = 0; p < probe_count && status == ISO_OK; ++p) {
-            s->renderers->cache = probes[p].renderer == ISO_WITH_GL ? NULL : &cache;
-            if (s->opt->wanted[probes[p].renderer] && !probes[p].is_calibration)
+        for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p) {
+            s->renderers->cache = renders_each_amount(&s->probes[p]) ? NULL : &cache;
+            if (!s->probes[p].is_calibration)
                 status = run_probe(s, &c, p, i, err);
             s->renderers->cache = NULL;
         }
@@ -194,7 +210,7 @@ static int by_value(const void *a, const void *b)
 static void sort_all(study *s)
 {
     for (int d = 0; d < ISO_DEVIATION_COUNT; ++d)
-        for (size_t p = 0; p < probe_count; ++p)
+        for (size_t p = 0; p < s->probe_count; ++p)
             qsort(s->found[d][p].amount, s->found[d][p].count, sizeof(double), by_value);
 }
 
@@ -204,15 +220,14 @@ static void print_table(const study *s)
 {
     printf("The smallest amount that is rejected: median of %d scenes whose transfer functions are not sharp, %d x %d pixels\n%-52s",
            s->opt->scenes, s->opt->pixels, s->opt->pixels, "deviation");
-    for (size_t p = 0; p < probe_count; ++p)
-        if (s->opt->wanted[probes[p].renderer])
-            printf(" %18s", probes[p].name);
+    for (size_t p = 0; p < s->probe_count; ++p)
+        printf(" %18s", s->probes[p].name);
     printf("\n");
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d) {
         char label[80];
         snprintf(label, sizeof label, "%s (%s)", iso_deviation_name((iso_deviation)d), iso_deviation_unit((iso_deviation)d));
         printf("%-52s", label);
-        for (size_t p = 0; p < probe_count; ++p) {
+        for (size_t p = 0; p < s->probe_count; ++p) {
             const threshold *t = &s->found[d][p];
             if (t->count && isfinite(median(t)))
                 printf(" %18.2g", median(t));
@@ -229,7 +244,7 @@ static void print_json(const study *s, const iso_cli *cli)
 {
     json_t *root = iso_cli_json(cli), *list = json_array();
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d)
-        for (size_t p = 0; p < probe_count; ++p) {
+        for (size_t p = 0; p < s->probe_count; ++p) {
             const threshold *t = &s->found[d][p];
             if (!t->count)
                 continue;
@@ -237,14 +252,14 @@ static void print_json(const study *s, const iso_cli *cli)
             for (size_t i = 0; i < t->count; ++i)
                 json_array_append_new(amounts, number(t->amount[i]));
             json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o, s:o}", "deviation", iso_deviation_name((iso_deviation)d),
-                                                  "unit", iso_deviation_unit((iso_deviation)d), "gate", probes[p].name,
+                                                  "unit", iso_deviation_unit((iso_deviation)d), "gate", s->probes[p].name,
                                                   "smallest_rejected", number(median(t)), "of_each_scene", amounts));
         }
     json_object_set_new(root, "sensitivity", list);
     iso_cli_print_json(root);
 }
 
-/* Columns: deviation with its unit, gate, least, median, largest. */
+/* Columns: deviation with its unit, gate, least, median, largest, the color of the gate's renderer. */
 static iso_status draw(const study *s, iso_error *err)
 {
     char *csv = NULL;
@@ -252,15 +267,16 @@ static iso_status draw(const study *s, iso_error *err)
     FILE *f = open_memstream(&csv, &size);
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "bench power: no memory for the chart's data");
-    fprintf(f, "deviation,gate,least,median,largest\n");
+    fprintf(f, "deviation,gate,least,median,largest,color\n");
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d)
-        for (size_t p = 0; p < probe_count; ++p) {
+        for (size_t p = 0; p < s->probe_count; ++p) {
             const threshold *t = &s->found[d][p];
             if (!t->count || !isfinite(median(t)))
                 continue;
             const double last = t->amount[t->count - 1];
-            fprintf(f, "\"%s (%s)\",%s,%.6g,%.6g,%.6g\n", iso_deviation_name((iso_deviation)d), iso_deviation_unit((iso_deviation)d),
-                    probes[p].name, t->amount[0], median(t), isfinite(last) ? last : iso_deviation_most((iso_deviation)d));
+            fprintf(f, "\"%s (%s)\",%s,%.6g,%.6g,%.6g,%s\n", iso_deviation_name((iso_deviation)d), iso_deviation_unit((iso_deviation)d),
+                    s->probes[p].name, t->amount[0], median(t), isfinite(last) ? last : iso_deviation_most((iso_deviation)d),
+                    s->probes[p].renderer->color);
         }
     fclose(f);
     iso_output out = {0};

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "plan/cached.h"
 #include "pyramid/palette_level.h"
+#include "renderers/gl.h"
 #include "plan/planner.h"
 #include "scene/subject.h"
 #include "tf/adapt.h"
@@ -162,8 +163,8 @@ static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
 
 double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c)
 {
-    const iso_chart_pace *pace = &b->pace[c->renderer];
-    const bool other_program = iso_chart_is_other_program(c->renderer);
+    const iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
+    const bool other_program = iso_renderer_has(c->renderer, ISO_IS_PROGRAM);
     const double needs = foresee_needs(b, c) + b->metrics_seconds;
     if (!pace->is_known)
         return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
@@ -175,9 +176,9 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
 /* The slowest seen; what was slow once, as other work on the machine makes it, is forgotten by halves. */
 static void learn(iso_chart_bench *b, const iso_chart_case *c, double all_seconds)
 {
-    iso_chart_pace *pace = &b->pace[c->renderer];
+    iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
     const double frames = c->took.median_seconds * (double)c->took.count, setup = fmax(all_seconds - frames, 0);
-    const double voxels = iso_chart_is_other_program(c->renderer) ? 1 : fmax((double)c->voxel_count, 1e5);
+    const double voxels = iso_renderer_has(c->renderer, ISO_IS_PROGRAM) ? 1 : fmax((double)c->voxel_count, 1e5);
     pace->setup_seconds = fmax(0.5 * pace->setup_seconds, setup / voxels);
     pace->frame_seconds_per_cost = fmax(0.5 * pace->frame_seconds_per_cost, c->took.median_seconds / c->relative_cost);
     pace->is_known = true;
@@ -264,11 +265,12 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     const iso_cached_options opt = {.plan_error = c->plan_error, .step_voxels = c->step_voxels, .repeats = MOST_FRAMES,
                                     .repeat_seconds = FRAMES_SECONDS, .threads = b->threads};
     iso_cached_report report;
-    iso_status status = iso_renderers_need_gl(&b->renderers, err);
+    iso_gl *gl;
+    iso_status status = iso_renderers_need_gl(&b->renderers, &gl, err);
     if (status == ISO_OK && b->processor_time)
-        iso_gl_time_processor(b->renderers.gl, true);
+        iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
-        status = iso_cached_render_nodes(b->renderers.gl, &b->nodes, &b->plan, &b->view, &opt, image, &report, err);
+        status = iso_cached_render_nodes(gl, &b->nodes, &b->plan, &b->view, &opt, image, &report, err);
     if (status != ISO_OK)
         return status;
     iso_render_stats_of_gl(&report.gl, &c->took);

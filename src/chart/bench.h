@@ -49,7 +49,7 @@ typedef struct iso_chart_bench {
     iso_renderers renderers;
     iso_image reference;
     double reference_seconds, metrics_seconds; /* of the last comparison */
-    iso_chart_pace pace[ISO_RENDERER_COUNT];
+    iso_chart_pace pace[ISO_MAX_RENDERERS];
 } iso_chart_bench;
 
 /* Loads what the chart stands on: the first pyramid, by `grid` where the path is a volume, and the scene. The pointers are

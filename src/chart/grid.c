@@ -11,8 +11,7 @@
 
 const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
-const iso_chart_words iso_chart_default_words = {.with = "gl,povray,cycles",
-                                                 .steps = "2,1,0.5,0.25,0.125",
+const iso_chart_words iso_chart_default_words = {.steps = "2,1,0.5,0.25,0.125",
                                                  .quadratures = "midpoint,preintegrated",
                                                  .codes = "fit,snorm,shell,free,cube,region48,squeeze",
                                                  .filters = "moments,eq1,naive",
@@ -41,9 +40,10 @@ static iso_status parse_numbers(const char *option, const char *text, double lo,
 
 static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
 {
-    iso_renderer r = ISO_WITH_GL;
+    const iso_renderer_info *r;
     iso_status status = iso_renderer_from_name(word, &r, err);
-    flags[r] = true;
+    if (status == ISO_OK)
+        flags[iso_renderer_index(r)] = true;
     return status;
 }
 
@@ -113,12 +113,15 @@ static const char *first_word(const char *list, char word[64])
     return word;
 }
 
+const char *iso_chart_default_renderers(char *text, size_t size) { return iso_renderers_with(ISO_HAS_LIMIT, ",", ",", text, size); }
+
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)
 {
     const iso_chart_words *usual = &iso_chart_default_words;
     *g = (iso_chart_grid){.step_count = 0};
     bool quadratures[2] = {false}, tfs[3] = {false};
     char word[64];
+    char with[256];
     const char *filters = words->filters ? words->filters : usual->filters,
                *estimators = words->estimators ? words->estimators : usual->estimators,
                *codes = words->codes ? words->codes : usual->codes,
@@ -127,7 +130,7 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
         const char *list;
         iso_status (*take)(const char *, bool *, iso_error *);
         bool *flags;
-    } lists[] = {{words->with ? words->with : usual->with, take_renderer, g->with},
+    } lists[] = {{words->with ? words->with : iso_chart_default_renderers(with, sizeof with), take_renderer, g->with},
                  {codes, take_code, g->codes},
                  {filters, take_filter, g->filters},
                  {estimators, take_estimator, g->estimators},
@@ -148,7 +151,7 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
     if (status == ISO_OK && strcmp(plans, "none") != 0)
         status = parse_numbers("--plans", plans, 1e-6, 1, "errors of 1e-6 to 1, such as 4/255,1/255, or none", g->plans,
                                &g->plan_count, err);
-    for (int r = 0; r < ISO_RENDERER_COUNT && !words->with; ++r)
+    for (size_t r = 0; r < iso_renderer_count() && !words->with; ++r)
         g->optional[r] = g->with[r];
     g->midpoint = quadratures[0];
     g->preintegrated = quadratures[1];
@@ -181,13 +184,13 @@ const char *iso_chart_name_tf(const iso_chart_case *c)
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
 {
     if (c->plan_error > 0) {
-        snprintf(text, size, "%s; plan for %.2g; step %g", iso_renderer_name(c->renderer), c->plan_error, c->step_voxels);
+        snprintf(text, size, "%s; plan for %.2g; step %g", c->renderer->name, c->plan_error, c->step_voxels);
         return;
     }
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual = c->estimator == ISO_GRADIENT_CENTRAL;
     char shading_from[64];
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
-    snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", iso_renderer_name(c->renderer), c->level,
+    snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", c->renderer->name, c->level,
              !c->adapted                       ? ""
              : c->second == ISO_SECOND_VALUE_DEVIATION ? " 2D TF (deviation)"
              : c->second == ISO_SECOND_VALUE_GRADIENT  ? " 2D TF (gradient)"
@@ -200,7 +203,7 @@ void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 {
     char shading_from[64];
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
-    snprintf(text, size, "%s: %s", iso_renderer_name(c->renderer), c->plan_error > 0 ? "plan" : shading_from);
+    snprintf(text, size, "%s: %s", c->renderer->name, c->plan_error > 0 ? "plan" : shading_from);
 }
 
 /* ---- the grid --------------------------------------------------------------- */
@@ -220,17 +223,15 @@ static double stored_bytes(const iso_level *level, const iso_chart_case *c)
  * throughout. */
 static double relative_cost(const iso_level *level, const iso_chart_case *c)
 {
-    static const double slower[ISO_RENDERER_COUNT] = {
-        [ISO_WITH_GL] = 1, [ISO_WITH_REFERENCE] = 10, [ISO_WITH_CYCLES] = 100, [ISO_WITH_POVRAY] = 100};
     const size_t *n = level->geometry.size;
     double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
     double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
-    return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) * slower[c->renderer];
+    return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) * c->renderer->relative_cost;
 }
 
 /* What is usual, from which a setting departs. */
 typedef struct usual_choice {
-    iso_renderer renderer;
+    const iso_renderer_info *renderer;
     iso_code code;
     iso_gradient_method estimator;
     iso_direction_filter filter;
@@ -241,9 +242,9 @@ static size_t count_departures(const iso_chart_case *c, const usual_choice *usua
 {
     size_t n = (size_t)c->adapted + (c->second != ISO_SECOND_VALUE_NONE) + c->preintegrated + (c->filter != usual->filter) +
                (c->estimator != usual->estimator) + (c->plan_error > 0);
-    if (iso_chart_is_other_program(usual->renderer)) /* nothing else was asked for: they are equals */
-        n += !iso_chart_is_other_program(c->renderer);
-    else if (iso_chart_is_other_program(c->renderer))
+    if (iso_renderer_has(usual->renderer, ISO_IS_PROGRAM)) /* nothing else was asked for: they are equals */
+        n += !iso_renderer_has(c->renderer, ISO_IS_PROGRAM);
+    else if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM))
         n += c->level == 0 && c->step_voxels == usual->step_voxels ? 1 : 2;
     else
         n += c->renderer != usual->renderer;
@@ -261,7 +262,7 @@ static int by_turn(const void *a, const void *b)
     const iso_chart_case *x = a, *y = b;
     const double keys[][2] = {{(double)x->departures, (double)y->departures},
                               {x->needs_pyramid, y->needs_pyramid},
-                              {iso_chart_is_other_program(x->renderer), iso_chart_is_other_program(y->renderer)},
+                              {iso_renderer_has(x->renderer, ISO_IS_PROGRAM), iso_renderer_has(y->renderer, ISO_IS_PROGRAM)},
                               {x->estimator, y->estimator},
                               {x->filter, y->filter},
                               {x->relative_cost, y->relative_cost},
@@ -278,7 +279,7 @@ static int by_turn(const void *a, const void *b)
 static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
 {
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual_pyramid = c->filter == usual->filter && c->estimator == usual->estimator;
-    if (iso_chart_is_other_program(c->renderer) && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
+    if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM) && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
         return false;
     if ((c->level == 0 || on_the_fly) && c->filter != usual->filter)
         return false;
@@ -295,8 +296,8 @@ static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
 /* Is the setting asked for, and can it be made? A pyramid on disk is what it is; without floats it keeps its code. */
 static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual, const iso_chart_case *c)
 {
-    const bool other_program = iso_chart_is_other_program(c->renderer), has_floats = is_volume || first->levels[c->level].directions;
-    if (!g->with[c->renderer])
+    const bool other_program = iso_renderer_has(c->renderer, ISO_IS_PROGRAM), has_floats = is_volume || first->levels[c->level].directions;
+    if (!g->with[iso_renderer_index(c->renderer)])
         return false;
     if (is_volume ? !g->filters[c->filter] || !g->estimators[c->estimator] : c->filter != usual->filter || c->estimator != usual->estimator)
         return false;
@@ -329,16 +330,26 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     static const iso_second_value second[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
     c.adapted = i % 4 > 0, c.second = second[i % 4], i /= 4;
     c.level = i % levels, i /= levels;
-    c.renderer = i < ISO_RENDERER_COUNT ? (iso_renderer)i : ISO_RENDERER_COUNT; /* the count: no more */
+    c.renderer = i < iso_renderer_count() ? iso_renderer_at(i) : NULL; /* NULL: no more */
     return c;
+}
+
+/* NULL: none. */
+static const iso_renderer_info *wanted_with_bricks(const iso_chart_grid *g)
+{
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
+        if (g->with[r] && iso_renderer_has(iso_renderer_at(r), ISO_HAS_BRICKS))
+            return iso_renderer_at(r);
+    return NULL;
 }
 
 /* Plans are nodes of level 0 in bricks, whose bytes are known when they are made. */
 static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual, iso_chart_case *cases, size_t *count)
 {
-    for (size_t i = 0; i < g->plan_count && g->with[ISO_WITH_GL]; ++i)
+    const iso_renderer_info *renderer = wanted_with_bricks(g);
+    for (size_t i = 0; i < g->plan_count && renderer; ++i)
         for (size_t k = 0; k < g->step_count; ++k) {
-            iso_chart_case c = {.renderer = ISO_WITH_GL, .source = ISO_FROM_FLOAT, .second = ISO_SECOND_VALUE_NONE, .metrics = {.rmse = NAN},
+            iso_chart_case c = {.renderer = renderer, .source = ISO_FROM_FLOAT, .second = ISO_SECOND_VALUE_NONE, .metrics = {.rmse = NAN},
                                 .estimator = usual->estimator, .filter = usual->filter, .code = usual->code};
             c.plan_error = g->plans[i];
             c.step_voxels = g->steps[k];
@@ -352,16 +363,16 @@ static void add_plans(const iso_chart_grid *g, const iso_level *level0, const us
 iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
                                 size_t *count, iso_error *err)
 {
-    usual_choice usual = {.renderer = ISO_WITH_GL, .code = first->options.code, .estimator = first->options.gradient.method,
+    usual_choice usual = {.renderer = iso_renderers_usual(), .code = first->options.code, .estimator = first->options.gradient.method,
                           .filter = first->options.direction_filter, .step_voxels = g->steps[g->step_count / 2]};
-    for (int r = 0; r < ISO_RENDERER_COUNT && !g->with[usual.renderer]; ++r)
-        usual.renderer = (iso_renderer)r;
+    for (size_t r = 0; r < iso_renderer_count() && !g->with[iso_renderer_index(usual.renderer)]; ++r)
+        usual.renderer = iso_renderer_at(r);
     *cases = NULL;
     for (int pass = 0; pass < 2; ++pass) { /* counts, then fills */
         *count = 0;
         for (size_t i = 0;; ++i) {
             iso_chart_case c = combination(g, first->level_count, i);
-            if (c.renderer == ISO_RENDERER_COUNT)
+            if (!c.renderer)
                 break;
             if (!is_wanted(g, first, is_volume, &usual, &c) || !is_distinct(&c, &usual))
                 continue;

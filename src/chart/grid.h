@@ -17,16 +17,18 @@ enum { ISO_CHART_BRICK_VOXELS = 16, ISO_CHART_BRICK_LEVELS = 3 };
 
 #define ISO_CHART_MAX_LIST 16
 
-/* What the user asked for; NULL is the default, which `isoshade chart --help` prints from here. */
+/* What the user asked for; NULL is the default, which `isoshade chart --help` prints from here. Of renderers it is all but
+ * the reference, which everything is compared with: iso_chart_default_renderers(). */
 typedef struct iso_chart_words {
     const char *with, *steps, *quadratures, *codes, *filters, *estimators, *tfs, *plans;
 } iso_chart_words;
 extern const iso_chart_words iso_chart_default_words;
+const char *iso_chart_default_renderers(char *text, size_t size);
 
 /* Which values each axis of the grid has. */
 typedef struct iso_chart_grid {
-    bool with[ISO_RENDERER_COUNT], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
-    bool optional[ISO_RENDERER_COUNT]; /* in the default list: left out where it does not answer */
+    bool with[ISO_MAX_RENDERERS], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
+    bool optional[ISO_MAX_RENDERERS]; /* in the default list: left out where it does not answer */
     bool midpoint, preintegrated;
     bool original, adapted, tf_2d; /* transfer functions of coarse levels */
     double steps[ISO_CHART_MAX_LIST], plans[ISO_CHART_MAX_LIST]; /* voxels; predicted errors */
@@ -38,7 +40,7 @@ typedef struct iso_chart_grid {
 
 /* One setting of the grid, and what it gave. */
 typedef struct iso_chart_case {
-    iso_renderer renderer;
+    const iso_renderer_info *renderer;
     size_t level;
     iso_gradient_method estimator;
     iso_direction_filter filter;
@@ -70,8 +72,6 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
  * other programs, which take long, count two; but one image of each other program comes early. */
 iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
                                 size_t *count, iso_error *err);
-
-static inline bool iso_chart_is_other_program(iso_renderer r) { return r == ISO_WITH_CYCLES || r == ISO_WITH_POVRAY; }
 
 /* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);

@@ -205,8 +205,8 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     put_input(f, r->bench->input);
     put_option(f, "scene", r->scene);
     put_option(f, "size", r->size);
-    if (c->renderer != ISO_WITH_GL)
-        put_option(f, "with", iso_renderer_name(c->renderer));
+    if (c->renderer != iso_renderers_usual())
+        put_option(f, "with", c->renderer->name);
     if (c->plan_error > 0) {
         put_number(f, "plan-error", c->plan_error);
         fprintf(f, " --brick %d --brick-levels %d", ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS);
@@ -224,7 +224,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     put_number(f, "step", c->step_voxels);
     if (c->preintegrated)
         put_option(f, "quadrature", "preintegrated");
-    else if (c->renderer == ISO_WITH_REFERENCE)
+    else if (iso_renderer_has(c->renderer, ISO_READS_QUADRATURE) && c->renderer->defaults.quadrature != ISO_QUADRATURE_MIDPOINT)
         put_option(f, "quadrature", "midpoint");
     fputs(" -o setting.exr", f);
     if (fclose(f) == 0)
@@ -256,7 +256,7 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
     iso_chart_describe(c, setting, sizeof setting);
     char *command = iso_chart_command(r, c);
-    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer", iso_renderer_name(c->renderer),
+    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer", c->renderer->name,
                           "level", (json_int_t)c->level, "shading_from", shading_from, "filter", iso_direction_filter_name(c->filter),
                           "estimator", iso_gradient_name(c->estimator), "tf", iso_chart_name_tf(c), "quadrature",
                           c->preintegrated ? "preintegrated" : "midpoint", "step_voxels", c->step_voxels);
@@ -324,9 +324,9 @@ static void free_untried(tag_list *untried)
 static json_t *strings_json(const char (*texts)[320])
 {
     json_t *o = json_object();
-    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (texts[i][0])
-            json_object_set_new(o, iso_renderer_name((iso_renderer)i), json_string(texts[i]));
+            json_object_set_new(o, iso_renderer_at(i)->name, json_string(texts[i]));
     return o;
 }
 
@@ -401,9 +401,9 @@ static char *result_csv(const iso_chart_result *r)
         iso_chart_describe_series(c, series, sizeof series);
         iso_chart_describe(c, setting, sizeof setting);
         iso_chart_name_shading(c, shading_from, sizeof shading_from);
-        snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION, r->versions[c->renderer]);
+        snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION, r->versions[iso_renderer_index(c->renderer)]);
         char *command = iso_chart_command(r, c);
-        fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, iso_renderer_name(c->renderer), c->level, shading_from,
+        fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, c->renderer->name, c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
                 c->preintegrated ? "preintegrated" : "midpoint", c->step_voxels, c->plan_error);
         fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.12g,", 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
@@ -519,9 +519,9 @@ static void print_skipped(const iso_chart_result *r)
 {
     tag_list *untried;
     const size_t skipped = r->count - r->done_count - r->refused_count;
-    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (r->left_out[i][0])
-            printf("left out: %s: %s\n", iso_renderer_name((iso_renderer)i), r->left_out[i]);
+            printf("left out: %s: %s\n", iso_renderer_at(i)->name, r->left_out[i]);
     if (r->refused_count > 0)
         printf("%zu settings could not be rendered: %s\n", r->refused_count, r->refusal);
     if (skipped == 0)

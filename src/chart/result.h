@@ -34,8 +34,8 @@ typedef struct iso_chart_result {
     size_t best;               /* of the least error */
     double budget_seconds, spent_seconds; /* budget 0: none */
     const char *scene, *size, *output, *style;
-    char versions[ISO_RENDERER_COUNT][320]; /* empty: not used */
-    char left_out[ISO_RENDERER_COUNT][320]; /* why a renderer was; or empty */
+    char versions[ISO_MAX_RENDERERS][320]; /* empty: not used */
+    char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
     size_t refused_count;      /* settings that could not be rendered */
     char refusal[320];         /* why the first could not */
 } iso_chart_result;

@@ -48,11 +48,11 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
     iso_chart_result *result = &run->result;
     bool any = false;
     iso_status status = ISO_OK;
-    for (int r = 0; r < ISO_RENDERER_COUNT && status == ISO_OK; ++r) {
+    for (size_t r = 0; r < iso_renderer_count() && status == ISO_OK; ++r) {
         iso_error why = {""};
         if (!run->grid.with[r])
             continue;
-        status = iso_renderer_version(&run->bench.renderers, (iso_renderer)r, result->versions[r], sizeof result->versions[r], &why);
+        status = iso_renderer_at(r)->version(&run->bench.renderers, result->versions[r], sizeof result->versions[r], &why);
         if (status != ISO_OK && run->grid.optional[r]) {
             snprintf(result->left_out[r], sizeof result->left_out[r], "%.300s", why.text);
             run->grid.with[r] = false;
@@ -60,15 +60,18 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
         } else if (status != ISO_OK) {
             status = iso_fail(err, status, "%s", why.text);
         }
-        if (status == ISO_OK && r == ISO_WITH_CYCLES && run->grid.with[r] && run->bench.processor_time) {
-            status = run->grid.optional[r] ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--processor-time: Blender does not say that of a frame");
-            snprintf(result->left_out[r], sizeof result->left_out[r], "Blender does not say the processor time of a frame");
+        const iso_renderer_info *renderer = iso_renderer_at(r);
+        if (status == ISO_OK && !iso_renderer_has(renderer, ISO_HAS_PROCESSOR_TIME) && run->grid.with[r] && run->bench.processor_time) {
+            status = run->grid.optional[r] ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--processor-time: %s does not say that of a frame",
+                                                               renderer->title);
+            snprintf(result->left_out[r], sizeof result->left_out[r], "%s does not say the processor time of a frame", renderer->title);
             run->grid.with[r] = false;
         }
         any = any || run->grid.with[r];
     }
     if (status == ISO_OK && !any)
-        return iso_fail(err, ISO_E_MISSING, "none of the renderers answers: %s", result->left_out[ISO_WITH_GL]);
+        return iso_fail(err, ISO_E_MISSING, "none of the renderers answers: %s",
+                        result->left_out[iso_renderer_index(iso_renderers_usual())]);
     return status;
 }
 
@@ -77,8 +80,8 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
 static iso_status take_failure(chart_run *run, const iso_chart_case *c, iso_status status, const iso_error *why, iso_error *err)
 {
     iso_chart_result *result = &run->result;
-    const iso_renderer r = c->renderer;
-    if (run->grid.optional[r] && iso_chart_is_other_program(r)) {
+    const size_t r = iso_renderer_index(c->renderer);
+    if (run->grid.optional[r] && iso_renderer_has(c->renderer, ISO_IS_PROGRAM)) {
         snprintf(result->left_out[r], sizeof result->left_out[r], "%.300s", why->text);
         run->grid.with[r] = false;
         return ISO_OK;
@@ -99,7 +102,7 @@ static const double AGAIN_FACTOR = 2.5;
 static bool is_worth_timing_again(const iso_chart_result *r, const iso_chart_case *c)
 {
     const double error = iso_chart_error(c, r->metric);
-    if (!c->done || iso_chart_is_other_program(c->renderer) || !isfinite(error))
+    if (!c->done || iso_renderer_has(c->renderer, ISO_IS_PROGRAM) || !isfinite(error))
         return false;
     for (size_t j = 0; j < r->count; ++j)
         if (r->cases[j].done && AGAIN_FACTOR * r->cases[j].took.seconds < c->took.seconds && iso_chart_error(&r->cases[j], r->metric) <= error)
@@ -139,7 +142,7 @@ static iso_status measure_all(chart_run *run, double end_seconds, iso_error *err
         iso_error why = {""};
         const double left_seconds = end_seconds - iso_clock_seconds();
         iso_progress_report(&progress, "settings", fmax((double)i / (double)result->count, 1 - left_seconds / all_seconds));
-        if (!run->grid.with[c->renderer] || (result->done_count > 0 && iso_chart_bench_foresee(&run->bench, c) > left_seconds))
+        if (!run->grid.with[iso_renderer_index(c->renderer)] || (result->done_count > 0 && iso_chart_bench_foresee(&run->bench, c) > left_seconds))
             continue;
         const iso_status one = iso_chart_bench_measure(&run->bench, c, &why);
         result->done_count += c->done;
@@ -201,7 +204,9 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     if (status == ISO_OK)
         status = iso_chart_bench_reference(&run->bench, err);
     const double end_seconds = end_of_measuring(run);
-    const bool some_again = run->grid.with[ISO_WITH_GL] || run->grid.with[ISO_WITH_REFERENCE];
+    bool some_again = false; /* frames of programs take too long to be timed again */
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
+        some_again = some_again || (run->grid.with[r] && !iso_renderer_has(iso_renderer_at(r), ISO_IS_PROGRAM));
     double again_seconds = 0;
     if (isfinite(end_seconds) && some_again)
         again_seconds = AGAIN_PART * fmax(end_seconds - iso_clock_seconds(), 0);
@@ -248,7 +253,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     const iso_chart_words *usual = &iso_chart_default_words;
-    char help[8][256];
+    char help[8][256], renderers[256], quadratures[128], plans[200], names[100];
+    snprintf(quadratures, sizeof quadratures, "of %s", iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
+    snprintf(plans, sizeof plans, "%s: bricks of mixed resolution, planned for these predicted errors; or none",
+             iso_renderers_with(ISO_HAS_BRICKS, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
@@ -257,15 +265,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC"},
         {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0, "device (default): what the renderer holds; or stored: the level in files", "WHICH"},
         {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "for everything, from reading to drawing; the reference and one setting are made in any case; 0: no limit, the whole grid is tried", "SECONDS"},
-        {"with", 0, POPT_ARG_STRING, &a.words.with, 0, with_default(help[0], sizeof *help, "renderers; also reference. Those of the default are left out where missing", usual->with), "LIST"},
+        {"with", 0, POPT_ARG_STRING, &a.words.with, 0, with_default(help[0], sizeof *help, "renderers; also reference. Those of the default are left out where missing", iso_chart_default_renderers(renderers, sizeof renderers)), "LIST"},
         {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0, with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
-        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0, with_default(help[2], sizeof *help, "of gl and the reference", usual->quadratures), "LIST"},
+        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0, with_default(help[2], sizeof *help, quadratures, usual->quadratures), "LIST"},
         {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0, with_default(help[3], sizeof *help, "of a volume's gradients; the first makes the reference's", usual->estimators), "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0, with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
         {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, with_default(help[5], sizeof *help, "of directions", usual->codes), "LIST"},
         {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0, with_default(help[6], sizeof *help, "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level", usual->tfs), "LIST"},
-        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, "gl: bricks of mixed resolution, planned for these predicted errors; or none", usual->plans), "LIST"},
+        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans), "LIST"},
         {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0, "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_render.c - one level of a volume as an image, by any of the four renderers. */
+/* cmd_render.c - one level of a volume as an image, by any of the renderers. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #include "options/input.h"
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
-#include "renderers/renderers.h"
+#include "renderers/gl.h"
 #include "options/roi.h"
 #include "scene/subject.h"
 
@@ -19,7 +19,8 @@ typedef struct render_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
     iso_cli_roi roi;
-    char *scene, *with, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
+    const char *with;
+    char *scene, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels, page_side;
     double step, cache_bytes;
     char *plan_error_text, *code, *direction_filter, *estimator;
@@ -27,65 +28,86 @@ typedef struct render_arguments {
     const char *shader_dir;
 } render_arguments;
 
+/* The renderers that have a trait: "reference and gl". */
+static const char *and_list(unsigned trait, char names[256]) { return iso_renderers_with(trait, ", ", " and ", names, 256); }
+
 /* An option that the renderer would pass over is an error: its user would believe it. */
-static iso_status check_for_renderer(const render_arguments *a, iso_renderer renderer, iso_error *err)
+static iso_status check_for_renderer(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
-    const unsigned reference = 1u << ISO_WITH_REFERENCE, gl = 1u << ISO_WITH_GL, cycles = 1u << ISO_WITH_CYCLES,
-                   povray = 1u << ISO_WITH_POVRAY;
     const struct {
-        const char *option, *where;
+        const char *option;
         bool given;
-        unsigned renderers;
+        unsigned trait;
     } rules[] = {
-        {"--quadrature", "reference and gl", a->quadrature != NULL, reference | gl},
-        {"--shading-from", "reference and gl", a->source != NULL, reference | gl},
-        {"--intervals", "povray and reference", a->intervals != 0, povray | reference},
-        {"--planes", "povray", a->planes != 0, povray},
-        {"--samples", "cycles", a->samples != 0, cycles},
-        {"--seed", "cycles", a->seed != 0, cycles},
-        {"--shader-dir", "gl", a->shader_dir != NULL, gl},
-        {"--shade-table", "gl", a->shade_table != 0, gl},
-        {"--exact-lookups", "gl", a->exact_lookups != 0, gl},
+        {"--quadrature", a->quadrature != NULL, ISO_READS_QUADRATURE},
+        {"--shading-from", a->source != NULL, ISO_READS_SOURCE},
+        {"--intervals", a->intervals != 0, ISO_READS_INTERVALS},
+        {"--planes", a->planes != 0, ISO_READS_PLANES},
+        {"--samples", a->samples != 0, ISO_READS_SAMPLES},
+        {"--seed", a->seed != 0, ISO_READS_SEED},
+        {"--shader-dir", a->shader_dir != NULL, ISO_READS_SHADERS},
+        {"--shade-table", a->shade_table != 0, ISO_READS_SHADE_TABLE},
+        {"--exact-lookups", a->exact_lookups != 0, ISO_READS_EXACT_LOOKUPS},
     };
+    char names[256];
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-        if (rules[i].given && !(rules[i].renderers & 1u << renderer))
-            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option, rules[i].where);
+        if (rules[i].given && !iso_renderer_has(renderer, rules[i].trait))
+            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option, and_list(rules[i].trait, names));
     return ISO_OK;
 }
 
-/* The ray caster has no end of its refinement and no other program's sums. */
-static iso_status take_quadrature(const char *word, iso_renderer renderer, iso_quadrature *quadrature, iso_error *err)
+static const struct {
+    const char *name;
+    iso_quadrature value;
+} quadratures[] = {{"converged", ISO_QUADRATURE_CONVERGED},
+                   {"midpoint", ISO_QUADRATURE_MIDPOINT},
+                   {"preintegrated", ISO_QUADRATURE_PREINTEGRATED},
+                   {"povray", ISO_QUADRATURE_POVRAY}};
+enum { quadrature_count = sizeof quadratures / sizeof *quadratures };
+
+/* "midpoint or preintegrated": what the renderer can be asked for. Its default is marked where mark is true. */
+static const char *list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160])
 {
-    static const struct {
-        const char *name;
-        iso_quadrature value;
-        bool in_gl;
-    } quadratures[] = {{"converged", ISO_QUADRATURE_CONVERGED, false},
-                       {"midpoint", ISO_QUADRATURE_MIDPOINT, true},
-                       {"preintegrated", ISO_QUADRATURE_PREINTEGRATED, true},
-                       {"povray", ISO_QUADRATURE_POVRAY, false}};
-    for (size_t i = 0; i < sizeof quadratures / sizeof *quadratures; ++i)
-        if (strcmp(quadratures[i].name, word) == 0 && (quadratures[i].in_gl || renderer == ISO_WITH_REFERENCE)) {
+    size_t wanted = 0, done = 0, length = 0;
+    text[0] = 0;
+    for (size_t i = 0; i < quadrature_count; ++i)
+        wanted += renderer->quadratures >> quadratures[i].value & 1;
+    for (size_t i = 0; i < quadrature_count && length < 160; ++i)
+        if (renderer->quadratures >> quadratures[i].value & 1) {
+            length += (size_t)snprintf(text + length, 160 - length, "%s%s%s", done == 0 ? "" : done + 1 < wanted ? ", " : " or ",
+                                       quadratures[i].name,
+                                       mark && quadratures[i].value == renderer->defaults.quadrature ? " (default)" : "");
+            ++done;
+        }
+    return text;
+}
+
+static iso_status take_quadrature(const char *word, const iso_renderer_info *renderer, iso_quadrature *quadrature, iso_error *err)
+{
+    char wanted[160];
+    for (size_t i = 0; i < quadrature_count; ++i)
+        if (strcmp(quadratures[i].name, word) == 0 && renderer->quadratures >> quadratures[i].value & 1) {
             *quadrature = quadratures[i].value;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
-                    renderer == ISO_WITH_REFERENCE ? "converged, midpoint, preintegrated or povray" : "midpoint or preintegrated");
+    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word, list_quadratures(renderer, false, wanted));
 }
 
 static bool is_in_bricks(const render_arguments *a) { return a->cache_bytes != 0 || a->plan_error > 0; }
 
 /* Bricks choose their levels themselves, and are what the ray caster has decoded. */
-static iso_status check_cache(const render_arguments *a, iso_renderer renderer, iso_error *err)
+static iso_status check_cache(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
+    char names[256];
     if (!is_in_bricks(a))
         return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
     if (a->cache_bytes != 0 && a->plan_error > 0)
         return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
-    if (renderer != ISO_WITH_GL || a->level != 0 || a->source || a->palette || a->shade_table || a->exact_lookups ||
+    if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table || a->exact_lookups ||
         a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with gl, without --level, --shading-from, --palette, --shade-table, "
-                                          "--exact-lookups, --isosurface, --quadrature, --adapt and --roi");
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
+                                          "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
+                        and_list(ISO_HAS_BRICKS, names));
     iso_status status = a->plan_error > 0 ? ISO_OK : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
@@ -124,32 +146,34 @@ static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *e
 }
 
 /* The limit is made of renders by the step alone. */
-static iso_status check_limit(const render_arguments *a, iso_renderer renderer, iso_error *err)
+static iso_status check_limit(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
+    char names[256];
     if (!a->limit)
         return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
-    if (renderer == ISO_WITH_REFERENCE || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table ||
+    if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table ||
         a->exact_lookups || is_in_bricks(a))
-        return iso_fail(err, ISO_E_USAGE, "--limit is for --with gl, cycles and povray, without --quadrature, --shading-from, "
-                                          "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error");
+        return iso_fail(err, ISO_E_USAGE, "--limit is for --with %s, without --quadrature, --shading-from, "
+                                          "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
+                        and_list(ISO_HAS_LIMIT, names));
     if (a->intervals % 2)
         return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
-    if (a->seeds && renderer != ISO_WITH_CYCLES)
-        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with cycles alone");
+    if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
+        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with %s alone", and_list(ISO_IS_RANDOM, names));
     return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
 }
 
 static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
 {
-    iso_renderer renderer = ISO_WITH_GL;
+    const iso_renderer_info *renderer;
     iso_status status = iso_renderer_from_name(a->with, &renderer, err);
-    *opt = iso_render_defaults(renderer);
+    *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
     if (status == ISO_OK && a->source)
         status = iso_direction_source_from_name(a->source, &opt->source, err);
     if (status == ISO_OK && a->step != 0)
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     if (status == ISO_OK)
-        status = iso_words_check_range("--intervals", a->intervals, 0, renderer == ISO_WITH_POVRAY ? 255 : 1e6, err);
+        status = iso_words_check_range("--intervals", a->intervals, 0, renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--planes", a->planes, 0, 64, err);
     if (status == ISO_OK)
@@ -261,9 +285,10 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, i
     const iso_cached_options o = {.cache_bytes = a->cache_bytes, .plan_error = a->plan_error, .brick_voxels = (size_t)a->brick, .level_count = (size_t)a->brick_levels,
                                   .page_side = (size_t)a->page_side, .step_voxels = a->step, .threads = cli->threads};
     iso_cached_report r;
-    iso_status status = iso_renderers_need_gl(renderers, err);
+    iso_gl *gl;
+    iso_status status = iso_renderers_need_gl(renderers, &gl, err);
     if (status == ISO_OK)
-        status = iso_cached_render(renderers->gl, &p->levels[0], view, &o, image, &r, progress, err);
+        status = iso_cached_render(gl, &p->levels[0], view, &o, image, &r, progress, err);
     *seconds = r.seconds;
     if (status == ISO_OK)
         report_cache(&r, cli);
@@ -272,7 +297,7 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, i
 
 /* Extrapolated from the step and its double; of Cycles the mean over seeds. */
 static iso_status render_limit(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
-                               const iso_view *view, iso_renderer which, iso_image *image, double *seconds,
+                               const iso_view *view, const iso_renderer_info *which, iso_image *image, double *seconds,
                                const iso_progress *progress, iso_error *err)
 {
     iso_limit_options o = iso_limit_defaults();
@@ -323,7 +348,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)
-        status = iso_renderer_version(&renderers, opt.renderer, version, sizeof version, err);
+        status = opt.renderer->version(&renderers, version, sizeof version, err);
     if (status == ISO_OK && is_in_bricks(a))
         status = render_cached(a, cli, &renderers, &pyramid, &view, &image, &seconds, &progress, err);
     else if (status == ISO_OK && a->limit)
@@ -344,41 +369,70 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     return status;
 }
 
+/* Texts of --help that name renderers. */
+typedef struct help_texts {
+    char text[24][320];
+    size_t count;
+} help_texts;
+
+static const char *list_renderers(help_texts *h) { return iso_renderers_with(0, ", ", " or ", h->text[h->count++], sizeof h->text[0]); }
+
+/* "gl and povray: what" */
+static const char *of_those(help_texts *h, unsigned trait, const char *what)
+{
+    char names[256], *text = h->text[h->count++];
+    snprintf(text, sizeof h->text[0], "%.100s: %.200s", and_list(trait, names), what);
+    return text;
+}
+
+/* "reference: converged (default) or midpoint; gl: ..." */
+static const char *describe_quadratures(help_texts *h)
+{
+    char list[160], *text = h->text[h->count++];
+    size_t length = 0;
+    for (size_t i = 0; i < iso_renderer_count() && length < sizeof h->text[0]; ++i)
+        if (iso_renderer_has(iso_renderer_at(i), ISO_READS_QUADRATURE))
+            length += (size_t)snprintf(text + length, sizeof h->text[0] - length, "%s%s: %s", length ? "; " : "",
+                                       iso_renderer_at(i)->name, list_quadratures(iso_renderer_at(i), true, list));
+    return text;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    render_arguments a = {.with = "gl", .brick = 16, .brick_levels = 4};
+    help_texts help = {.count = 0};
+    render_arguments a = {.with = iso_renderers_usual()->name, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, "reference, gl, cycles or povray", "RENDERER"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, "directions: codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest; reference and gl", "SOURCE"},
+        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, of_those(&help, ISO_READS_SOURCE, "directions: codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest"), "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette", "FILE.csv"},
-        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, "gl: filter textures at positions in double precision; slow, for certifying", NULL},
-        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, "gl: shade the palette's entries once instead of each sample", NULL},
+        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures at positions in double precision; slow, for certifying"), NULL},
+        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
-        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, "reference: converged (default), midpoint, preintegrated or povray; gl: midpoint (default) or preintegrated", "RULE"},
+        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
         {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "a volume's estimator of gradients: central (default), sobel, ...", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels: moments (default), eq1, naive or tensor", "NAME"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: fit (default), snorm, region48, ...", "NAME"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "reference, gl and povray: the first hit of this value, opaque", "VALUE"},
-        {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, "povray, and the reference in its quadrature: intervals a ray", "N"},
-        {"planes", 0, POPT_ARG_INT, &a.planes, 0, "povray: planes that cut each ray, with --intervals", "N"},
-        {"samples", 0, POPT_ARG_INT, &a.samples, 0, "cycles: samples a pixel (1)", "N"},
-        {"seed", 0, POPT_ARG_INT, &a.seed, 0, "cycles: seed of its random numbers", "N"},
-        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, "gl, cycles and povray: the limit of --step (0.25), or --intervals, and its double, as validate compares it", NULL},
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, "cycles with --limit: renders at each step, whose mean counts (4)", "N"},
-        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, "gl: by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits", "BYTES"},
-        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, "gl: by bricks of mixed levels, as coarse as this predicted RMSE allows", "1/255"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, of_those(&help, ISO_HAS_ISOSURFACES, "the first hit of this value, opaque"), "VALUE"},
+        {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, of_those(&help, ISO_READS_INTERVALS, "intervals a ray; of the reference in POV-Ray's quadrature"), "N"},
+        {"planes", 0, POPT_ARG_INT, &a.planes, 0, of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
+        {"samples", 0, POPT_ARG_INT, &a.samples, 0, of_those(&help, ISO_READS_SAMPLES, "samples a pixel (1)"), "N"},
+        {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of its random numbers"), "N"},
+        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, of_those(&help, ISO_HAS_LIMIT, "the limit of --step (0.25), or --intervals, and its double, as validate compares it"), NULL},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, whose mean counts (4)"), "N"},
+        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, of_those(&help, ISO_HAS_BRICKS, "by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits"), "BYTES"},
+        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, of_those(&help, ISO_HAS_BRICKS, "by bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "of these two: voxels a side", "N"},
         {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "of these two: levels of the bricks, with level 0", "N"},
         {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "of these two: texels a side of a texture at most; more textures are made where one is too small", "TEXELS"},
-        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, "gl: shaders from this folder instead of the built-in ones", "DIR"},
+        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -397,7 +451,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_render = {
     .name = "render",
-    .summary = "render a level with the reference, OpenGL, Cycles or POV-Ray",
+    .summary = "render a level with any of the renderers",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
     .details = "All renderers compute the same integral from the same scene. A volume is made a pyramid in memory; a pyramid on\n"
                "disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",

@@ -88,10 +88,10 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
 /* What the exit code says: nothing differed; a difference; or a renderer that could not be compared. */
 static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, iso_error *err)
 {
-    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->refused[i][0])
             return iso_fail(err, strncmp(v->refused[i], "missing", 7) == 0 ? ISO_E_MISSING : ISO_E_UNTRUSTED, "%s %s",
-                            iso_renderer_name((iso_renderer)i), v->refused[i]);
+                            iso_renderer_at(i)->name, v->refused[i]);
     return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
 }
 
@@ -265,6 +265,11 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     validate_arguments a = {0};
+    char names[256], with[320], seeds[400];
+    snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
+             iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
+    snprintf(seeds, sizeof seeds, "renders of %s at each step, whose mean and scatter are tested (4; 3 with --quick)",
+             iso_renderers_with(ISO_IS_RANDOM, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
@@ -273,8 +278,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
-        {"with", 0, POPT_ARG_STRING, &a.with, 0, "renderers to compare with the reference (gl,cycles,povray)", "LIST"},
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, "renders of Cycles at each step, whose mean and scatter are tested (4; 3 with --quick)", "N"},
+        {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         ISO_CLI_INPUT_OPTIONS(&a.input),

@@ -1,76 +1,191 @@
 /* SPDX-License-Identifier: MIT */
-/* renderers.h - one call for the four renderers, as the commands use them.
+/* renderers.h - what is known of each renderer, and one call for all of them.
  *
- * The CPU reference and the GL ray caster live in src/render, Cycles and
- * POV-Ray behind exporters/; only here they meet. The GL context is made at its
- * first use and kept. */
+ * A renderer is one file of this folder: a struct iso_renderer_info that says what it is called, what it can do, how exact
+ * its images are, and how it renders. ISO_RENDERER_LIST names them all. Whoever lists, checks, calibrates, limits or prints
+ * renderers goes over that table and asks the struct; nobody asks for a certain renderer, but for the reference, which the
+ * others are compared with. doc/extending.md shows how one is added. */
 #ifndef ISO_RENDERERS_H
 #define ISO_RENDERERS_H
 
 #include "base/progress.h"
-#include "renderers/faults.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
-#include "render/gl/raycaster.h"
 #include "render/reference.h"
 #include "scene/scene.h"
 
-/* enum, name, how it is called in reports */
-#define ISO_RENDERER_LIST(X)                        \
-    X(ISO_WITH_REFERENCE, "reference", "Reference") \
-    X(ISO_WITH_GL, "gl", "OpenGL ray caster")       \
-    X(ISO_WITH_CYCLES, "cycles", "Blender Cycles")  \
-    X(ISO_WITH_POVRAY, "povray", "POV-Ray")
+typedef struct iso_renderer_info iso_renderer_info;
+typedef struct iso_renderers iso_renderers;
 
-typedef enum iso_renderer {
-#define ISO_RENDERER_ENUM(name, text, title) name,
-    ISO_RENDERER_LIST(ISO_RENDERER_ENUM)
-#undef ISO_RENDERER_ENUM
-    ISO_RENDERER_COUNT
-} iso_renderer;
+/* ---- what is asked of a renderer ---- */
 
-const char *iso_renderer_name(iso_renderer r);
-const char *iso_renderer_title(iso_renderer r);
-/* First hits of a value. */
-bool iso_renderer_has_isosurfaces(iso_renderer r);
-iso_status iso_renderer_from_name(const char *name, iso_renderer *r, iso_error *err);
-
-/* "gl,povray"; NULL: all. The reference is always wanted. */
-iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_RENDERER_COUNT], iso_error *err);
-
-/* What an image took, by the renderer's own account. */
+/* What an image takes, by the renderer's own account. */
+enum { ISO_RENDER_MAX_FRAMES = 16 };
 typedef struct iso_render_stats {
     double seconds, median_seconds, most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
     size_t count;
-    double frame_seconds[ISO_GL_MAX_DRAWS]; /* rising */
+    double frame_seconds[ISO_RENDER_MAX_FRAMES]; /* rising */
     double setup_seconds; /* before it: textures; or the start, the export and the reading of another program */
     double bytes;         /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
                            * reference's floats and codes */
 } iso_render_stats;
 
+/* What a frame depends on besides what is rendered: type, name. All of it is compared to know a frame again. */
+#define ISO_FRAME_FIELDS(X)                                                                                    \
+    X(const iso_renderer_info *, renderer)                                                                     \
+    X(iso_direction_source, source)   /* of renderers that read one */                                         \
+    X(iso_quadrature, quadrature)     /* of those that have several */                                         \
+    X(double, step_voxels)            /* 0: the view's; of other programs their own defaults */                \
+    X(size_t, intervals)              /* of a ray, instead of a step; 0: the converged defaults */             \
+    X(size_t, planes)                 /* that cut each ray, with intervals */                                  \
+    X(bool, extrapolate)              /* with intervals */                                                     \
+    X(int, samples)                   /* a pixel; 0: the default */                                            \
+    X(int, seed)                      /* of random numbers */                                                  \
+    X(bool, isosurface)               /* the first hit of the value iso instead of the integral */             \
+    X(double, iso)                                                                                             \
+    X(bool, shade_table)              /* palettes: shade the entries once instead of each sample */            \
+    X(bool, exact_lookups)            /* textures at positions in double precision (render/gl/raycaster.h) */
+
 typedef struct iso_render_options {
-    iso_renderer renderer;
-    iso_direction_source source;   /* reference and GL */
-    iso_quadrature quadrature;     /* reference; GL: pre-integrated, or else the midpoint */
-    double step_voxels;            /* 0: the view's; for Cycles and POV-Ray their own defaults */
-    size_t intervals, planes;      /* POV-Ray, and the reference in its quadrature; 0 intervals: the converged defaults */
-    bool extrapolate;              /* POV-Ray, with intervals */
-    int samples, seed;             /* Cycles; 0: defaults */
-    bool isosurface;               /* first hit of the value iso; not Cycles */
-    double iso;
-    bool shade_table;              /* GL, palettes */
-    bool exact_lookups;            /* GL: render/gl/raycaster.h */
-    size_t repeats;                /* GL and the reference: frames, the last of which is the image ... */
-    double repeat_seconds;         /* ... as long as they have taken less than this; above 0 a warm-up goes before them */
-    bool processor_time;           /* stats: the frame's processor time over all cores instead of the clock's; not of Cycles */
-    iso_render_stats *stats;       /* filled; or NULL */
+#define ISO_FRAME_FIELD(type, name) type name;
+    ISO_FRAME_FIELDS(ISO_FRAME_FIELD)
+#undef ISO_FRAME_FIELD
+    size_t repeats;          /* frames that are drawn, the last of which is the image ... */
+    double repeat_seconds;   /* ... as long as they have taken less than this; above 0 a warm-up goes before them */
+    bool processor_time;     /* stats: the frame's processor time over all cores instead of the clock's */
+    iso_render_stats *stats; /* filled; or NULL */
     int threads;
 } iso_render_options;
-iso_render_options iso_render_defaults(iso_renderer r);
 
-/* As if the frames of both had been drawn at once; beyond ISO_GL_MAX_DRAWS the slowest are forgotten. */
-void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
-void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats);
+/* What is rendered, and where to. */
+typedef struct iso_render_request {
+    iso_renderers *renderers;
+    const iso_pyramid *pyramid;
+    size_t level; /* one that is there */
+    const iso_view *view;
+    const iso_render_options *options;
+    const iso_progress *progress;
+} iso_render_request;
+
+/* ---- what is known of a renderer ---- */
+
+/* What it can do, and which options it reads; the others it passes over. */
+typedef enum iso_trait {
+    ISO_IS_PROGRAM = 1 << 0,         /* started for each request, which takes seconds, and given an export, which carries
+                                      * decoded directions; else it runs in this process */
+    ISO_IS_RANDOM = 1 << 1,          /* its images have noise: it is run with several seeds */
+    ISO_HAS_LIMIT = 1 << 2,          /* its error falls with the square of its ray step */
+    ISO_HAS_ISOSURFACES = 1 << 3,
+    ISO_HAS_CLIP_PLANES = 1 << 4,
+    ISO_HAS_2D_TFS = 1 << 5,         /* 2D transfer functions */
+    ISO_HAS_ROI = 1 << 6,            /* a region of interest */
+    ISO_HAS_BRICKS = 1 << 7,         /* bricks of mixed resolution (plan/cached.h) */
+    ISO_HAS_PROCESSOR_TIME = 1 << 8, /* tells that of a frame */
+    ISO_READS_QUADRATURE = 1 << 9,
+    ISO_READS_SOURCE = 1 << 10,      /* takes directions from codes, floats, palettes ..., filtered as asked */
+    ISO_READS_INTERVALS = 1 << 11,
+    ISO_READS_PLANES = 1 << 12,
+    ISO_READS_SAMPLES = 1 << 13,
+    ISO_READS_SEED = 1 << 14,
+    ISO_READS_SHADE_TABLE = 1 << 15,
+    ISO_READS_EXACT_LOOKUPS = 1 << 16,
+    ISO_READS_SHADERS = 1 << 17,     /* iso_renderers.shader_dir */
+} iso_trait;
+#define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI)
+
+/* How far the same samples may be from the reference's; 0: not asked for. */
+typedef struct iso_sample_error {
+    double rmse, max_abs;
+} iso_sample_error;
+
+/* Where a renderer puts its samples is known: the reference puts its own in the same places, and what is left is how exactly
+ * the renderer computes. */
+typedef struct iso_lock_step {
+    iso_quadrature quadrature;      /* of the reference, which has the same samples */
+    size_t intervals;               /* that both are asked for; 0: the view's step */
+    iso_sample_error smooth, sharp; /* by the transfer function; where it is steep it multiplies differences */
+    const char *why;                /* the cause of these */
+    iso_sample_error exact;         /* with exact lookups, of any transfer function; zeroed: it has none */
+    const char *exact_why;
+} iso_lock_step;
+
+/* Of the integers that its images are stored in. Zeroed: floats. */
+typedef struct iso_render_output {
+    unsigned bits;                        /* a channel */
+    double (*peak)(const iso_view *view); /* the color that the largest integer stands for */
+    double rounding;                      /* of that color */
+} iso_render_output;
+
+struct iso_renderer_info {
+    const char *name;       /* on command lines and in reports: "gl" */
+    const char *title;      /* as people say it: "OpenGL ray caster" */
+    const char *color;      /* of its marks in charts */
+    unsigned traits;        /* iso_trait */
+    unsigned quadratures;   /* 1 << iso_quadrature of those that it reads */
+    iso_render_options defaults; /* .renderer need not be set */
+    double relative_cost;   /* of a frame, in those of the ray caster */
+    double first_step_voxels; /* where the search for its limit begins; 0: where the transfer function says */
+    size_t max_intervals;   /* of a ray, or of its piece between two planes; 0: it has steps */
+    const iso_lock_step *lock_step; /* or NULL */
+    iso_render_output output;
+
+    /* "Blender 3.4.1": what answers. ISO_E_MISSING: why nothing does. */
+    iso_status (*version)(iso_renderers *r, char *text, size_t size, iso_error *err);
+    /* Creates the image. Fills stats but for setup_seconds of programs, which the caller knows. */
+    iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);
+    /* `count` frames, from request->options on, by one start; all or none. NULL: one after the other. */
+    iso_status (*render_several)(const iso_render_request *request, size_t count, iso_image *images, iso_error *err);
+    /* Asks `count` frames for steps, the last for finest_voxels and each other for the double of the next, so that all samples
+     * of one are halved into those of the next; and so that the last can be halved `spare` times more, a factor of 1 to 4.
+     * NULL: by step_voxels. */
+    void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare, iso_render_options *frames);
+    /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
+    void (*end)(void *kept);
+};
+
+static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits) { return (r->traits & traits) == traits; }
+
+/* ---- the table ---- */
+
+/* The renderers: a file each, in the order in which they are listed. */
+#define ISO_RENDERER_LIST(X)   \
+    X(iso_renderer_reference)  \
+    X(iso_renderer_gl)         \
+    X(iso_renderer_cycles)     \
+    X(iso_renderer_povray)
+#define ISO_RENDERER_EXTERN(renderer) extern const iso_renderer_info renderer;
+ISO_RENDERER_LIST(ISO_RENDERER_EXTERN)
+#undef ISO_RENDERER_EXTERN
+
+enum { ISO_MAX_RENDERERS = 16 }; /* for arrays by iso_renderer_index() */
+size_t iso_renderer_count(void);
+const iso_renderer_info *iso_renderer_at(size_t index);
+size_t iso_renderer_index(const iso_renderer_info *r);
+/* What the others are compared with. */
+const iso_renderer_info *iso_renderers_truth(void);
+/* Taken where none is named: the quickest. */
+const iso_renderer_info *iso_renderers_usual(void);
+
+/* Adds a renderer at the end of the table, for as long as the process runs; it is not copied. Before any other call, by one
+ * thread. ISO_E_USAGE: its name is taken; ISO_E_RANGE: the table is full. */
+iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err);
+
+/* ISO_E_USAGE, with the names that there are. */
+iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err);
+/* "gl,povray"; NULL: all. The reference is always wanted. */
+iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
+
+/* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ". Returns
+ * text, which is cut where it is too long. */
+const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size);
+
+/* ---- rendering ---- */
+
+/* Something done to each image before anybody sees it. Zeroed: nothing. */
+typedef struct iso_image_hook {
+    void (*change)(const void *user, iso_image *image);
+    const void *user;
+} iso_image_hook;
 
 /* Images of one scene by their options, for work that asks for the same ones again. Zeroed: empty. */
 typedef struct iso_frame_cache {
@@ -80,28 +195,44 @@ typedef struct iso_frame_cache {
 } iso_frame_cache;
 void iso_frame_cache_clear(iso_frame_cache *cache);
 
-typedef struct iso_renderers {
-    iso_gl *gl;
-    const char *shader_dir; /* NULL: the embedded shaders */
-    const iso_planted *planted; /* what spoils each image that is rendered; NULL but where faults are studied */
-    iso_frame_cache *cache;     /* of iso_render_several(), while pyramid, level, view and planted stay; borrowed, or NULL */
-} iso_renderers;
+/* Zeroed, it is ready. */
+struct iso_renderers {
+    void *kept[ISO_MAX_RENDERERS]; /* what a renderer keeps between images, such as a context; by iso_renderer_index() */
+    const char *shader_dir;        /* NULL: the embedded shaders */
+    iso_image_hook after;          /* of each image that is rendered */
+    iso_frame_cache *cache;        /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
+};
 void iso_renderers_end(iso_renderers *r);
-/* Makes r->gl if it is not there. */
-iso_status iso_renderers_need_gl(iso_renderers *r, iso_error *err);
+static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_info *of) { return &r->kept[iso_renderer_index(of)]; }
 
-/* ISO_E_MISSING when the program or device is not there. *seconds may be NULL. */
+iso_render_options iso_render_defaults(const iso_renderer_info *r);
+
+/* What the view or the first hit of a value asks for and the renderer does not have: "clip planes"; or NULL. */
+const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_view *view, bool isosurface);
+
+/* Asks frames for steps as iso_renderer_info.ask_steps does. */
+void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count, double spare,
+                          iso_render_options *frames);
+/* The step that a frame asks for, of the longest ray where it has intervals. */
+double iso_render_step_voxels(const iso_level *level, const iso_render_options *frame);
+/* The longest ray through a level, in its smallest spacing. */
+double iso_level_chord_voxels(const iso_level *level);
+
+/* ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the view or the
+ * options ask for. *seconds may be NULL. */
 iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                            const iso_render_options *opt, iso_image *image, double *seconds,
                            const iso_progress *progress, iso_error *err);
 
 /* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of frames[i].
- * Cycles starts once for all. All or none are created. */
+ * All or none are created. */
 iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                               const iso_render_options *frames, size_t count, iso_image *images,
                               const iso_progress *progress, iso_error *err);
 
-/* "Blender 3.4.1", "POV-Ray 3.7.0.10", "llvmpipe ...": what answers, or why nothing does. */
-iso_status iso_renderer_version(iso_renderers *r, iso_renderer which, char *text, size_t size, iso_error *err);
+/* As if the frames of both had been drawn at once; beyond ISO_RENDER_MAX_FRAMES the slowest are forgotten. */
+void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
+/* The fastest, the middle and the slowest of at least one frame. */
+void iso_render_stats_sum_up(iso_render_stats *stats, const double *seconds, size_t count);
 
 #endif

@@ -10,7 +10,6 @@
 #include "validate/closed_form.h"
 #include "validate/limits.h"
 #include "validate/validate.h"
-#include "povray/povray.h"
 
 /* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
 static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
@@ -24,21 +23,19 @@ static const double grazing_part = 5e-5;
 /* Of lit scenes: below what a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 
-/* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighbouring
- * entries differ by most of an opacity, that becomes some 1e-5.
- * POV-Ray writes 16 bits a channel, which round by 7.6e-6 of the brightest that there can be. */
-iso_tolerances iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp)
+iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp)
 {
-    if (renderer == ISO_WITH_POVRAY)
-        return (iso_tolerances){.max_abs = sharp ? 2e-4 : fmax(2e-5, 1e-5 * iso_povray_peak(view))};
-    return sharp ? (iso_tolerances){.rmse = 5e-6, .max_abs = 2e-4} : (iso_tolerances){.rmse = 1e-6, .max_abs = 2e-5};
+    const iso_sample_error *e = sharp ? &renderer->lock_step->sharp : &renderer->lock_step->smooth;
+    const iso_render_output *output = &renderer->output;
+    const double rounding = output->peak && !sharp ? output->rounding * output->peak(view) : 0;
+    return (iso_tolerances){.rmse = e->rmse, .max_abs = fmax(e->max_abs, rounding)};
 }
 
-/* Floats of texels, colours and a ray's sums: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999
- * (doc/results/validation.md). */
-iso_tolerances iso_validate_exact_lock_step(void)
+/* Of the same samples with exact lookups, whatever the transfer function. */
+static iso_tolerances exact_lock_step_limits(const iso_renderer_info *renderer)
 {
-    return (iso_tolerances){.rmse = 5e-7, .max_abs = 1e-5};
+    const iso_sample_error *e = &renderer->lock_step->exact;
+    return (iso_tolerances){.rmse = e->rmse, .max_abs = e->max_abs};
 }
 
 double iso_validate_error_bar(const iso_scene_agreement *asked) { return asked->sharp ? sharp_bar : smooth_bar; }
@@ -94,7 +91,7 @@ static bool shows_nothing(const iso_image *image)
 
 /* A row, its image b and what they have in common; *row has names, limits and gates. */
 static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a, const char *what,
-                          const iso_image *b, iso_renderer renderer, const char *options, iso_error *err)
+                          const iso_image *b, const iso_renderer_info *renderer, const char *options, iso_error *err)
 {
     char name[96], b_name[128];
     name_image(v, level, what, name);
@@ -123,25 +120,37 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     return status;
 }
 
-static iso_status add_refusal(iso_validation *v, size_t level, const char *a, iso_renderer renderer, const char *tier,
+/* Why a renderer is not compared, or "": it is missing or failed its calibration, or it does not have what the scene asks
+ * for. */
+static const char *why_refused(const iso_validation *v, const iso_renderer_info *renderer, char text[600])
+{
+    const char *lacks = iso_renderer_lacks(renderer, v->view, false);
+    snprintf(text, 600, "%s", v->refused[iso_renderer_index(renderer)]);
+    if (!text[0] && lacks)
+        snprintf(text, 600, "does not render %s", lacks);
+    return text;
+}
+
+static iso_status add_refusal(iso_validation *v, size_t level, const char *a, const iso_renderer_info *renderer, const char *tier,
                               iso_error *err)
 {
-    char b_name[128];
-    snprintf(b_name, sizeof b_name, "%s%s%s", iso_renderer_name(renderer), v->variant[0] ? ", " : "", v->variant);
+    char b_name[128], why[600];
+    snprintf(b_name, sizeof b_name, "%s%s%s", renderer->name, v->variant[0] ? ", " : "", v->variant);
     const iso_report_agreement row = {.level = level, .order = v->order, .scene = v->scene_name, .a = a, .b = b_name,
-                                      .tier = tier, .error_bar = NAN, .refused = v->refused[renderer]};
+                                      .tier = tier, .error_bar = NAN, .refused = why_refused(v, renderer, why)};
     return iso_report_add_agreement(v->report, &row, err);
 }
 
 /* ---- truths ---- */
 
-static iso_status render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, iso_direction_source source,
-                                   iso_image *image, iso_error *err)
+/* intervals: of a quadrature that has them. */
+static iso_status render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
+                                   iso_direction_source source, iso_image *image, iso_error *err)
 {
-    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
     opt.quadrature = quadrature;
     opt.source = source;
-    opt.intervals = ISO_VALIDATE_POVRAY_INTERVALS;
+    opt.intervals = intervals;
     opt.threads = v->threads;
     return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
 }
@@ -152,9 +161,9 @@ static iso_status check_reference(iso_validation *v, size_t level, const truth *
     iso_image image = {0};
     iso_report_agreement row = {.b = "reference", .tier = iso_tier_name(ISO_TIER_CLOSED_FORM), .error_bar = NAN,
                                 .limits = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
-    iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &image, err);
+    iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, formula, "reference", &image, ISO_WITH_REFERENCE, "", err);
+        status = add_row(v, level, &row, formula, "reference", &image, iso_renderers_truth(), "", err);
     iso_image_destroy(&image);
     return status;
 }
@@ -171,11 +180,11 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
     if (formula)
         status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image, err);
     else
-        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_CODES, &t->main.image, err);
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &t->main.image, err);
     if (status == ISO_OK)
         status = add_image(v, t->main.image_name, &t->main.image, t->main.name, err);
     if (status == ISO_OK && t->differ)
-        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, ISO_FROM_DECODED, &t->exported.image, err);
+        status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_DECODED, &t->exported.image, err);
     if (status == ISO_OK && t->differ)
         status = add_image(v, t->exported.image_name, &t->exported.image, t->exported.name, err);
     return status == ISO_OK && formula ? check_reference(v, level, &t->main, err) : status;
@@ -183,50 +192,56 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 
 /* ---- lock-step: the same samples ---- */
 
-/* Where the TF is steep, the ray caster is compared once more without what a texture coordinate rounds: what is left then
- * is the rest of the shader, and that is held to narrower limits than smooth TFs are. */
+/* Where the TF is steep, a renderer that has exact lookups is compared once more without what they round otherwise: what is
+ * left then is held to narrower limits than smooth TFs are. */
 static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt, iso_error *err)
 {
+    const iso_renderer_info *renderer = opt.renderer;
     iso_image image = {0};
-    iso_report_agreement row = {.b = "gl, exact lookups", .tier = "lock-step", .error_bar = NAN,
-                                .limits = iso_validate_exact_lock_step(),
-                                .why = "the same samples, filtered and classified in double: floats of texels, colours and sums are left"};
-    begin_row(v, level, "gl-lockstep-exact");
+    char what[64], b[64];
+    iso_report_agreement row = {.b = b, .tier = "lock-step", .error_bar = NAN, .limits = exact_lock_step_limits(renderer),
+                                .why = renderer->lock_step->exact_why};
+    snprintf(what, sizeof what, "%s-lockstep-exact", renderer->name);
+    snprintf(b, sizeof b, "%s, exact lookups", renderer->name);
+    begin_row(v, level, what);
     opt.exact_lookups = true;
     iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, same, "gl-lockstep-exact", &image, ISO_WITH_GL, " --exact-lookups", err);
+        status = add_row(v, level, &row, same, what, &image, renderer, " --exact-lookups", err);
     iso_image_destroy(&image);
     return status;
 }
 
-static iso_status lock_step(iso_validation *v, size_t level, iso_renderer renderer, iso_error *err)
+static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_info *renderer, iso_error *err)
 {
-    const bool gl = renderer == ISO_WITH_GL;
-    const char *what = gl ? "gl-lockstep" : "povray-lockstep";
+    const iso_lock_step *lock = renderer->lock_step;
+    const bool exported = iso_renderer_has(renderer, ISO_IS_PROGRAM);
     truth same = {.name = "reference, same samples"};
+    char what[64], reference[80], options[64] = "", why[600];
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.b = iso_renderer_name(renderer), .tier = "lock-step", .error_bar = NAN,
-                                .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp),
-                                .why = gl ? "the same samples at texture coordinates in float, 3e-8 of the volume off"
-                                          : "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)"};
-    if (v->refused[renderer][0])
+    iso_report_agreement row = {.b = renderer->name, .tier = "lock-step", .error_bar = NAN, .why = lock->why,
+                                .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
+    if (why_refused(v, renderer, why)[0])
         return add_refusal(v, level, same.name, renderer, row.tier, err);
+    snprintf(what, sizeof what, "%s-lockstep", renderer->name);
     begin_row(v, level, what);
     opt.threads = v->threads;
-    opt.source = gl ? v->source : ISO_FROM_CODES;
-    opt.intervals = gl ? 0 : ISO_VALIDATE_POVRAY_INTERVALS;
-    snprintf(same.image_name, sizeof same.image_name, "%.50slevel-%zu-reference-%s", v->image_prefix, level, what);
-    iso_status status = render_reference(v, level, gl ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_POVRAY,
-                                         gl ? v->source : exported_source(v), &same.image, err);
+    opt.source = exported ? ISO_FROM_CODES : v->source;
+    opt.intervals = lock->intervals;
+    if (lock->intervals)
+        snprintf(options, sizeof options, " --intervals %zu", lock->intervals);
+    snprintf(reference, sizeof reference, "reference-%s", what);
+    name_image(v, level, reference, same.image_name);
+    iso_status status = render_reference(v, level, lock->quadrature, lock->intervals, exported ? exported_source(v) : v->source,
+                                         &same.image, err);
     if (status == ISO_OK)
         status = add_image(v, same.image_name, &same.image, same.name, err);
     if (status == ISO_OK)
         status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, &same, what, &image, renderer, gl ? "" : " --intervals 128", err);
-    if (status == ISO_OK && gl && v->scene->agreement.sharp)
+        status = add_row(v, level, &row, &same, what, &image, renderer, options, err);
+    if (status == ISO_OK && lock->exact.max_abs > 0 && v->scene->agreement.sharp)
         status = exact_lock_step(v, level, &same, opt, err);
     iso_image_destroy(&same.image);
     iso_image_destroy(&image);
@@ -277,7 +292,7 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l
     }
 }
 
-iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads)
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer, size_t seeds, int threads)
 {
     iso_limit_options o = iso_limit_defaults();
     o.seeds = seeds;
@@ -291,23 +306,23 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, i
     }
     if (asked->sharp) /* the first pair would seldom do */
         o.step_voxels = 1.0 / 8;
-    if (renderer == ISO_WITH_GL) /* costs nothing */
-        o.step_voxels = 1.0 / 16;
+    if (renderer->first_step_voxels > 0)
+        o.step_voxels = renderer->first_step_voxels;
     return o;
 }
 
-static iso_status compare_limit(iso_validation *v, size_t level, iso_renderer renderer, const level_truths *t, iso_error *err)
+static iso_status compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer, const level_truths *t, iso_error *err)
 {
-    const truth *a = t->differ && renderer != ISO_WITH_GL ? &t->exported : &t->main;
+    const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
-    char what[32], options[64], b[64];
+    char what[64], options[64], b[64], why[600];
     iso_limit limit = {0};
     iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
                                 .why = asked->why};
-    snprintf(b, sizeof b, "%s, limit", iso_renderer_name(renderer));
-    if (v->refused[renderer][0])
+    snprintf(b, sizeof b, "%s, limit", renderer->name);
+    if (why_refused(v, renderer, why)[0])
         return add_refusal(v, level, a->name, renderer, row.tier, err);
-    snprintf(what, sizeof what, "%s-limit", iso_renderer_name(renderer));
+    snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
     iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
@@ -334,7 +349,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
 {
     const iso_level *l0 = &v->pyramid->levels[0];
     truth a = {.name = "reference, first hit"};
-    iso_render_options opt = iso_render_defaults(ISO_WITH_REFERENCE);
+    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
     char options[64];
     opt.isosurface = true;
     opt.iso = l0->min + v->scene->suite_isosurface * (l0->max - l0->min);
@@ -346,60 +361,74 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     if (status == ISO_OK)
         status = add_image(v, a.image_name, &a.image, a.name, err);
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
-    for (int i = 0; i < ISO_RENDERER_COUNT && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         iso_image image = {0};
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
-        iso_report_agreement row = {.b = iso_renderer_name((iso_renderer)i), .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
+        const iso_renderer_info *renderer = iso_renderer_at(i);
+        iso_report_agreement row = {.b = renderer->name, .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
                                     .error_bar = NAN, .limits = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
-        opt.renderer = (iso_renderer)i;
-        if (!iso_renderer_has_isosurfaces(opt.renderer) || i == ISO_WITH_REFERENCE || !v->wanted[i])
+        if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
         if (v->refused[i][0]) {
-            status = add_refusal(v, level, a.name, opt.renderer, row.tier, err);
+            status = add_refusal(v, level, a.name, renderer, row.tier, err);
             continue;
         }
+        opt.renderer = renderer;
         begin_row(v, level, row.b);
         status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
         if (status == ISO_OK)
-            status = add_row(v, level, &row, &a, row.b, &image, opt.renderer, options, err);
+            status = add_row(v, level, &row, &a, row.b, &image, renderer, options, err);
         iso_image_destroy(&image);
     }
     iso_image_destroy(&a.image);
     return status;
 }
 
+/* Every wanted renderer whose samples are known, but for programs where only those of this process are asked. */
+static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+        const iso_renderer_info *renderer = iso_renderer_at(i);
+        if (v->wanted[i] && renderer->lock_step && (programs || !iso_renderer_has(renderer, ISO_IS_PROGRAM)))
+            status = lock_step(v, level, renderer, err);
+    }
+    return status;
+}
+
 static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
 {
     (void)unused;
-    static const iso_renderer limited[] = {ISO_WITH_GL, ISO_WITH_POVRAY, ISO_WITH_CYCLES};
     level_truths t = {.differ = false};
     if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
         return first_hits(v, level, err);
     iso_status status = find_truths(v, level, &t, err);
-    if (status == ISO_OK && v->wanted[ISO_WITH_GL])
-        status = lock_step(v, level, ISO_WITH_GL, err);
-    if (status == ISO_OK && v->wanted[ISO_WITH_POVRAY])
-        status = lock_step(v, level, ISO_WITH_POVRAY, err);
-    for (size_t i = 0; i < sizeof limited / sizeof *limited && status == ISO_OK; ++i)
-        if (v->wanted[limited[i]])
-            status = compare_limit(v, level, limited[i], &t, err);
+    if (status == ISO_OK)
+        status = lock_steps(v, level, true, err);
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i)
+        if (v->wanted[i] && iso_renderer_has(iso_renderer_at(i), ISO_HAS_LIMIT))
+            status = compare_limit(v, level, iso_renderer_at(i), &t, err);
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);
     return status;
 }
 
+/* By the same samples where they are known, and only else by the limit, which takes many times as long. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
 {
     /* At level 0 all filters store the same directions. */
-    const bool exported = v->source == ISO_FROM_CODES && level > 0 && !v->quick;
+    const bool programs = v->source == ISO_FROM_CODES && level > 0 && !v->quick;
     level_truths t = {.differ = false};
-    iso_status status = v->wanted[ISO_WITH_GL] ? lock_step(v, level, ISO_WITH_GL, err) : ISO_OK;
-    if (status == ISO_OK && exported && v->wanted[ISO_WITH_POVRAY])
-        status = lock_step(v, level, ISO_WITH_POVRAY, err);
-    if (status == ISO_OK && exported && v->wanted[ISO_WITH_CYCLES]) {
-        status = find_truths(v, level, &t, err);
+    iso_status status = lock_steps(v, level, programs, err);
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+        const iso_renderer_info *renderer = iso_renderer_at(i);
+        if (!v->wanted[i] || renderer->lock_step || !iso_renderer_has(renderer, ISO_HAS_LIMIT) ||
+            (!programs && iso_renderer_has(renderer, ISO_IS_PROGRAM)))
+            continue;
+        if (!t.main.image.rgba)
+            status = find_truths(v, level, &t, err);
         if (status == ISO_OK)
-            status = compare_limit(v, level, ISO_WITH_CYCLES, &t, err);
+            status = compare_limit(v, level, renderer, &t, err);
     }
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);

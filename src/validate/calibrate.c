@@ -82,13 +82,13 @@ static void set_entry(iso_view *view, size_t i, float r, float g, float b, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
-static iso_status render_stage(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, iso_error *err)
+static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(which);
     iso_plant(planted, &s->pyramid, 0, &s->view);
-    r->planted = planted;
+    r->after = iso_planted_hook(planted);
     iso_status status = iso_render_with(r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &opt, &s->got, NULL, NULL, err);
-    r->planted = NULL;
+    r->after = (iso_image_hook){0};
     return status;
 }
 
@@ -148,7 +148,7 @@ static void expected_centroid(const stage *s, double at[2])
     at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * pixels - 0.5;
 }
 
-static iso_status check_placement(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+static iso_status check_placement(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
                                   iso_error *err)
 {
     iso_geometry g = turned_grid(15, 12, 18);
@@ -178,7 +178,7 @@ static double half(const iso_geometry *g, iso_vec3 index)
     return 0.5;
 }
 
-static iso_status check_slab(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+static iso_status check_slab(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
                              iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
@@ -203,7 +203,7 @@ static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
     return (index.x - 0.5) / (double)(g->size[0] - 1);
 }
 
-static iso_status check_transfer_function(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted,
+static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                                           double *value, iso_error *err)
 {
     const size_t size[3] = {17, 5, 6};
@@ -233,7 +233,7 @@ static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, const iso_planted *planted, double *value,
+static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
                               iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
@@ -266,7 +266,7 @@ static iso_status check_light(stage *s, iso_renderers *r, iso_renderer which, co
 
 static const struct {
     iso_calibration blank;
-    iso_status (*run)(stage *, iso_renderers *, iso_renderer, const iso_planted *, double *, iso_error *);
+    iso_status (*run)(stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *, double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement", .unit = "pixel", .limit = 0.02,
       .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"}, check_placement},
@@ -286,7 +286,7 @@ int iso_calibration_number(const char *check)
     return i;
 }
 
-iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_planted *planted, int check,
+iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err)
 {
     stage s = {0};
@@ -294,10 +294,10 @@ iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_p
     iso_status status = checks[check].run(&s, r, which, planted, &out->value, err);
     out->passed = out->value <= out->limit; /* NaN does not pass */
     clear_stage(&s);
-    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", iso_renderer_name(which));
+    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", which->name);
 }
 
-iso_status iso_calibrate(iso_renderers *r, iso_renderer which, const iso_planted *planted,
+iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err)
 {
     iso_status status = ISO_OK;

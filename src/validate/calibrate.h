@@ -15,7 +15,7 @@
 #ifndef ISO_VALIDATE_CALIBRATE_H
 #define ISO_VALIDATE_CALIBRATE_H
 
-#include "renderers/faults.h"
+#include "validate/faults.h"
 #include "renderers/renderers.h"
 
 enum { ISO_CALIBRATION_COUNT = 4 };
@@ -29,14 +29,14 @@ typedef struct iso_calibration {
 } iso_calibration;
 
 /* ISO_OK when all checks could be made, passed or not. planted: spoils the renderer; NULL: nothing. */
-iso_status iso_calibrate(iso_renderers *r, iso_renderer which, const iso_planted *planted,
+iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err);
 
 /* The place of a check in the list above. */
 int iso_calibration_number(const char *check);
 
 /* One check alone, by its place. */
-iso_status iso_calibrate_check(iso_renderers *r, iso_renderer which, const iso_planted *planted, int check,
+iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err);
 
 #endif

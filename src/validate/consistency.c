@@ -35,7 +35,7 @@ static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t le
                               size_t i, iso_image *image, iso_error *err)
 {
     iso_view view = {0};
-    iso_render_options opt = iso_render_defaults(ISO_WITH_GL);
+    iso_render_options opt = iso_render_defaults(iso_renderers_usual());
     opt.source = source;
     iso_status status = make_view(v, i, &view, err);
     iso_view shown = view; /* borrowed */
@@ -206,8 +206,9 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
 {
     iso_image finest[max_views] = {{0}};
     iso_status status = ISO_OK;
-    if (v->refused[ISO_WITH_GL][0] || !v->wanted[ISO_WITH_GL])
-        return ISO_OK; /* the views are the ray caster's */
+    const size_t usual = iso_renderer_index(iso_renderers_usual());
+    if (v->refused[usual][0] || !v->wanted[usual])
+        return ISO_OK; /* all views are of one renderer */
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, false, i, &finest[i], err);
     if (status == ISO_OK)

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "compare/metrics.h"
-#include "povray/povray.h"
 
 enum { most_seeds = 32 };
 
@@ -36,20 +35,6 @@ double iso_limit_left(const iso_limit *l)
     if (isnan(l->fine_rmse) || isnan(l->coarse_rmse))
         return NAN;
     return fine <= 0 ? 0 : fine / coarse; /* infinite where there was no error before */
-}
-
-void iso_limit_povray_pair(const iso_level *level, double step_voxels, double finest_voxels, iso_render_options *coarse,
-                           iso_render_options *fine)
-{
-    const iso_geometry *g = &level->geometry;
-    const double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
-    const double total = ceil(chord_voxels / step_voxels), room = fmin(fmax(step_voxels / finest_voxels, 1), 4);
-    const double pieces = ceil(room * total / (ISO_POVRAY_MAX_INTERVALS - 1));
-    const size_t planes = (size_t)fmin(fmax(pieces - 1, 0), ISO_POVRAY_MAX_PLANES);
-    const size_t half = (size_t)fmin(fmax(ceil(0.5 * total / (double)(planes + 1)), 2), ISO_POVRAY_MAX_INTERVALS / 2);
-    coarse->planes = fine->planes = planes;
-    coarse->intervals = half;
-    fine->intervals = 2 * half;
 }
 
 static void mean_of(const iso_image *images, size_t count, iso_image *mean)
@@ -174,13 +159,26 @@ static void destroy_pair(step_pair *pair)
         iso_image_destroy(&pair->images[i]);
 }
 
-/* The frames of half the step. Where its double is what was the step, those images stay; *first is the first that is
- * to be rendered. */
-static void halve(step_pair *pair, const iso_level *level, iso_renderer which, double step, double finest, size_t *first)
+/* Asks for a step and its double, so that the step can be halved twice more, or down to the finest. */
+static void ask_steps(step_pair *pair, const iso_level *level, double step, double finest)
 {
     const size_t n = pair->seeds;
-    const size_t doubled = 2 * pair->frames[n].intervals;
-    const bool stays = which != ISO_WITH_POVRAY || doubled <= ISO_POVRAY_MAX_INTERVALS;
+    iso_render_options two[2] = {pair->frames[0], pair->frames[n]};
+    iso_render_ask_steps(two[0].renderer, level, step, 2, fmin(fmax(step / finest, 1), 4), two);
+    for (size_t i = 0; i < 2 * n; ++i) {
+        const int seed = pair->frames[i].seed;
+        pair->frames[i] = two[i / n];
+        pair->frames[i].seed = seed;
+    }
+}
+
+/* The frames of half the step. Where its double is what was the step, those images stay: always but where there would be more
+ * intervals than the renderer takes. *first is the first frame that is to be rendered. */
+static void halve(step_pair *pair, const iso_level *level, double step, double finest, size_t *first)
+{
+    const size_t n = pair->seeds;
+    const size_t doubled = 2 * pair->frames[n].intervals; /* 0 where there are none */
+    const bool stays = doubled <= pair->frames[n].renderer->max_intervals;
     for (size_t i = 0; i < n; ++i) {
         iso_image_destroy(&pair->images[i]);
         if (!stays)
@@ -189,29 +187,25 @@ static void halve(step_pair *pair, const iso_level *level, iso_renderer which, d
         pair->images[n + i] = (iso_image){0};
         pair->frames[i] = pair->frames[n + i];
         pair->frames[n + i].step_voxels = step;
+        pair->frames[n + i].intervals = doubled;
     }
-    if (which == ISO_WITH_POVRAY && stays)
-        pair->frames[1].intervals = doubled;
-    else if (which == ISO_WITH_POVRAY)
-        iso_limit_povray_pair(level, step, finest, &pair->frames[0], &pair->frames[1]);
+    if (!stays)
+        ask_steps(pair, level, step, finest);
     *first = stays ? n : 0;
 }
 
-static void first_pair(step_pair *pair, const iso_level *level, iso_renderer which, const iso_limit_options *opt)
+static void first_pair(step_pair *pair, const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt)
 {
-    *pair = (step_pair){.seeds = which == ISO_WITH_CYCLES ? opt->seeds : 1};
+    *pair = (step_pair){.seeds = iso_renderer_has(which, ISO_IS_RANDOM) ? opt->seeds : 1};
     for (size_t i = 0; i < 2 * pair->seeds; ++i) {
         pair->frames[i] = iso_render_defaults(which);
         pair->frames[i].threads = opt->threads;
         pair->frames[i].seed = opt->first_seed + (int)(i % pair->seeds);
-        pair->frames[i].step_voxels = i < pair->seeds ? 2 * opt->step_voxels : opt->step_voxels;
     }
-    if (which == ISO_WITH_POVRAY && opt->intervals) {
-        pair->frames[0].planes = pair->frames[1].planes = opt->planes;
-        pair->frames[0].intervals = opt->intervals / 2;
-        pair->frames[1].intervals = opt->intervals;
-    } else if (which == ISO_WITH_POVRAY) {
-        iso_limit_povray_pair(level, opt->step_voxels, opt->finest_voxels, &pair->frames[0], &pair->frames[1]);
+    ask_steps(pair, level, opt->step_voxels, opt->finest_voxels);
+    for (size_t i = 0; i < 2 * pair->seeds && which->max_intervals && opt->intervals; ++i) {
+        pair->frames[i].planes = opt->planes;
+        pair->frames[i].intervals = i < pair->seeds ? opt->intervals / 2 : opt->intervals;
     }
 }
 
@@ -222,7 +216,7 @@ static iso_status check_seeds(const iso_limit_options *opt, iso_error *err)
     return ISO_OK;
 }
 
-iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, iso_renderer which,
+iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, const iso_renderer_info *which,
                             const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
 {
     step_pair pair;
@@ -259,7 +253,7 @@ static bool is_hopeless(const iso_limit *limit, const iso_limit_options *opt)
 }
 
 iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                          const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
+                          const iso_image *reference, const iso_renderer_info *which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err)
 {
     step_pair pair;
@@ -280,7 +274,7 @@ iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, 
         step /= 2;
         if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= opt->finest_voxels))
             break;
-        halve(&pair, &p->levels[level], which, step, opt->finest_voxels, &first);
+        halve(&pair, &p->levels[level], step, opt->finest_voxels, &first);
     }
     destroy_pair(&pair);
     if (status != ISO_OK)

@@ -2,7 +2,7 @@
 /* limits.h - where a renderer's image goes as its ray step shrinks, and how far that is known.
  *
  * Two steps h and 2h, of second order: the limit (Richardson), and the error bar of
- * the finer image. Cycles puts its steps at random phases: it is run with several
+ * the finer image. A renderer that puts its steps at random phases is run with several
  * seeds, each gives a limit of its own, and their mean has a standard error, which
  * the bar includes and by which each pixel is tested (compare/statistics.h). While
  * the bar is wider than wanted, the error does not fall at its order, the limit
@@ -22,8 +22,8 @@ typedef struct iso_limit_options {
     double wanted_left;   /* of the error, by halving the step: iso_limit_left() */
     double hopeless;      /* so many bars off, of an error that halving hardly changes, end the halving; INFINITY: never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not asked for */
-    size_t seeds;         /* of Cycles, at least 2 */
-    size_t planes, intervals; /* of POV-Ray at the step; at its double half the intervals; 0 intervals: by the step */
+    size_t seeds;         /* of random renderers, at least 2 */
+    size_t planes, intervals; /* of renderers with intervals at the step; at its double half; 0 intervals: by the step */
     int first_seed, threads;
 } iso_limit_options;
 /* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
@@ -38,7 +38,7 @@ typedef struct iso_limit {
     iso_image image;               /* the limit; mean over the seeds */
     iso_image fine;                /* at step_voxels; mean over the seeds */
     double step_voxels;            /* the finer of the last two */
-    size_t planes, intervals;      /* of POV-Ray there; else 0 */
+    size_t planes, intervals;      /* of a renderer with intervals there; else 0 */
     double coarse_rmse, fine_rmse; /* against the reference, of the means */
     double rmse, ssim_dissimilarity, flip_mean; /* of the limit against the reference */
     double order;                  /* log2 (coarse_rmse / fine_rmse) */
@@ -65,10 +65,10 @@ typedef struct iso_limit {
 /* Of all pixels and channels of an image together, and of its bias. */
 #define ISO_LIMIT_SIGNIFICANCE 1e-3
 
-/* Pixels that are not finite make the bar infinite, and all pixels of Cycles beyond chance: a limit that fails its gates.
+/* Pixels that are not finite make the bar infinite, and all pixels of a random renderer beyond chance: a limit that fails its gates.
  * Release with iso_limit_destroy(), which accepts a zeroed one. */
 iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                          const iso_image *reference, iso_renderer which, const iso_limit_options *opt, iso_limit *out,
+                          const iso_image *reference, const iso_renderer_info *which, const iso_limit_options *opt, iso_limit *out,
                           const iso_progress *progress, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
 
@@ -79,16 +79,11 @@ iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const is
 
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals of
  * a limit that was found, it is that limit's image. */
-iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, iso_renderer which,
+iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, const iso_renderer_info *which,
                             const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err);
 
 /* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing is
  * left to shrink. */
 double iso_limit_left(const iso_limit *limit);
-
-/* How to ask POV-Ray, which has intervals, for a step and its double: the planes stay and the intervals halve. There are
- * so many planes that the step can be halved twice more, or down to the finest, before a piece has too many intervals. */
-void iso_limit_povray_pair(const iso_level *level, double step_voxels, double finest_voxels, iso_render_options *coarse,
-                           iso_render_options *fine);
 
 #endif

@@ -2,9 +2,9 @@
 /* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it; with the pyramid's own directions also under 2D transfer functions. The ray caster and
- * POV-Ray by the same samples, Cycles by its limit; exports carry directions, so gradients on the fly are the ray
- * caster's alone. The quick run keeps to the ray caster. */
+ * adapting changes it; with the pyramid's own directions also under 2D transfer functions. Renderers by the same samples
+ * where those are known, else by their limits; exports carry directions, so that programs have no gradients on the fly. The
+ * quick run keeps to the renderers of this process. */
 #include <stdio.h>
 #include <stdlib.h>
 

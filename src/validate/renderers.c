@@ -9,7 +9,7 @@
 
 /* What one renderer said. */
 typedef struct fitness {
-    iso_renderer which;
+    const iso_renderer_info *which;
     char version[320];
     iso_calibration checks[ISO_CALIBRATION_COUNT];
     size_t check_count;
@@ -21,9 +21,9 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     fitness *f = (fitness *)user + part;
     char stage[64];
     iso_error why = {""};
-    snprintf(stage, sizeof stage, "calibration: %s", iso_renderer_name(f->which));
+    snprintf(stage, sizeof stage, "calibration: %s", f->which->name);
     iso_progress_report(v->progress, stage, 0);
-    iso_status status = iso_renderer_version(&v->renderers, f->which, f->version, sizeof f->version, &why);
+    iso_status status = f->which->version(&v->renderers, f->version, sizeof f->version, &why);
     if (status == ISO_OK)
         status = iso_calibrate(&v->renderers, f->which, NULL, f->checks, v->progress, &why);
     if (status == ISO_E_MISSING) {
@@ -39,32 +39,32 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
 
 static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *err)
 {
-    char *refused = v->refused[f->which];
+    char *refused = v->refused[iso_renderer_index(f->which)];
     iso_status status = ISO_OK;
     snprintf(refused, sizeof v->refused[0], "%s", f->missing);
     for (size_t i = 0; i < f->check_count && status == ISO_OK; ++i) {
         const iso_calibration *c = &f->checks[i];
-        const iso_report_calibration row = {.renderer = iso_renderer_name(f->which), .check = c->check, .value = c->value,
+        const iso_report_calibration row = {.renderer = f->which->name, .check = c->check, .value = c->value,
                                             .limit = c->limit, .unit = c->unit, .detail = c->why};
         if (!c->passed && !refused[0])
             snprintf(refused, sizeof v->refused[0], "failed its calibration: %s is %.3g %s, at most %g", c->check, c->value,
                      c->unit, c->limit);
         status = iso_report_add_calibration(v->report, &row, err);
     }
-    const iso_report_calibration absent = {.renderer = iso_renderer_name(f->which), .check = "answers", .value = NAN, .detail = f->missing};
+    const iso_report_calibration absent = {.renderer = f->which->name, .check = "answers", .value = NAN, .detail = f->missing};
     if (status == ISO_OK && f->missing[0])
         status = iso_report_add_calibration(v->report, &absent, err);
-    iso_report_put(v->report, "versions", iso_renderer_title(f->which), json_string(f->version));
+    iso_report_put(v->report, "versions", f->which->title, json_string(f->version));
     return status;
 }
 
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
 {
-    fitness all[ISO_RENDERER_COUNT];
+    fitness all[ISO_MAX_RENDERERS];
     size_t count = 0;
-    for (int i = 0; i < ISO_RENDERER_COUNT; ++i)
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->wanted[i])
-            all[count++] = (fitness){.which = (iso_renderer)i};
+            all[count++] = (fitness){.which = iso_renderer_at(i)};
     iso_status status = iso_validate_each(v, count, examine, all, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = add_to_report(v, &all[i], err);

@@ -22,7 +22,7 @@ static void put_limits(FILE *f, const iso_tolerances *l)
             fprintf(f, " %s %.6g", all[i].option, all[i].value);
 }
 
-static void put_render(FILE *f, const iso_validation *v, size_t level, iso_renderer renderer, const char *options, const char *image)
+static void put_render(FILE *f, const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options, const char *image)
 {
     const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
     if (v->make) {
@@ -37,11 +37,11 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, iso_rende
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
     iso_words_put_quoted(f, v->scene_path);
-    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", iso_renderer_name(renderer), level, v->view->width, v->view->height,
+    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", renderer->name, level, v->view->width, v->view->height,
             v->render_options, options, image);
 }
 
-char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
+char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
                              const char *image_a, const iso_tolerances *limits)
 {
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
@@ -49,7 +49,7 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer
         return NULL;
     char image[64], *text = NULL, *path = NULL;
     size_t size = 0;
-    snprintf(image, sizeof image, "%s-level-%zu.exr", iso_renderer_name(renderer), level);
+    snprintf(image, sizeof image, "%s-level-%zu.exr", renderer->name, level);
     FILE *f = open_memstream(&text, &size);
     if (!f || asprintf(&path, "%s/images/%s.exr", iso_report_path(v->report), image_a) < 0)
         path = NULL;

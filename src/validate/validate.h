@@ -35,11 +35,11 @@ typedef struct iso_validation {
     const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
     bool quick;
-    size_t seeds;             /* of Cycles */
+    size_t seeds;             /* of random renderers */
     size_t order;             /* of the rows among those of other parts */
     double row_start;         /* when what a row compares began */
-    bool wanted[ISO_RENDERER_COUNT];
-    char refused[ISO_RENDERER_COUNT][512]; /* why a renderer is not compared; "" when it may be */
+    bool wanted[ISO_MAX_RENDERERS];
+    char refused[ISO_MAX_RENDERERS][512]; /* why a renderer is not compared; "" when it may be */
     size_t consistency_size, consistency_views;
     iso_level_tf *level_tfs;  /* one a level; by iso_validate_adapt() */
     int threads;
@@ -60,7 +60,7 @@ iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
 
-/* One level of what v holds: the ray caster and POV-Ray by the same samples, Cycles by its limit. */
+/* One level of what v holds: renderers by the same samples, or where theirs are not known by their limits. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
 
 /* The ways to make directions. */
@@ -84,19 +84,15 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
 /* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
  * does. options: of `isoshade render`, besides v's own. */
-char *iso_validate_reproduce(const iso_validation *v, size_t level, iso_renderer renderer, const char *options,
+char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
                              const char *image_a, const iso_tolerances *limits);
 
 /* The gates, for all who use them: nobody has a copy of his own.
- * What the lock-steps of the ray caster and of POV-Ray are held to: the same samples in float instead of double, or in
- * 16 bits a channel of how bright the view can be; a TF that is steep (sharp) multiplies the difference. */
-iso_tolerances iso_validate_lock_step(iso_renderer renderer, const iso_view *view, bool sharp);
-/* The same of the ray caster with exact lookups (render/gl/raycaster.h), of any TF. */
-iso_tolerances iso_validate_exact_lock_step(void);
-/* POV-Ray's lock-step: enough intervals to look like the volume, few enough to be quick. */
-enum { ISO_VALIDATE_POVRAY_INTERVALS = 128 };
+ * What a renderer's lock-step is held to: the same samples in float instead of double, or in the integers of its images,
+ * which are coarser the brighter the view can be; a TF that is steep (sharp) multiplies the difference. */
+iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp);
 /* How the limit of a renderer is sought: first step, what ends the halving. */
-iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, iso_renderer renderer, size_t seeds, int threads);
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer, size_t seeds, int threads);
 /* The error bar that the scene asks of a limit, RMSE. */
 double iso_validate_error_bar(const iso_scene_agreement *asked);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "renderers/faults.h"
+#include "validate/faults.h"
 
 #include <math.h>
 #include <string.h>
@@ -216,10 +216,9 @@ size_t iso_planted_level(const iso_planted *planted, size_t level)
     return planted && planted->fault == ISO_FAULT_LEVEL ? level + 1 : level;
 }
 
-void iso_planted_spoil(const iso_planted *planted, iso_image *image)
+static void spoil(const void *user, iso_image *image)
 {
-    if (!planted)
-        return;
+    const iso_planted *planted = user;
     const float gain = planted->deviation == ISO_DEVIATION_GAIN ? (float)(1 + planted->amount / 100) : 1.0f;
     for (size_t i = 0; i < image->width * image->height; ++i) {
         float *p = image->rgba + 4 * i;
@@ -232,4 +231,9 @@ void iso_planted_spoil(const iso_planted *planted, iso_image *image)
     if (planted->deviation == ISO_DEVIATION_PIXEL)
         for (int c = 0; c < 3; ++c)
             image->rgba[4 * (image->height / 2 * image->width + image->width / 2) + (size_t)c] += (float)planted->amount;
+}
+
+iso_image_hook iso_planted_hook(const iso_planted *planted)
+{
+    return planted ? (iso_image_hook){spoil, planted} : (iso_image_hook){0};
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
  * `isoshade bench power` can show that each is rejected, by which check, and from which amount on. */
-#ifndef ISO_RENDERERS_FAULTS_H
-#define ISO_RENDERERS_FAULTS_H
+#ifndef ISO_VALIDATE_FAULTS_H
+#define ISO_VALIDATE_FAULTS_H
 
 #include "image/image.h"
 #include "pyramid/pyramid.h"
+#include "renderers/renderers.h"
 #include "scene/scene.h"
 
 /* enum, name, the check of calibrate.h that is made for it */
@@ -78,8 +79,8 @@ iso_planted iso_planted_inverse(const iso_planted *planted);
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
 /* The level that is rendered instead of `level`. */
 size_t iso_planted_level(const iso_planted *planted, size_t level);
-/* Faults of the picture itself. */
-void iso_planted_spoil(const iso_planted *planted, iso_image *image);
+/* Faults of the picture itself, by a hook that renderers call without knowing what it does; *planted stays. */
+iso_image_hook iso_planted_hook(const iso_planted *planted);
 
 /* iso_plant() of a fault alone. */
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* gl.c - the OpenGL ray caster, on a GPU or in software. */
+#include "renderers/gl.h"
+
+#include <stdio.h>
+
+iso_status iso_renderers_need_gl(iso_renderers *r, iso_gl **gl, iso_error *err)
+{
+    void **kept = iso_renderers_kept(r, &iso_renderer_gl);
+    iso_gl *made = *kept;
+    const iso_status status = made ? ISO_OK : iso_gl_create(&made, r->shader_dir, err);
+    *kept = *gl = made;
+    return status;
+}
+
+static void end(void *kept) { iso_gl_destroy(kept); }
+
+_Static_assert(ISO_GL_MAX_DRAWS <= ISO_RENDER_MAX_FRAMES, "the stats hold all draws");
+
+void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats)
+{
+    iso_render_stats_sum_up(stats, inside->draw_seconds, inside->draw_count);
+    stats->setup_seconds = inside->upload_seconds;
+    stats->bytes = inside->texture_bytes;
+}
+
+static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+{
+    iso_gl *gl;
+    const iso_status status = iso_renderers_need_gl(r, &gl, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_gl_info info = iso_gl_describe(gl);
+    snprintf(text, size, "%s, OpenGL %s", info.renderer, info.version);
+    return ISO_OK;
+}
+
+static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    const iso_render_options *opt = q->options;
+    const iso_surface surface = {.iso = opt->iso};
+    iso_gl_stats inside = {0};
+    iso_gl_options o = iso_gl_defaults();
+    iso_gl *gl;
+    o.source = opt->source;
+    o.step_voxels = opt->step_voxels;
+    o.shade_table = opt->shade_table;
+    o.exact_lookups = opt->exact_lookups;
+    o.preintegrated = opt->quadrature == ISO_QUADRATURE_PREINTEGRATED;
+    o.surface = opt->isosurface ? &surface : NULL;
+    o.repeats = opt->repeats;
+    o.repeat_seconds = opt->repeat_seconds;
+    o.stats = &inside;
+    iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
+    if (status == ISO_OK && opt->processor_time)
+        iso_gl_time_processor(gl, true);
+    if (status == ISO_OK)
+        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, NULL, err);
+    if (status == ISO_OK)
+        iso_render_stats_of_gl(&inside, stats);
+    return status;
+}
+
+/* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighboring
+ * entries differ by most of an opacity, that becomes some 1e-5. With exact lookups floats of texels, colors and a ray's sums
+ * are left: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999 (doc/results/validation.md). */
+static const iso_lock_step lock_step = {
+    .quadrature = ISO_QUADRATURE_MIDPOINT,
+    .smooth = {.rmse = 1e-6, .max_abs = 2e-5},
+    .sharp = {.rmse = 5e-6, .max_abs = 2e-4},
+    .why = "the same samples at texture coordinates in float, 3e-8 of the volume off",
+    .exact = {.rmse = 5e-7, .max_abs = 1e-5},
+    .exact_why = "the same samples, filtered and classified in double: floats of texels, colours and sums are left",
+};
+
+const iso_renderer_info iso_renderer_gl = {
+    .name = "gl",
+    .title = "OpenGL ray caster",
+    .color = "#0072b2",
+    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
+              ISO_READS_QUADRATURE | ISO_READS_SHADE_TABLE | ISO_READS_EXACT_LOOKUPS | ISO_READS_SHADERS,
+    .quadratures = 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED,
+    .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
+    .relative_cost = 1,
+    .first_step_voxels = 1.0 / 16, /* costs nothing */
+    .lock_step = &lock_step,
+    .version = version,
+    .render = render,
+    .end = end,
+};

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/* povray.c - POV-Ray, as a program. Its rays have intervals instead of steps, and its images 16 bits a channel. */
+#include "povray/povray.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "renderers/renderers.h"
+
+static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+{
+    (void)r;
+    char found[128] = "";
+    const iso_status status = iso_povray_version(found, sizeof found, err);
+    if (status == ISO_OK)
+        snprintf(text, size, "POV-Ray %s", found);
+    return status;
+}
+
+/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels. */
+static void set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
+{
+    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
+    double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
+    double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
+    o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
+    o->planes = (size_t)pieces - 1;
+    o->extrapolate = false;
+}
+
+static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    const iso_render_options *opt = q->options;
+    iso_povray_options o = iso_povray_defaults();
+    iso_povray_stats inside = {0};
+    o.stats = &inside;
+    if (opt->intervals) {
+        o.intervals = opt->intervals;
+        o.planes = opt->planes;
+        o.extrapolate = opt->extrapolate;
+    } else if (opt->step_voxels > 0) {
+        set_step(&q->pyramid->levels[q->level].geometry, q->view, opt->step_voxels, &o);
+    }
+    o.float_directions = opt->source == ISO_FROM_FLOAT;
+    o.isosurface = opt->isosurface;
+    o.iso = opt->iso;
+    o.threads = opt->threads;
+    const iso_status status = iso_povray_render(q->pyramid, q->level, q->view, &o, image, q->progress, err);
+    iso_render_stats_sum_up(stats, opt->processor_time ? &inside.processor_seconds : &inside.trace_seconds, 1);
+    stats->bytes = inside.df3_bytes;
+    return status;
+}
+
+/* The planes stay and the intervals double from frame to frame, so that every interval is halved. There are so many planes
+ * that the intervals of a piece can be doubled `spare` times more before they are too many. */
+static void ask_steps(const iso_level *level, double finest_voxels, size_t count, double spare, iso_render_options *frames)
+{
+    const int halvings = (int)count - 1;
+    const size_t most_coarse = (size_t)ISO_POVRAY_MAX_INTERVALS >> halvings, most = most_coarse << halvings;
+    const double total = ceil(iso_level_chord_voxels(level) / finest_voxels);
+    const double pieces = fmin(fmax(ceil(spare * total / (double)most), 1), ISO_POVRAY_MAX_PLANES + 1);
+    const double coarse = fmin(fmax(ceil(ldexp(total / pieces, -halvings)), 2), (double)most_coarse);
+    for (size_t i = 0; i < count; ++i) {
+        frames[i].planes = (size_t)pieces - 1;
+        frames[i].intervals = (size_t)coarse << i;
+    }
+}
+
+/* The pictures are rounded by half a step of 16 bits, 7.6e-6 of the brightest color that there can be. */
+static const iso_lock_step lock_step = {
+    .quadrature = ISO_QUADRATURE_POVRAY,
+    .intervals = 128, /* enough to look like the volume, few enough to be quick */
+    .smooth = {.max_abs = 2e-5},
+    .sharp = {.max_abs = 2e-4},
+    .why = "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)",
+};
+
+const iso_renderer_info iso_renderer_povray = {
+    .name = "povray",
+    .title = "POV-Ray",
+    .color = "#009e73",
+    .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME |
+              ISO_READS_INTERVALS | ISO_READS_PLANES,
+    .defaults = {.source = ISO_FROM_CODES},
+    .relative_cost = 100,
+    .max_intervals = ISO_POVRAY_MAX_INTERVALS,
+    .lock_step = &lock_step,
+    .output = {.bits = 16, .peak = iso_povray_peak, .rounding = 1e-5},
+    .version = version,
+    .render = render,
+    .ask_steps = ask_steps,
+};

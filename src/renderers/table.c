@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/* table.c - the table of renderers, and names. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "renderers/renderers.h"
+
+static const iso_renderer_info *table[ISO_MAX_RENDERERS] = {
+#define ISO_RENDERER_ROW(renderer) &renderer,
+    ISO_RENDERER_LIST(ISO_RENDERER_ROW)
+#undef ISO_RENDERER_ROW
+};
+
+size_t iso_renderer_count(void)
+{
+    size_t count = 0;
+    while (count < ISO_MAX_RENDERERS && table[count])
+        ++count;
+    return count;
+}
+
+const iso_renderer_info *iso_renderer_at(size_t index) { return table[index]; }
+
+size_t iso_renderer_index(const iso_renderer_info *r)
+{
+    size_t i = 0;
+    while (table[i] != r)
+        ++i;
+    return i;
+}
+
+const iso_renderer_info *iso_renderers_truth(void) { return &iso_renderer_reference; }
+const iso_renderer_info *iso_renderers_usual(void) { return &iso_renderer_gl; }
+
+static const iso_renderer_info *find(const char *name)
+{
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (strcmp(table[i]->name, name) == 0)
+            return table[i];
+    return NULL;
+}
+
+iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err)
+{
+    const size_t count = iso_renderer_count();
+    if (find(r->name))
+        return iso_fail(err, ISO_E_USAGE, "a renderer called \"%s\" is there already", r->name);
+    if (count == ISO_MAX_RENDERERS)
+        return iso_fail(err, ISO_E_RANGE, "renderer \"%s\": there are %zu already, and room for no more", r->name, count);
+    table[count] = r;
+    return ISO_OK;
+}
+
+const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size)
+{
+    size_t wanted = 0, done = 0, length = 0;
+    text[0] = 0;
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        wanted += iso_renderer_has(table[i], traits);
+    for (size_t i = 0; i < iso_renderer_count() && length < size; ++i)
+        if (iso_renderer_has(table[i], traits)) {
+            const char *between = done == 0 ? "" : done + 1 == wanted ? last_join : join;
+            length += (size_t)snprintf(text + length, size - length, "%s%s", between, table[i]->name);
+            ++done;
+        }
+    return text;
+}
+
+iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err)
+{
+    char names[256];
+    *r = find(name);
+    if (*r)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE, "no renderer is called \"%s\"; wanted %s", name,
+                    iso_renderers_with(0, ", ", " or ", names, sizeof names));
+}
+
+iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err)
+{
+    for (size_t i = 0; i < ISO_MAX_RENDERERS; ++i)
+        wanted[i] = !list && i < iso_renderer_count();
+    wanted[iso_renderer_index(iso_renderers_truth())] = true;
+    if (!list)
+        return ISO_OK;
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        const iso_renderer_info *r;
+        status = iso_renderer_from_name(name, &r, err);
+        if (status == ISO_OK)
+            wanted[iso_renderer_index(r)] = true;
+    }
+    free(copy);
+    return status;
+}
