@@ -54,7 +54,7 @@ soname := libisoshade.so.$(version_major)
 # Not with the sanitizers, whose runtime belongs to the program.
 shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 # Loaded when mpirun starts the program; left out where MPI is not installed.
-mpi_door := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
+mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* \
@@ -63,7 +63,7 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
 
-all: $(program) $(shared) $(mpi_door) ## build the program for $(config)
+all: $(program) $(shared) $(mpi_library) ## build the program for $(config)
 	@ln -sfn $(program) isoshade
 
 help: ## this list
@@ -122,7 +122,7 @@ $(build)/exports.map: src/isoshade.h Makefile
 	@{ echo '{ global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
 $(build)/$(soname): $(lib_o) $(build)/exports.map
 	$(call say,LD )$(CC) -shared $(flags_$(config)) -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
-$(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_door.h
+$(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)

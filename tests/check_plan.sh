@@ -86,8 +86,8 @@ refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json
 
 "$ISOSHADE" bench seams --layouts 3 -o seams.png >out 2>err && [ -s seams.png ] && ok bench_seams_draws_its_picture || not_ok bench_seams_draws_its_picture "$(cat err)"
-if awk '$1 == "nodes-baked" || $1 == "paper-mended" { if (!($2 <= 1e-12)) exit 1; n++ }
+if awk '$1 == "nodes-baked" || $1 == "paper-corrected" { if (!($2 <= 1e-12)) exit 1; n++ }
         $1 == "paper-written" || $1 == "nodes-own" { if (!($2 > 0.01)) exit 1; n++ } END { exit n != 4 }' out
 then ok bench_seams_tells_smooth_schemes_from_others; else not_ok bench_seams_tells_smooth_schemes_from_others "$(cat out)"; fi
-"$ISOSHADE" bench render --size 32 --image 32 --runs 1 --bricks 8 --json >out 2>err && grep -q '"nodes-sharp"' out && grep -q '"paper-mended"' out && ok bench_of_bricks_runs || not_ok bench_of_bricks_runs "$(cat err)"
+"$ISOSHADE" bench render --size 32 --image 32 --runs 1 --bricks 8 --json >out 2>err && grep -q '"nodes-sharp"' out && grep -q '"paper-corrected"' out && ok bench_of_bricks_runs || not_ok bench_of_bricks_runs "$(cat err)"
 exit $failed

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* test_atlas.c - every failure of the atlas is still one, and every fallback still mends it: a test a case. */
+/* test_atlas.c - every failure of the atlas is still one, and every fallback still corrects it: a test a case. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +26,7 @@ static void a_failure_and_its_fallback_stand(void **state)
     assert_at_most(good * margin, c->fallback_at_most);
     assert_more_than(c->failure_at_least, c->fallback_at_most * contrast);
     assert_true(iso_atlas_stands(c, &r));
-    /* Planted: a failure that is cured, a fallback that mends nothing, figures that are no numbers. */
+    /* Planted: a failure that is cured, a fallback that changes nothing, figures that are no numbers. */
     iso_atlas_result cured = r, broken = r, none = r;
     cured.values[ISO_ATLAS_FAILURE] = good;
     broken.values[ISO_ATLAS_FALLBACK] = bad;

@@ -110,7 +110,7 @@ static void a_bright_scene_of_povray_passes(void **state)
 }
 
 /* What the ray caster is asked. The faults of the picture have to reach the limit's frames, too. */
-static void clean_scenes_pass_and_spoilt_ones_do_not(void **state)
+static void clean_scenes_pass_and_faulty_ones_do_not(void **state)
 {
     (void)state;
     const iso_fault faults[] = {ISO_FAULT_MIRRORED, ISO_FAULT_PREMULTIPLIED, ISO_FAULT_CLIPPED, ISO_FAULT_LEVEL, ISO_FAULT_ONE_SIDED};
@@ -125,7 +125,8 @@ static void clean_scenes_pass_and_spoilt_ones_do_not(void **state)
     iso_power_close(&c);
 }
 
-/* The limit's gates have bars of 1/2550, lock-step has single precision: a deviation between them tells the two apart. */
+/* The limit's gates have bars of 1/2550, lock-step has single precision: a deviation between them tells the two
+ * apart. */
 static void lock_step_sees_what_a_limit_cannot(void **state)
 {
     (void)state;
@@ -137,8 +138,8 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
     iso_power_close(&c);
 }
 
-/* The renderer's scene deviates from the reference's, or the reference's the other way from the renderer's: it is the same
- * question, and the second needs the renderer's images once. */
+/* The renderer's scene deviates from the reference's, or the reference's the other way from the renderer's: it is the
+ * same question, and the second needs the renderer's images once. */
 static void a_deviation_may_be_planted_on_the_other_side(void **state)
 {
     (void)state;
@@ -191,7 +192,7 @@ int main(void)
         cmocka_unit_test(deviations_change_a_picture_in_proportion),
         cmocka_unit_test(every_fault_changes_some_scene),
         cmocka_unit_test(a_bright_scene_of_povray_passes),
-        cmocka_unit_test(clean_scenes_pass_and_spoilt_ones_do_not),
+        cmocka_unit_test(clean_scenes_pass_and_faulty_ones_do_not),
         cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
         cmocka_unit_test(a_deviation_may_be_planted_on_the_other_side),
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* test_reference.c - the arbiter against closed forms. */
+/* test_reference.c - the reference against closed forms. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

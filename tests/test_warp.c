@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The paper's transitions: continuous where it proves them to be, not everywhere; the mended ones everywhere. */
+/* The paper's transitions: continuous where it proves them to be, not everywhere; the corrected ones everywhere. */
 #include "test.h"
 
 #include <math.h>
@@ -89,7 +89,7 @@ static bool meets_by_edge_or_corner(const uint8_t levels[8])
     return false;
 }
 
-static void mended_transitions_are_continuous_in_every_configuration_the_written_ones_are_not(void **state)
+static void corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not(void **state)
 {
     (void)state;
     random_state = 1;
@@ -103,10 +103,10 @@ static void mended_transitions_are_continuous_in_every_configuration_the_written
         for (int i = 0; i < 8; ++i)
             levels[i] = (uint8_t)(k >> i & 1);
         f.levels = levels;
-        f.mode = ISO_WARP_MENDED;
+        f.mode = ISO_WARP_CORRECTED;
         double jump = worst_jump(&f, 150);
         if (!(jump <= CONTINUOUS))
-            fail_msg("mended, configuration %d: jump of %g", k, jump);
+            fail_msg("corrected, configuration %d: jump of %g", k, jump);
         f.mode = ISO_WARP_WRITTEN;
         bool by_edge = meets_by_edge_or_corner(levels);
         jump = worst_jump(&f, 300);
@@ -141,13 +141,13 @@ static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void *
     f.mode = ISO_WARP_WRITTEN;
     /* Eq. 6 and 8 are taken 1e-12 before the face: noise changes by that times a few. */
     assert_at_most(worst_jump(&f, 4000), 1e-10);
-    f.mode = ISO_WARP_MENDED;
+    f.mode = ISO_WARP_CORRECTED;
     assert_at_most(worst_jump(&f, 4000), CONTINUOUS);
     iso_warp_field_destroy(&f);
     free(fine);
 }
 
-static void mended_transitions_are_continuous_in_random_layouts(void **state)
+static void corrected_transitions_are_continuous_in_random_layouts(void **state)
 {
     (void)state;
     random_state = 3;
@@ -161,7 +161,7 @@ static void mended_transitions_are_continuous_in_random_layouts(void **state)
         for (size_t i = 0; i < sizeof levels; ++i)
             levels[i] = random_unit() < 0.5;
         f.levels = levels;
-        f.mode = ISO_WARP_MENDED;
+        f.mode = ISO_WARP_CORRECTED;
         double jump = worst_jump(&f, 100);
         if (!(jump <= CONTINUOUS))
             fail_msg("seed 3, layout %d: jump of %g", layout, jump);
@@ -185,9 +185,9 @@ static void parts_of_bricks_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mended_transitions_are_continuous_in_every_configuration_the_written_ones_are_not),
+        cmocka_unit_test(corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not),
         cmocka_unit_test(written_transitions_are_continuous_round_a_box_of_fine_bricks),
-        cmocka_unit_test(mended_transitions_are_continuous_in_random_layouts),
+        cmocka_unit_test(corrected_transitions_are_continuous_in_random_layouts),
         cmocka_unit_test(parts_of_bricks_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

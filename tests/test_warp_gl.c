@@ -107,30 +107,30 @@ static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
     noise n = make_noise(2, 2, 2);
     uint8_t levels[8];
     n.field.levels = levels;
-    double mended = 0, apart = 0;
+    double corrected = 0, apart = 0;
     int jumps = 0, own_jumps = 0;
     for (int k = 0; k < 256; ++k) {
         double near_faces = 0;
         for (int i = 0; i < 8; ++i)
             levels[i] = (uint8_t)(k >> i & 1);
-        n.field.mode = ISO_WARP_MENDED;
-        mended = fmax(mended, worst_jump(&n, &apart));
+        n.field.mode = ISO_WARP_CORRECTED;
+        corrected = fmax(corrected, worst_jump(&n, &apart));
         /* As written the last 1e-6 before a face are left out: there floats are apart. */
         n.field.mode = ISO_WARP_WRITTEN;
         jumps += worst_jump(&n, &near_faces) > SEEN;
         n.field.mode = ISO_WARP_NONE;
         own_jumps += worst_jump(&n, &apart) > 0.02;
     }
-    printf("mended: %.1e between bricks; %.1e from the CPU; of 256 configurations %d jump as written, %d without transitions\n",
-           mended, apart, jumps, own_jumps);
-    assert_at_most(mended, FILTER);
+    printf("corrected: %.1e between bricks; %.1e from the CPU; of 256 configurations %d jump as written, %d without transitions\n",
+           corrected, apart, jumps, own_jumps);
+    assert_at_most(corrected, FILTER);
     assert_at_most(apart, FILTER);
     assert_int_equal(jumps, 172); /* those of tests/test_warp.c */
     assert_int_equal(own_jumps, 254);
     destroy_noise(&n);
 }
 
-static void written_is_continuous_round_a_box_and_mended_in_random_layouts(void **state)
+static void written_is_continuous_round_a_box_and_corrected_in_random_layouts(void **state)
 {
     (void)state;
     random_state = 2;
@@ -144,17 +144,17 @@ static void written_is_continuous_round_a_box_and_mended_in_random_layouts(void 
     for (int i = 0; i < 5; ++i)
         assert_at_most(worst_jump(&n, &apart), 10 * FILTER); /* Eq. 8 divides by 1 - 2v */
     int rejected = 0;
-    double mended = 0;
+    double corrected = 0;
     for (int layout = 0; layout < 100; ++layout) {
         for (size_t i = 0; i < sizeof levels; ++i)
             levels[i] = random_unit() < 0.5;
-        n.field.mode = ISO_WARP_MENDED;
-        mended = fmax(mended, worst_jump(&n, &apart));
+        n.field.mode = ISO_WARP_CORRECTED;
+        corrected = fmax(corrected, worst_jump(&n, &apart));
         n.field.mode = ISO_WARP_WRITTEN;
         rejected += worst_jump(&n, &apart) > SEEN;
     }
-    printf("random layouts: mended jumps by %.1e, as written %d of 100 jump\n", mended, rejected);
-    assert_at_most(mended, FILTER);
+    printf("random layouts: corrected jumps by %.1e, as written %d of 100 jump\n", corrected, rejected);
+    assert_at_most(corrected, FILTER);
     assert_more_than(rejected, 95);
     destroy_noise(&n);
 }
@@ -213,8 +213,8 @@ static void images_agree_with_the_reference_in_every_mode(void **state)
         rmse = difference(&a, &b, &max);
         printf("mode %d: RMSE %.1e, max %.1e\n", mode, rmse, max);
         /* As tests/test_bricks_gl.c: where the field jumps a sample may fall to the other side. */
-        assert_at_most(rmse, mode == ISO_WARP_MENDED ? 1e-6 : 1e-3);
-        if (mode == ISO_WARP_MENDED) {
+        assert_at_most(rmse, mode == ISO_WARP_CORRECTED ? 1e-6 : 1e-3);
+        if (mode == ISO_WARP_CORRECTED) {
             assert_at_most(max, 2e-5);
             assert_more_than(difference(&written, &b, &max), 1e-4); /* the one is not taken for the other */
         }
@@ -232,7 +232,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(glsl_is_the_cpu_s_definition_in_every_configuration),
-        cmocka_unit_test(written_is_continuous_round_a_box_and_mended_in_random_layouts),
+        cmocka_unit_test(written_is_continuous_round_a_box_and_corrected_in_random_layouts),
         cmocka_unit_test(images_agree_with_the_reference_in_every_mode),
     };
     return cmocka_run_group_tests(tests, open_gl, close_gl);

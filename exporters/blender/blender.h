@@ -9,8 +9,8 @@
  *
  * A region of interest is a second volume object, "NAME roi", with a VDB of its own:
  * the two overlap, and the material weighs each by its part (scene/roi.h). Where a
- * ray enters or leaves the second one Cycles starts a new phase of its steps, which
- * leaves an error of the first order in the step; it is random, and seeds average it.
+ * ray enters or leaves the second object Cycles draws a new random offset for its steps,
+ * which leaves an error of first order in the step; averaging over seeds removes it.
  *
  * Before each scene Blender renders a tiny known volume and looks where it is:
  * versions differ by half a voxel in where they put a grid. A build that puts it
@@ -68,9 +68,9 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
                                     const iso_blender_options *frames, size_t count, iso_image *pictures,
                                     const iso_progress *progress, iso_error *err);
 
-/* What a plan leaves of a volume (brick/lattice.h): a volume object a lattice, each with its own grids, and one material
- * in which the brick of a point tells whose it is. The fields meet at the bricks' faces without a seam, because the
- * bricks do. Lattices are to be made with whole_box. */
+/* A planned volume (brick/lattice.h): a volume object for each lattice, with grids of its own, and one material that
+ * decides by the brick of a point which object shows it. The objects meet at the faces of bricks without a seam,
+ * because the bricks do. Lattices have to be made with whole_box. */
 typedef struct iso_blender_plan {
     const iso_geometry *geometry; /* of level 0 */
     size_t bricks[3], brick_voxels;

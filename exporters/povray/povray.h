@@ -9,7 +9,7 @@
  * The media use method 2: N equal intervals of the ray inside the box (or of
  * its pieces between cutting planes), samples at the midpoints,
  *     C = sum E_i ds exp(-sigma_i ds / 2) exp(-sum_{j<i} sigma_j ds),
- * N is at most 255. planes = 0 is lock-step with ISO_QUADRATURE_POVRAY. The
+ * N is at most 255. With planes = 0 the samples are those of ISO_QUADRATURE_POVRAY. The
  * error is of second order in ds, so that extrapolation removes most of it.
  *
  * Scalars of 8 and 16 bits and linear direction codes (fit, snorm) are stored
@@ -65,8 +65,8 @@ double iso_povray_df3_bytes(const char *folder);
 /* "3.7.0.10". ISO_E_MISSING, ISO_E_PROGRAM. */
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
 
-/* How bright a picture of the view can be. POV-Ray writes 16 bits a channel of that: pictures are rounded by up to half of
- * peak / 65535. */
+/* The brightest value that a picture of the view can have. POV-Ray writes 16 bits a channel relative to it, so pictures
+ * are rounded by up to half of peak / 65535. */
 double iso_povray_peak(const iso_view *view);
 
 /* The folder; complete or absent. An older export of the same name is replaced.

@@ -3,8 +3,8 @@
  *
  * The volume is built in voxel (index) coordinates and placed by one matrix, so
  * anisotropic, rotated and sheared grids need nothing else. POV-Ray's
- * tolerances are absolute (1e-3 units): where a cutting plane comes so near to the
- * face by which a ray enters, a piece of the ray is lost, and with it the pixel. So
+ * tolerances are absolute (1e-3 units): where a cutting plane is nearer than that to the
+ * face through which a ray enters, a piece of the ray is lost, and the pixel is wrong. So
  * world millimetres are scaled to a box of ISO_POVRAY_UNITS_ACROSS, centred. At 100
  * units one pixel in 25600 was lost with 7, 14 or 15 planes, at 10000 none. */
 #ifndef ISO_POVRAY_SCENE_TEXT_H

@@ -9,16 +9,16 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "vdb/vdb_door.h"
+#include "vdb/vdb_openvdb.h"
 
 iso_vdb_options iso_vdb_defaults(void)
 {
     return (iso_vdb_options){.half_float = false, .gradient = true, .pad_voxels = 0, .creator = "isoshade"};
 }
 
-const char *iso_vdb_version(void) { return iso_vdb_door_version(); }
+const char *iso_vdb_version(void) { return iso_openvdb_version(); }
 
-/* What the door's readers need to know of a level. */
+/* What the readers of vdb_openvdb.h need to know of a level. */
 typedef struct level_source {
     const iso_level *level;
     iso_code code;
@@ -64,13 +64,13 @@ static void center_transform(const iso_geometry *g, double m[3][4])
 
 bool iso_vdb_reverses_x(const iso_geometry *g) { return iso_mat3_det(g->index_to_world) < 0; }
 
-static iso_status fail_by_door(int code, const char *path, const iso_vdb_message *message, iso_error *err)
+static iso_status fail_by_code(int code, const char *path, const iso_vdb_message *message, iso_error *err)
 {
-    static const iso_status statuses[] = {[ISO_VDB_DOOR_OK] = ISO_OK,
-                                          [ISO_VDB_DOOR_IO] = ISO_E_IO,
-                                          [ISO_VDB_DOOR_NO_GRID] = ISO_E_FORMAT,
-                                          [ISO_VDB_DOOR_MEMORY] = ISO_E_MEMORY,
-                                          [ISO_VDB_DOOR_FAILED] = ISO_E_PROGRAM};
+    static const iso_status statuses[] = {[ISO_OPENVDB_OK] = ISO_OK,
+                                          [ISO_OPENVDB_IO] = ISO_E_IO,
+                                          [ISO_OPENVDB_NO_GRID] = ISO_E_FORMAT,
+                                          [ISO_OPENVDB_MEMORY] = ISO_E_MEMORY,
+                                          [ISO_OPENVDB_FAILED] = ISO_E_PROGRAM};
     return iso_fail(err, statuses[code], "%s: OpenVDB: %s", path, message->text);
 }
 
@@ -165,8 +165,8 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         }
         iso_vdb_message message = {""};
         int code = iso_vdb_file_add(file, &source, &message);
-        if (code != ISO_VDB_DOOR_OK)
-            return fail_by_door(code, path, &message, err);
+        if (code != ISO_OPENVDB_OK)
+            return fail_by_code(code, path, &message, err);
     }
     return ISO_OK;
 }
@@ -285,8 +285,8 @@ static iso_status save(const save_job *job, const char *path, const iso_vdb_opti
     if (status == ISO_OK) {
         iso_vdb_message message = {""};
         int code = iso_vdb_file_write(file, out.temp_path, &message);
-        if (code != ISO_VDB_DOOR_OK)
-            status = fail_by_door(code, path, &message, err);
+        if (code != ISO_OPENVDB_OK)
+            status = fail_by_code(code, path, &message, err);
     }
     iso_vdb_file_destroy(file);
     if (status == ISO_OK)
@@ -319,10 +319,10 @@ iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *er
     if (stat(path, &about) != 0)
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
     double start = iso_clock_seconds();
-    int code = iso_vdb_door_measure(path, &stats->active_voxels, &stats->memory_bytes, &message);
+    int code = iso_openvdb_measure(path, &stats->active_voxels, &stats->memory_bytes, &message);
     stats->read_seconds = iso_clock_seconds() - start;
     stats->file_bytes = (size_t)about.st_size;
-    return code == ISO_VDB_DOOR_OK ? ISO_OK : fail_by_door(code, path, &message, err);
+    return code == ISO_OPENVDB_OK ? ISO_OK : fail_by_code(code, path, &message, err);
 }
 
 iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, const size_t size[3], float *out,
@@ -334,11 +334,11 @@ iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, c
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
     iso_vdb_grid_info info;
     iso_vdb_message message = {""};
-    int code = iso_vdb_door_read(path, grid, channels, size, out, &info, &message);
-    if (code == ISO_VDB_DOOR_IO) /* the file is there, so it is its content */
+    int code = iso_openvdb_read(path, grid, channels, size, out, &info, &message);
+    if (code == ISO_OPENVDB_IO) /* the file is there, so it is its content */
         return iso_fail(err, ISO_E_FORMAT, "%s: cannot be read as OpenVDB: %s", path, message.text);
-    if (code != ISO_VDB_DOOR_OK)
-        return fail_by_door(code, path, &message, err);
+    if (code != ISO_OPENVDB_OK)
+        return fail_by_code(code, path, &message, err);
     if (!geometry)
         return ISO_OK;
     *geometry = (iso_geometry){.size = {size[0], size[1], size[2]}};

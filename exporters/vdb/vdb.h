@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb.h - the door to OpenVDB: C outside, C++ inside, no exception passes.
+/* vdb.h - OpenVDB files of pyramids and lattices. A C interface to a C++ library: no exception leaves it.
  *
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
  * (decoded shading directions, world axes) of one level, and where asked for a
  * float grid "second_value" (tf/tf_2d.h). The transform puts the
  * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
  * = origin + index_to_world (ijk + 1/2). Where index_to_world is left-handed, as in
- * many scans, x is stored from its other end and the transform turned with it: the
- * same place in the world, which Blender draws; it draws left-handed grids wrong.
+ * many scans, x is stored in reverse order and the transform is reversed with it: voxels stay in
+ * their place in the world. Blender draws left-handed grids wrong.
  * All voxels are active and there are no
  * active tiles (Cycles misreads them). Metadata: name, level, value range,
  * directions' meaning, what made it. Several levels in one file are named
@@ -35,14 +35,14 @@ typedef struct iso_vdb_options {
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
 
-/* Whether the files have x from its other end. */
+/* Whether the files store x in reverse order. */
 bool iso_vdb_reverses_x(const iso_geometry *g);
 
 /* Levels [first, first + count) of p into one file; one level: plain names. */
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
                         const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
 
-/* What a plan leaves (brick/lattice.h): the active nodes alone, the background elsewhere. One lattice: plain names;
+/* The lattices of a plan (brick/lattice.h): the active nodes alone, the background elsewhere. One lattice: plain names;
  * more: density_level_N. A voxel's index is the number of its node at its level, so that bricks of 8 or more nodes
  * begin where leaves do. pad_voxels has no meaning here. */
 iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* atlas.h - the ways in which methods fail: the smallest scene that shows each,
- * a figure for it, and the fallback that mends it.
+ * a figure for it, and the fallback that corrects it.
  *
  * A case is a scene - a small volume of a closed form, a camera, a transfer
  * function - and three ways to show it: what is right, the failure, the fallback.
- * A way is said by the options of `isoshade build` and `isoshade render`, which
- * are what runs here and what the page tells its reader to type. The CPU reference
+ * A way is given by options of `isoshade build` and `isoshade render`: they are run here, and
+ * the page tells its reader to type them. The CPU reference
  * draws. The figure of a picture is its RMSE to the right one; the smaller the better.
  *
- * A case stands while the failure is at least failure_at_least and the fallback
- * at most fallback_at_most: tests hold both, so that neither a cured failure nor
- * a broken fallback goes unnoticed.
+ * A case is valid while the failure is at least failure_at_least and the fallback
+ * at most fallback_at_most. Tests check both, so that neither a failure that has
+ * disappeared nor a broken fallback goes unnoticed.
  *
  *   fields.c  the closed forms
  *   stage.c   a scene as volume, view and scene file; a way as a picture
@@ -47,7 +47,7 @@ typedef struct iso_atlas_scene {
     double height_mm;        /* of the picture; 0: what a ball needs */
 } iso_atlas_scene;
 
-/* What no option of ours does to a level: it writes its directions or codes. */
+/* A failure that no option of isoshade produces: the function overwrites the level's directions or codes. */
 typedef iso_status iso_atlas_fault(const iso_atlas_scene *scene, iso_pyramid *p, size_t level, iso_error *err);
 
 typedef struct iso_atlas_way {
@@ -115,8 +115,8 @@ iso_atlas_fault iso_atlas_coarse_vectors;    /* the same grid's vectors, filtere
 
 /* The cut through a fine and a coarse brick; the value is the largest step over their face. */
 iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
-/* Directions round an axis, as bright as they are far from any that the code of 48 regions holds, with lambda 0 and 0.61 in
- * Eq. 2 of gradients-2017; the value is the largest angle in degrees. */
+/* Directions round an axis, as bright as they are far from any that the code of 48 regions holds, with lambda 0 and
+ * 0.61 in Eq. 2 of gradients-2017; the value is the largest angle in degrees. */
 iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
 
 /* ---- page.c ---- */

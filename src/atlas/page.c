@@ -171,7 +171,8 @@ static void put_file(FILE *f, const drawing *d, const char *suffix)
     free(rest);
 }
 
-/* Lines to type, from the case's volume and scene to the figure under its picture. None of a way that no option makes. */
+/* Lines to type, from the case's volume and scene to the figure under its picture. None of a way that no option
+ * makes. */
 static char *commands_of(const drawing *d, iso_atlas_which which)
 {
     const iso_atlas_way *way = &d->c->ways[which];
@@ -266,7 +267,7 @@ static void put_section(FILE *html, const drawing *d, const char *command)
     fprintf(html, "<section id=\"%s\"%s><h2>%s</h2>\n<p>%s <em>What to see:</em> %s</p>\n", c->id,
             iso_atlas_stands(c, d->r) ? "" : " class=\"fallen\"", c->title, c->cause, c->look);
     put_pictures(html, d);
-    fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. A failure from %g on; mended up to %g.",
+    fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. A failure from %g on; corrected up to %g.",
             d->r->values[ISO_ATLAS_FAILURE], d->r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), c->failure_at_least,
             c->fallback_at_most);
     if (c->scene.field)
@@ -331,7 +332,7 @@ void iso_atlas_page_begin(FILE *html, const json_t *cases)
     json_t *c;
     size_t i;
     fputs(iso_atlas_head, html);
-    fputs("<table><thead><tr><th>what fails</th><th>failure</th><th>mended</th><th>what helps</th></tr></thead><tbody>\n", html);
+    fputs("<table><thead><tr><th>what fails</th><th>failure</th><th>corrected</th><th>what helps</th></tr></thead><tbody>\n", html);
     json_array_foreach(cases, i, c) {
         fprintf(html, "<tr><td><a href=\"#%s\">%s</a></td><td>%.3g</td><td>%.3g</td><td>", json_string_value(json_object_get(c, "id")),
                 json_string_value(json_object_get(c, "title")), json_number_value(json_object_get(c, "failure_value")),

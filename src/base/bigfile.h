@@ -14,32 +14,32 @@
 
 typedef struct iso_bigfile iso_bigfile;
 
-/* Memory of each. */
+/* The buffer of each file takes so much memory. */
 #define ISO_BIGFILE_BYTES ((size_t)1 << 20)
 
-/* Opens or creates; `keep` bytes of what is there stay and are gone on from
- * (ISO_E_FORMAT when there are fewer), the rest is cut off. */
+/* Opens or creates the file. The first `keep` bytes of an existing one stay, and writing goes on behind them; the
+ * rest is cut off. ISO_E_FORMAT when the file is shorter than that. */
 iso_status iso_bigfile_open(const char *path, bool direct, size_t keep, iso_bigfile **file, iso_error *err);
-/* Opens what another process has opened or created, and leaves it as it is; writing starts where iso_bigfile_go_on() says. */
+/* Opens a file that another process has created, and changes nothing in it. Call iso_bigfile_go_on() before writing. */
 iso_status iso_bigfile_join(const char *path, bool direct, iso_bigfile **file, iso_error *err);
 iso_status iso_bigfile_write(iso_bigfile *file, const void *data, size_t bytes, iso_error *err);
-/* What has been written is in the file, perhaps with a few bytes behind it that the end cuts off. */
+/* Returns when all that was written is on the disk. The file may be longer by part of a block until it is closed. */
 iso_status iso_bigfile_sync(iso_bigfile *file, iso_error *err);
 
-/* Several processes write one file in turns: each block of the disk is written by
- * one of them, as what does not fill its last block goes on to the next in turn. */
+/* Several processes write one file in turns. Only whole blocks are written: the bytes of a process that do not fill
+ * its last block are its tail, which it hands to the next process. */
 enum { ISO_BIGFILE_ALIGNMENT = 4096 };
 typedef struct iso_bigfile_tail {
     size_t end;                               /* bytes of the file so far */
     unsigned char bytes[ISO_BIGFILE_ALIGNMENT]; /* the last end % ISO_BIGFILE_ALIGNMENT of them */
 } iso_bigfile_tail;
-/* Where the file stands. Only after open, go_on, or a flush. */
+/* The tail so far. To be called only after open, go_on or flush. */
 void iso_bigfile_get_tail(const iso_bigfile *file, iso_bigfile_tail *tail);
-/* What the tail will be when `bytes` more have been written. */
+/* Changes the tail to what it will be when `bytes` more bytes, at data, have been written. */
 void iso_bigfile_tail_after(iso_bigfile_tail *tail, const void *data, size_t bytes);
-/* Writes from there on. */
+/* Writing goes on behind this tail. */
 void iso_bigfile_go_on(iso_bigfile *file, const iso_bigfile_tail *tail);
-/* Writes all whole blocks of the disk. */
+/* Writes all blocks that are full. */
 iso_status iso_bigfile_flush(iso_bigfile *file, iso_error *err);
 
 /* Syncs, cuts, closes and frees in every case. Accepts NULL. */

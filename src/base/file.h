@@ -27,16 +27,16 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
  * else ISO_E_IO, and nothing of the user's is lost. */
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
 
-/* The same for work that may be killed and taken up again: the temporary has the
- * fixed name .NAME.partial. With `resume` one that is there keeps its files, and
- * *resumed says so; else it is emptied. ISO_E_IO while another process works in it. */
+/* The same for work that can be resumed after it was killed: the temporary directory has the
+ * fixed name .NAME.partial. If one exists and `resume` is set, its files stay and *resumed
+ * becomes true; else it is emptied. ISO_E_IO while another process works in it. */
 iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
                                  iso_error *err);
 
-/* In a message of a writer that was given the temporary, its name becomes the one that the user knows. */
+/* Replaces the temporary name in an error message by the final one, which the user knows. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
 
-/* The same for temporaries of iso_output_begin() and iso_output_begin_dir(), whichever they are: main calls it. */
+/* The same for all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
 void iso_output_rename_all_in(iso_error *err);
 
 /* Removes what is in a temporary directory. */
@@ -48,7 +48,7 @@ iso_status iso_output_commit(iso_output *out, iso_error *err);
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
 void iso_output_abandon(iso_output *out);
 
-/* As abandon, but leaves the temporary where it is, to be taken up. */
+/* As abandon, but keeps the temporary, so that the work can be resumed. */
 void iso_output_keep(iso_output *out);
 
 /* Removes a directory and all in it. Missing is fine. */

@@ -9,12 +9,12 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/ranks_door.h"
+#include "base/ranks_interface.h"
 
 #define DOOR_NAME "isoshade_mpi.so"
 
 struct iso_ranks {
-    const iso_ranks_door *door;
+    const iso_ranks_interface *interface;
     void *library;
     int index, count;
 };
@@ -34,7 +34,7 @@ int iso_ranks_is_other(void)
 }
 
 /* Beside the program, wherever that is. */
-static void *load_door(iso_error *err)
+static void *load_library(iso_error *err)
 {
     char program[4096];
     ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
@@ -58,11 +58,11 @@ iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err)
     iso_ranks *r = calloc(1, sizeof *r);
     if (!r)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    r->library = load_door(err);
-    r->door = r->library ? dlsym(r->library, ISO_RANKS_DOOR_SYMBOL) : NULL;
-    iso_status status = r->door ? ISO_OK : ISO_E_MISSING;
+    r->library = load_library(err);
+    r->interface = r->library ? dlsym(r->library, ISO_RANKS_INTERFACE_SYMBOL) : NULL;
+    iso_status status = r->interface ? ISO_OK : ISO_E_MISSING;
     if (status == ISO_OK) {
-        r->door->open(&r->index, &r->count);
+        r->interface->open(&r->index, &r->count);
         if (r->count != wanted)
             status = iso_fail(err, ISO_E_MISSING, "mpirun started %d ranks, MPI sees %d: they are of different makes", wanted,
                               r->count);
@@ -78,7 +78,7 @@ iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err)
 void iso_ranks_close(iso_ranks *r)
 {
     if (r && r->count > 0)
-        r->door->close();
+        r->interface->close();
     free(r);
 }
 
@@ -107,7 +107,7 @@ iso_status iso_ranks_agree(iso_ranks *r, iso_status status, iso_error *err)
     outcome *all = malloc((size_t)r->count * sizeof *all);
     if (!all)
         abort(); /* the others wait: mpirun ends them */
-    r->door->gather(&own, sizeof own, all);
+    r->interface->gather(&own, sizeof own, all);
     status = ISO_OK;
     for (int i = 0; i < r->count && status == ISO_OK; ++i) {
         status = all[i].status;
@@ -121,21 +121,21 @@ iso_status iso_ranks_agree(iso_ranks *r, iso_status status, iso_error *err)
 void iso_ranks_broadcast(iso_ranks *r, void *data, size_t bytes)
 {
     if (r)
-        r->door->broadcast(data, bytes);
+        r->interface->broadcast(data, bytes);
 }
 
 void iso_ranks_largest(iso_ranks *r, double *values, size_t count)
 {
     if (r)
-        r->door->largest(values, count);
+        r->interface->largest(values, count);
 }
 
 void iso_ranks_send(iso_ranks *r, int to, const void *data, size_t bytes)
 {
-    r->door->send(to, data, bytes);
+    r->interface->send(to, data, bytes);
 }
 
 void iso_ranks_receive(iso_ranks *r, int from, void *data, size_t bytes)
 {
-    r->door->receive(from, data, bytes);
+    r->interface->receive(from, data, bytes);
 }

@@ -3,8 +3,8 @@
  *
  *     ISO_SIMD void kernel(const float *restrict in, size_t n, float *restrict out) ...
  *
- * Plain C loops that the compiler vectorises; products and sums are never
- * contracted (-ffp-contract=off), so every set gives the same bits. */
+ * Plain C loops that the compiler vectorises for several instruction sets. Products and
+ * sums are never fused (-ffp-contract=off), so that all of them give the same bits. */
 #ifndef ISO_SIMD_H
 #define ISO_SIMD_H
 

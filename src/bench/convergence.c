@@ -180,7 +180,7 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_renderers renderers = {0};
-    iso_render_options arbiter = iso_render_defaults(iso_renderers_truth());
+    iso_render_options exact = iso_render_defaults(iso_renderers_truth());
     iso_pyramid p = {0};
     iso_view view = {0};
     iso_image reference = {0};
@@ -189,14 +189,14 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_status status = check(o, err);
     if (status == ISO_OK)
         status = parse_renderers(o->with, d, &count, err);
-    build.threads = arbiter.threads = cli->threads;
+    build.threads = exact.threads = cli->threads;
     build.level_count = (size_t)o->level + 1;
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
     if (status == ISO_OK)
         status = iso_subject_load_view(o->scene, &p, o->size, &view, err);
     if (status == ISO_OK)
-        status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &arbiter, &reference, NULL, &progress, err);
+        status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &exact, &reference, NULL, &progress, err);
     for (size_t r = 0; r < count && status == ISO_OK; ++r) {
         status = descend(&renderers, &p, &view, o, &reference, cli, &d[r], err);
         if (status == ISO_OK && !cli->json)

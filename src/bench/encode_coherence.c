@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_coherence.c - what filtering makes of a best fit, by how much it
- * heeds the length; and of directions whose length is how far they can be trusted,
+/* encode_coherence.c - what filtering makes of a best fit, by how much
+ * weight it gives the length; and of directions whose length is how far they can be trusted,
  * by the way it is stored. */
 #include <math.h>
 #include <stdio.h>

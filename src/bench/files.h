@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* files.h - the build from a file to files against what the disk takes for the same bytes. */
+/* files.h - the time of a streaming build, compared with the time that the disk needs for the same bytes. */
 #ifndef ISO_BENCH_FILES_H
 #define ISO_BENCH_FILES_H
 
 #include "pyramid/pyramid_stream.h"
 
-/* Of the fastest run each. */
+/* Of the fastest run of each. */
 typedef struct bench_files_times {
     iso_stream_report stream;
     double floor; /* reading the volume's file and writing files as long as the pyramid's, at once, nothing computed */
     size_t bytes; /* read and written */
 } bench_files_times;
 
-/* Builds `runs` times in the folder, each build beside one copy of the same bytes. memory_bytes: of buffers; 0: as build does. */
+/* Builds `runs` times in the folder, each build beside one copy of the same bytes. memory_bytes: of buffers; 0: as
+ * build does. */
 iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
                        bench_files_times *times, iso_error *err);
 /* The same for a volume that is in a file already. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* power.h - how much validation can see: random scenes, and what its gates say of them when a fault is planted.
+/* power.h - the statistical power of validation: which planted faults its gates reject, in random scenes.
  *
- * A case is a random scene with the images that its gates compare with. A gate renders the scene, spoilt or not, and
+ * A case is a random scene with the images that its gates compare with. A gate renders the scene, with a fault or without, and
  * answers by the very limits and verdicts of validate.h.
  *
  *   lock-step   the same samples as the reference, of renderers whose samples are known
@@ -46,7 +46,7 @@ void iso_power_close(iso_power_case *c);
 /* RMSE by which what is planted changes the reference's picture of the scene. */
 iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse, iso_error *err);
 
-/* Does the gate reject the renderer, which is given the spoilt scene? planted NULL: the clean one. */
+/* Does the gate reject the renderer, which is given the scene with the fault? planted NULL: the clean one. */
 iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
                          const iso_planted *planted, bool *rejected, iso_error *err);
 
@@ -56,8 +56,8 @@ iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, is
                                    iso_deviation deviation, double amount, bool *rejected, iso_error *err);
 
 /* Is the noise of a random renderer what the test of its pixels takes it to be? `groups` groups of c->seeds seeds each, at the
- * first pair of steps: how many of them the gates of chance flag, and how far from normal the noise is by itself, each
- * group's limits tested against the mean of all others' without any tolerance. */
+ * first pair of steps: how many of them are flagged by chance, and how far the noise is from normal, by testing each
+ * group's limits against the mean of all others without any tolerance. */
 typedef struct iso_power_noise {
     size_t groups, flagged;
     size_t tests, below; /* pixels and channels with noise, of all groups; those below a chance of ISO_POWER_NOISE_P */

@@ -194,8 +194,8 @@ void iso_power_close(iso_power_case *c)
         iso_image_destroy(&c->same_samples[i]);
 }
 
-/* The scene is made anew for each fault, which spoils it. */
-static iso_status make_spoilt(const iso_power_case *c, const iso_planted *planted, power_scene *s, iso_error *err)
+/* The scene is made anew for each fault, which changes it. */
+static iso_status make_faulty(const iso_power_case *c, const iso_planted *planted, power_scene *s, iso_error *err)
 {
     iso_status status = make_scene(c, s, err);
     if (status == ISO_OK)
@@ -203,12 +203,12 @@ static iso_status make_spoilt(const iso_power_case *c, const iso_planted *plante
     return status;
 }
 
-static iso_status render_spoilt(iso_renderers *r, const iso_power_case *c, const iso_planted *planted,
+static iso_status render_faulty(iso_renderers *r, const iso_power_case *c, const iso_planted *planted,
                                 const iso_render_options *opt, iso_image *image, iso_error *err)
 {
     power_scene s;
     *image = (iso_image){0};
-    iso_status status = make_spoilt(c, planted, &s, err);
+    iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_render_with(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, opt, image, NULL, NULL, err);
@@ -222,7 +222,7 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
     iso_image image;
     iso_metrics m = {0};
     const iso_render_options opt = reference_options(c, ISO_QUADRATURE_MIDPOINT);
-    iso_status status = render_spoilt(r, c, planted, &opt, &image, err);
+    iso_status status = render_faulty(r, c, planted, &opt, &image, err);
     if (status == ISO_OK)
         status = iso_metrics_measure(&c->midpoint, &image, &m, err);
     *rmse = m.rmse;
@@ -244,7 +244,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[index]};
     opt.intervals = renderer->lock_step->intervals;
     opt.threads = c->threads;
-    iso_status status = make_spoilt(c, planted, &s, err);
+    iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_render_several(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, 1, &image, NULL, err);
@@ -266,7 +266,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->seeds, c->threads);
     opt.first_seed = c->first_seed;
     opt.hopeless = 5; /* spares the last halvings of gross faults: tests/test_limits.c shows that verdicts stay */
-    iso_status status = make_spoilt(c, planted, &s, err);
+    iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
         status = iso_limit_find(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &c->converged, renderer, &opt, &limit,
@@ -296,7 +296,7 @@ iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, is
     const iso_render_options opt = truth_options(c, gate, renderer);
     iso_image truth;
     iso_power_case other = *c; /* borrows what it does not replace */
-    iso_status status = render_spoilt(r, c, &inverse, &opt, &truth, err);
+    iso_status status = render_faulty(r, c, &inverse, &opt, &truth, err);
     other.converged = other.same_samples[iso_renderer_index(renderer)] = truth;
     if (status == ISO_OK)
         status = iso_power_ask(r, &other, gate, renderer, NULL, rejected, err);

@@ -148,7 +148,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
         {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0, "of all cores instead of the clock's: software GL on a busy machine", NULL},
-        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0, "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-mended", "NAME"},
+        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0, "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-corrected", "NAME"},
         {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
         {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
@@ -171,7 +171,7 @@ const iso_command iso_bench_render = {
                "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
                "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
                "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
-               "samples\ninside bricks, on their own, with the paper's transitions as written and as mended; a quarter of the "
+               "samples\ninside bricks, on their own, with the paper's transitions as written and as corrected; a quarter of the "
                "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
                "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"

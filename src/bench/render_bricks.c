@@ -19,16 +19,16 @@ typedef enum bench_texture {
     TEXTURE_BAKED,
     TEXTURE_CENTERS_OWN,
     TEXTURE_PAPER,
-    TEXTURE_PAPER_MENDED,
+    TEXTURE_PAPER_CORRECTED,
     TEXTURE_COUNT
 } bench_texture;
 static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
-                                                         "centres-own", "paper",      "paper-mended"};
+                                                         "centres-own", "paper",      "paper-corrected"};
 /* What --transition calls them. */
 static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous", "baked", "centres-discontinuous",
-                                                            "paper", "paper-mended"};
+                                                            "paper", "paper-corrected"};
 static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {[TEXTURE_PAPER] = ISO_WARP_WRITTEN,
-                                                        [TEXTURE_PAPER_MENDED] = ISO_WARP_MENDED};
+                                                        [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
 
 /* Fine in a box of bricks in the middle, coarse around it; returns the part of all bricks that are fine and touch a
  * coarse one. */
@@ -131,9 +131,9 @@ static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const
 
 static void print_ratios(const double s[TEXTURE_COUNT])
 {
-    printf("  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, mended %.2f (to centres-own); bricks / uniform %.3f\n",
+    printf("  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centres-own); bricks / uniform %.3f\n",
            s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
-           s[TEXTURE_PAPER_MENDED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
+           s[TEXTURE_PAPER_CORRECTED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
 }
 
 static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fields *fields, double transition,
@@ -273,7 +273,7 @@ static iso_status check_transition(const char *name, iso_error *err)
         known = known || strcmp(name, transition_names[t]) == 0;
     return known ? ISO_OK
                  : iso_fail(err, ISO_E_USAGE, "--transition is \"%s\", wanted discontinuous, baked, centres-discontinuous, "
-                                              "paper or paper-mended", name);
+                                              "paper or paper-corrected", name);
 }
 
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,

@@ -13,9 +13,9 @@
 
 enum { BRICK = 8, SIDE = 3, VOXELS = BRICK * SIDE };
 
-typedef enum scheme { OWN_NODES, BAKED, OWN_CENTERS, PAPER_WRITTEN, PAPER_MENDED, SCHEME_COUNT } scheme;
+typedef enum scheme { OWN_NODES, BAKED, OWN_CENTERS, PAPER_WRITTEN, PAPER_CORRECTED, SCHEME_COUNT } scheme;
 static const char *const scheme_names[SCHEME_COUNT] = {"nodes-own", "nodes-baked", "centres-own", "paper-written",
-                                                       "paper-mended"};
+                                                       "paper-corrected"};
 
 /* White noise, in bricks whose nodes are the samples and in bricks whose centres are. */
 typedef struct seams {
@@ -65,7 +65,7 @@ static double sample_in(seams *s, scheme which, const size_t brick[3], const dou
     }
     s->warp.levels = s->levels;
     s->warp.mode = which == PAPER_WRITTEN  ? ISO_WARP_WRITTEN
-                   : which == PAPER_MENDED ? ISO_WARP_MENDED
+                   : which == PAPER_CORRECTED ? ISO_WARP_CORRECTED
                                            : ISO_WARP_NONE;
     return iso_warp_sample_in(&s->warp, brick, p);
 }
@@ -110,7 +110,7 @@ static void measure(seams *s, int layouts, uint64_t *state, result results[SCHEM
  * second by a face. A plane across that edge, 2.4 voxels wide; stripes of equal values break where it jumps. */
 static iso_status draw(seams *s, const char *path, iso_error *err)
 {
-    static const scheme panels[] = {OWN_CENTERS, PAPER_WRITTEN, PAPER_MENDED, BAKED};
+    static const scheme panels[] = {OWN_CENTERS, PAPER_WRITTEN, PAPER_CORRECTED, BAKED};
     enum { panel = 280, gap = 8, count = 4 };
     const double width = 2.4;
     iso_image image;
@@ -206,7 +206,7 @@ const iso_command iso_bench_seams = {
     .summary = "bricks of mixed resolution: how far they disagree on their faces, by scheme",
     .usage = "[options]",
     .details = "White noise in 3 x 3 x 3 bricks of 8, random layouts of two levels. Jumps are parts of the range. The picture\n"
-               "is a plane across an edge where fine and coarse bricks meet: centres-own, paper-written, paper-mended,\n"
+               "is a plane across an edge where fine and coarse bricks meet: centres-own, paper-written, paper-corrected,\n"
                "nodes-baked.",
     .examples = "  isoshade bench seams --layouts 5 -o seams.png\n",
     .run = run,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* shading.h - bench consistency --shading: directions across levels; --filters, --holes: where they give way. */
+/* shading.h - bench consistency --shading: directions across levels; --filters, --holes: where they fail. */
 #ifndef ISO_BENCH_SHADING_H
 #define ISO_BENCH_SHADING_H
 

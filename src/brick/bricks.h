@@ -21,8 +21,8 @@
  * place of the warped coordinates of mixed-resolution-2008, whose samples lie
  * inside the bricks, and costs the shader nothing.
  *
- * The volume is continued by its edge to whole bricks; positions are clamped to
- * the nodes that it has. Four channels a node: the scalar, and the direction d
+ * The edge of the volume is repeated to fill whole bricks; positions are clamped to
+ * the nodes that the volume has. Four channels a node: the scalar, and the direction d
  * (world axes) of the moments N = sum w m^2 d, S = sum w m^2 of the gradients
  * m d of level 0: d = N/|N| L^2, L = |N| / S, as in pyramid.h with the weights w
  * of the filter. Directions are baked like the scalar, and not normalised before
@@ -59,14 +59,15 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
                                   bool with_directions, int threads, iso_error *err);
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                      iso_node_filter filter, bool with_directions, int threads, iso_error *err);
-/* From the cells of a pyramid, without its level 0 being filtered again: a node of level l is interpolated among the
- * level's cells, cubic in the scalar (within the range of the eight around) and linear in the decoded directions. As
- * continuous as the others, and as fast; wider than they are, as cells are means already. ISO_E_RANGE, ISO_E_MEMORY. */
+/* From the levels of a pyramid instead of its level 0: a node of level l is interpolated among that level's voxels,
+ * cubic in the scalar (kept within the range of the eight voxels around) and linear in the decoded directions. Bricks
+ * are as continuous and as fast to draw as with the filters above, but more blurred, because the voxels are means
+ * already. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyramid *p, size_t brick_voxels,
                                              size_t level_count, int threads, iso_error *err);
 /* Rounds the nodes of all levels to what a cache of 16 bits holds: scalars to 65535
- * steps of the range, directions to 1/32767. Coarse nodes have to be round before
- * fine faces are interpolated from them. */
+ * steps of the range, directions to 1/32767. To be called before faces are baked: fine
+ * face nodes are interpolated from rounded coarse ones. */
 void iso_node_levels_round(iso_node_levels *n);
 /* Takes the directions of all levels through a code and back, so that files that store decoded codes hold no more
  * values than those of a pyramid do. Codes that drop the length leave unit directions. */

@@ -20,7 +20,7 @@
  *     | # |   |   |   |
  *     o---o---.---.---.
  *
- * Bricks that no view sees may be cut hard: nobody sees their faces either. */
+ * Bricks that no view sees may be left out without a halo: nobody sees their faces either. */
 #ifndef ISO_LATTICE_H
 #define ISO_LATTICE_H
 
@@ -41,7 +41,7 @@ typedef struct iso_lattice {
 
 typedef struct iso_lattice_options {
     const uint8_t *drawn;      /* one byte a brick: what pack.h's cull and the plan leave */
-    const uint8_t *seen;       /* one byte a brick, 0: in no view, may be cut hard; NULL: all are seen */
+    const uint8_t *seen;       /* one byte a brick, 0: in no view, may be left out without a halo; NULL: all are seen */
     const iso_tf_table *tfs;   /* a node is needed when one of them shows a cell round it */
     size_t tf_count;
     size_t level;              /* one level: which; merged: ignored */
@@ -54,7 +54,8 @@ typedef struct iso_lattice_options {
 iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err);
 void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
 
-/* A value in [min, max] that no TF shows, in the range that most of the field's level 0 lies in; min when they show all. */
+/* A value in [min, max] that no TF shows, in the range that most of the field's level 0 lies in; min when they show
+ * all. */
 double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count);
 
 #endif

@@ -17,7 +17,8 @@
  * that no large numbers cancel in float): u = q - n b, clamped to the brick, is at
  * texel  xyz + 1/2 + u w.
  *
- * What does not fit one texture goes on pages of one size, stacked along z: z above size[2] is the next page's.
+ * What does not fit into one texture goes to further pages of the same size, stacked along z: a z above size[2] lies in
+ * the next page.
  *
  * Placement depends on the levels and the visible bricks alone: fine bricks first,
  * then by index. */

@@ -2,9 +2,9 @@
 /* store.h - the baked nodes of the bricks that are drawn, kept from one plan to the next.
  *
  * What a brick holds depends on its own level and, on its faces, on those of its up to 26 neighbours that are or were
- * coarser than it: a face node takes values of the coarsest brick that it touches, which interpolates them among nodes of
- * the same face, edge or corner, so that nothing further away matters. An update therefore bakes the bricks that are new
- * or of another level and those beside a brick whose level changed, and leaves the others as they are: the store is
+ * coarser than it: a face node takes values of the coarsest brick that it touches, which interpolates them among nodes
+ * of the same face, edge or corner, so that nothing further away matters. An update therefore bakes the bricks that are
+ * new or of another level and those beside a brick whose level changed, and leaves the others as they are: the store is
  * the same, byte for byte, as one that is baked from nothing. */
 #ifndef ISO_STORE_H
 #define ISO_STORE_H
@@ -17,7 +17,7 @@ typedef struct iso_brick_store {
     uint8_t *levels; /* owned */
 } iso_brick_store;
 
-/* Makes an empty store follow the field, or one that an update made for the same nodes. drawn: one byte a brick. *baked
+/* Bakes what has changed since the last update, or all bricks into an empty store. drawn: one byte a brick. *baked
  * (may be NULL) is how many bricks were baked. On failure the store is empty. ISO_E_MEMORY, ISO_E_RANGE for a store of
  * another volume. */
 iso_status iso_brick_store_update(iso_brick_store *store, const iso_brick_field *field, const uint8_t *drawn, int threads,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* warp.h - the smooth transitions of mixed-resolution-2008, section 4: as the paper
- * has them, and mended. For comparison with brick/bricks.h. Where they fetch is
+ * has them, and corrected. For comparison with brick/bricks.h. Where they fetch is
  * defined once, in brick/warp_map.h, for this module and for the shaders.
  *
  * Two levels. Fine samples are the voxel centres i + 1/2, coarse ones stand half-way
@@ -25,7 +25,7 @@
  *          one copy of a border voxel cannot serve two primitives that need different
  *          values, and a face primitive keeps fine values on a line where the bricks
  *          beside it have coarse ones.
- * mended   The primitive of the greatest depth, min of (1/2 - distance) over its axes,
+ * corrected  The primitive of the greatest depth, min of (1/2 - distance) over its axes,
  *          and two fetches, one from each level's own samples. Continuous.
  *
  * The figures of the paper are not in its text; the primitives are read from the words. */
@@ -38,7 +38,7 @@
 #include "pyramid/pyramid.h"
 
 /* In the order of ISO_TRANSITION_... of warp_map.h. */
-typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_MENDED, ISO_WARP_MODE_COUNT } iso_warp_mode;
+typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_CORRECTED, ISO_WARP_MODE_COUNT } iso_warp_mode;
 
 #define ISO_WARP_CHANNELS 4 /* at most: a scalar and a direction */
 
@@ -68,8 +68,9 @@ static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis) { return
 /* A bit for each coarse neighbour (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
 unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);
 
-/* What a cache holds of a brick, for the field's mode: fine ones have side + 2 voxels along each axis, of the field as
- * it is or, as written, fixed up; coarse ones side / 2 + 1 samples. f->channels a sample, x fastest. */
+/* The samples of a brick as a cache holds them: fine bricks have side + 2 voxels along each axis, whose border is that
+ * of the field or, in mode written, the nearest coarse samples; coarse bricks have side / 2 + 1 samples. f->channels a
+ * sample, x fastest. */
 size_t iso_warp_cache_side(const iso_warp_field *f, const size_t brick[3]);
 void iso_warp_bake(const iso_warp_field *f, const size_t brick[3], float *restrict out);
 

@@ -37,7 +37,7 @@ typedef struct iso_warp_fetch iso_warp_fetch;
 
 #define ISO_TRANSITION_NONE 0
 #define ISO_TRANSITION_WRITTEN 1
-#define ISO_TRANSITION_MENDED 2
+#define ISO_TRANSITION_CORRECTED 2
 
 /* The coarse neighbour whose primitive holds a point, and how deep the point is in it. */
 struct iso_warp_primitive {
@@ -56,13 +56,14 @@ ISO_FUNCTION int iso_warp_bit(ISO_VEC3 step)
     return 13 + ISO_INT(step.x) + 3 * ISO_INT(step.y) + 9 * ISO_INT(step.z);
 }
 
-/* As written, faces go before edges before corners (section 4.1); mended, the deepest does, and the simplest of equals. */
+/* As written, faces go before edges before corners (section 4.1); corrected, the deepest does, and the simplest of
+ * equals. */
 ISO_FUNCTION iso_warp_primitive iso_warp_better(iso_warp_primitive best, ISO_VEC3 step, int axes, ISO_REAL depth,
                                                 ISO_UINT coarse, int mode)
 {
     bool holds = depth > 0.0 && (coarse >> iso_warp_bit(step) & 1u) != 0u;
     bool deeper = depth > best.depth, simpler = axes < best.axes;
-    bool wins = mode == ISO_TRANSITION_MENDED ? deeper || (depth == best.depth && simpler)
+    bool wins = mode == ISO_TRANSITION_CORRECTED ? deeper || (depth == best.depth && simpler)
                                               : simpler || (axes == best.axes && deeper);
     if (holds && wins) {
         best.step = step;
@@ -107,7 +108,7 @@ ISO_FUNCTION ISO_VEC3 iso_warp_along(ISO_REAL x, ISO_REAL v)
     return ISO_MAKE_VEC3(apex - 0.5 + shrunk, apex, 0.0);
 }
 
-ISO_FUNCTION ISO_VEC3 iso_warp_mended_axis(ISO_REAL p, ISO_REAL step, ISO_REAL side, ISO_REAL v)
+ISO_FUNCTION ISO_VEC3 iso_warp_corrected_axis(ISO_REAL p, ISO_REAL step, ISO_REAL side, ISO_REAL v)
 {
     ISO_REAL face = step > 0.0 ? side : 0.0;
     if (step == 0.0)
@@ -143,9 +144,9 @@ ISO_FUNCTION iso_warp_fetch iso_warp_place(ISO_VEC3 p, ISO_REAL side, ISO_UINT c
     if (at.depth <= 0.0)
         return fetch;
     ISO_REAL v = at.depth;
-    if (mode == ISO_TRANSITION_MENDED) {
-        ISO_VEC3 x = iso_warp_mended_axis(p.x, at.step.x, side, v), y = iso_warp_mended_axis(p.y, at.step.y, side, v),
-                 z = iso_warp_mended_axis(p.z, at.step.z, side, v);
+    if (mode == ISO_TRANSITION_CORRECTED) {
+        ISO_VEC3 x = iso_warp_corrected_axis(p.x, at.step.x, side, v), y = iso_warp_corrected_axis(p.y, at.step.y, side, v),
+                 z = iso_warp_corrected_axis(p.z, at.step.z, side, v);
         fetch.top = ISO_MAKE_VEC3(x.x, y.x, z.x);
         fetch.foot = ISO_MAKE_VEC3(x.y, y.y, z.y);
         fetch.part = 2.0 * v;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* bench.h - what the settings of a chart are measured on: pyramids, transfer functions of levels, palettes and plans,
- * each made when the first setting needs it; the arbiter's image; and one setting's time, bytes and error. */
+/* bench.h - measures the settings of a chart: time, bytes and error of each. Pyramids, transfer functions of levels,
+ * palettes, plans and the reference image are made when the first setting needs them. */
 #ifndef ISO_CHART_BENCH_H
 #define ISO_CHART_BENCH_H
 
@@ -52,23 +52,25 @@ typedef struct iso_chart_bench {
     iso_chart_pace pace[ISO_MAX_RENDERERS];
 } iso_chart_bench;
 
-/* Loads what the chart stands on: the first pyramid, by `grid` where the path is a volume, and the scene. The pointers are
- * kept. */
+/* Loads the scene and the first pyramid, which is built by the options of `grid` if the path is a volume. Keeps the
+ * pointers. */
 iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_volume_input *input, const char *scene, const char *size,
                                 size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err);
 void iso_chart_bench_close(iso_chart_bench *b); /* accepts empty */
 
-/* The arbiter: level 0 of the first pyramid, the scene's own transfer function, no step left, directions as floats where
- * there are any. A tolerance of 1e-3 a pixel costs a quarter of the default and leaves an RMSE of 1e-6. */
+/* The reference image: level 0 of the first pyramid, the scene's own transfer function, no step left, directions as
+ * floats where there are any. A tolerance of 1e-3 a pixel costs a quarter of the default and leaves an RMSE of 1e-6. */
 iso_status iso_chart_bench_reference(iso_chart_bench *b, iso_error *err);
 
-/* Seconds that a setting will take with all that has to be made for it; a guess until its renderer has been seen. */
+/* The estimated seconds of a setting, with all that has to be made for it; a guess until its renderer has been
+ * timed. */
 double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c);
 
 /* Fills took, stored_bytes of plans, metrics and done. Frames are drawn again while that is short. */
 iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err);
 
-/* Adds frames to those of a setting that is done: spread over the run, what else the machine does meets all alike. */
+/* Times a measured setting again. Timings of all settings are spread over the run, so that other work of the machine
+ * affects all of them alike. */
 iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* grid.h - the settings that `isoshade chart` tries: a grid of renderer, step, quadrature, estimator, level, direction
- * filter, code, transfer function and plan, without those that would repeat each other, the most telling first. */
+ * filter, code, transfer function and plan, without those that would repeat each other, the most important first. */
 #ifndef ISO_CHART_GRID_H
 #define ISO_CHART_GRID_H
 
@@ -68,8 +68,8 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
 
 /* first: the pyramid of the first estimator and filter; is_volume: the others can be built. *cases is to be freed.
  * Their order: level and step alone, then one departure from the usual choices, then two ..., cheap ones first within
- * each, so that a budget that ends anywhere leaves a whole, coarser chart. Codes and palettes, which differ little, and
- * other programs, which take long, count two; but one image of each other program comes early. */
+ * each, so that wherever the budget ends, the chart covers all axes, if less densely. Codes and palettes, which differ
+ * little, and other programs, which take long, count two; but one image of each other program comes early. */
 iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
                                 size_t *count, iso_error *err);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* pareto.h - which settings are worth having: none other is as cheap and as exact.
+/* pareto.h - the Pareto front of settings: those for which no other is both cheaper and more exact.
  *
  * Cost and error are both better when smaller. Costs or errors that are NaN or
  * infinite are never on the front and never chosen. */

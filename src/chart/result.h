@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* result.h - what a chart found, as files and as lines.
+/* result.h - the result of a chart: files, and lines on stdout.
  *
  *     DIR/pareto.svg, .pdf   error against time and against bytes, with the fronts
  *         pareto.csv         a line a setting: all that is drawn, and the command that renders it again
@@ -40,7 +40,7 @@ typedef struct iso_chart_result {
     char refusal[320];         /* why the first could not */
 } iso_chart_result;
 
-/* Moves what is done to the front, marks and numbers the fronts, and chooses. */
+/* Sorts measured settings before the others, marks and numbers the fronts, and chooses fastest, smallest and best. */
 iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
 
 /* "isoshade render ..." that gives the setting's image again as setting.exr; to be freed, NULL when memory ends. */

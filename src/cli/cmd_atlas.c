@@ -105,7 +105,7 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(root));
     if (status == ISO_OK && fallen > 0)
-        status = iso_fail(err, ISO_E_DIFFERS, "%zu failures are no longer ones, or not mended by their fallback: see %s/index.html", fallen, output);
+        status = iso_fail(err, ISO_E_DIFFERS, "%zu failures are no longer ones, or not corrected by their fallback: see %s/index.html", fallen, output);
     return status;
 }
 
@@ -144,9 +144,9 @@ const iso_command iso_command_atlas = {
     .name = "atlas",
     .summary = "the ways in which methods fail: the smallest scene for each, its figure, and the fallback",
     .usage = "-o DIR [--case LIST] [options]",
-    .details = "DIR/index.html shows each failure beside what is right and what mends it, with the commands that repeat both from\n"
+    .details = "DIR/index.html shows each failure beside what is right and what helps, with the commands that repeat both from\n"
                "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
-               "Exit code 1: a failure is cured, or a fallback no longer mends it, so that a text somewhere is out of date.",
+               "Exit code 1: a failure is cured, or a fallback no longer corrects it, so that a text somewhere is out of date.",
     .examples = "  isoshade atlas -o atlas\n"
                 "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
                 "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",

@@ -24,13 +24,13 @@ typedef struct iso_metrics {
  * metrics are NaN and the status is ISO_OK: the verdict fails them. */
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err);
 
-/* What is allowed; a limit of 0 or less is not asked for. */
+/* The largest values that are allowed; a value of 0 or less is not checked. */
 typedef struct iso_tolerances {
     double rmse, max_abs, p99_abs, ssim_dissimilarity, flip_mean;
 } iso_tolerances;
 
-/* "agree" or "differ". NaN never agrees; without any limit only equality does. */
-bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *limits);
+/* NaN is never within tolerances; without any tolerance only equal images are. */
+bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 
 /* The keys of design.md: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
 json_t *iso_metrics_to_json(const iso_metrics *m);

@@ -61,17 +61,17 @@ typedef struct iso_code_info {
 const iso_code_info *iso_code_describe(iso_code code);
 iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err);
 
-/* count finite directions of 3 floats, |d| <= 1, (0,0,0) is undefined; to info.bytes each. */
+/* Encodes `count` finite directions of 3 floats, |d| <= 1, into info.bytes each. (0, 0, 0) means undefined. */
 void iso_code_encode(iso_code code, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
 /* The lattice vector that the bytes stand for: what a nearest fetch returns.
  * oct24: (x, y, 0) of the octahedral map. */
 void iso_code_lattice(iso_code code, const uint8_t *bytes, double e[3]);
 
-/* A (filtered) lattice vector to the direction d, |d| <= 1 or a little above. */
+/* Decodes a lattice vector, which may be filtered, to the direction d; |d| <= 1 or a little above. */
 void iso_code_decode(iso_code code, const double e[3], double d[3]);
 
-/* Voxel by voxel, in single precision: bytes to decoded directions. */
+/* Decodes the bytes of each voxel, in single precision. */
 void iso_code_decode_all(iso_code code, const uint8_t *restrict bytes, float *restrict directions, size_t count);
 
 /* n = d / sqrt(|d|^2 + eps^2) */

@@ -27,8 +27,8 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* What fit, region48 and squeeze search for, over every lattice point that could
- * win, in double precision: slow, the yardstick of those above. */
+/* Exhaustive searches in double precision, over every lattice point that could win, for what fit, region48 and squeeze
+ * find quickly: slow, for tests of the encoders above. */
 void iso_encode_squeeze_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 /* The best fit with another mu (fit.h), whatever the length. */

@@ -33,7 +33,7 @@ typedef struct iso_nearest_table {
 iso_status iso_nearest_table_create(int decoder, iso_nearest_table *table, iso_error *err);
 void iso_nearest_table_destroy(iso_nearest_table *table);
 
-/* Zero to (128, 128, 128). */
+/* The zero vector becomes (128, 128, 128). */
 void iso_nearest_encode(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes,
                         size_t count);
 

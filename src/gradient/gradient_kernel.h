@@ -41,7 +41,7 @@ enum { ISO_GRADIENT_BSPLINE_REACH = 12 };
 void iso_gradient_row_bspline(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *scratch,
                               float *restrict gx, float *restrict gy, float *restrict gz);
 
-/* A row of index gradients to the world's, in place. */
+/* Turns a row of index gradients into world gradients, in place. */
 void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
                            float *restrict gz);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* adapted.h - the options by which every command that renders or exports a
- * level gives it its adapted TF, and the one call that does it.
+/* adapted.h - the options for adapted transfer functions, alike in every command that renders or
+ * exports a level, and the one call that applies them.
  *
  *     iso_cli_adapted adapted;
  *     struct poptOption options[] = {ISO_CLI_ADAPTED_OPTIONS(&adapted), ..., POPT_TABLEEND};

@@ -22,8 +22,8 @@ typedef struct iso_cli_roi {
 
 void iso_cli_roi_defaults(iso_cli_roi *r);
 
-/* Sets view->roi when a box is given. To be called while view->tf is the scene's: the
- * level inside gets its own TF as `adapted` says, always of the value alone. ISO_E_USAGE. */
+/* Sets view->roi when a box is given. To be called while view->tf is still the scene's: the
+ * level inside gets a 1D transfer function of its own, adapted as `adapted` says. ISO_E_USAGE. */
 iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p,
                             size_t level, iso_view *view, int threads, iso_error *err);
 

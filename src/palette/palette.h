@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* palette.h - one byte (or 9, 10 bits) for a direction: a table of directions
- * fitted to the data.
+/* palette.h - directions in one byte (or 9 or 10 bits): an index into a table of
+ * directions that is fitted to the data.
  *
  * A palette holds the zero vector as entry 0 (no direction, or none that can
  * be trusted) and unit directions behind it. A voxel stores the index of the
@@ -12,7 +12,7 @@
  * LBG); Arthur and Vassilvitskii 2007 (k-means++); Hartigan 1975 (exchange).
  *
  *   palette_set.c       what a palette is fitted to
- *   palette_sample.c    a volume streamed into it, with weights
+ *   palette_sample.c    a volume streamed into that set, with weights
  *   palette_regular.c   fixed tables: subdivision, Glassner's two, Fibonacci
  *   palette_kmeans.c    Lloyd, LBG, k-means++ with exchange and swaps
  *   palette_anneal.c    the paper's method, over palette_mesh.c's triangulation
@@ -78,8 +78,8 @@ typedef struct iso_palette_weighting {
     double by_value_lo, by_value_hi;
 } iso_palette_weighting;
 
-/* Pools the gradient of each voxel. From a source: in slabs, so that memory does not grow with the volume; the result
- * is that of the volume in memory. weighting may be NULL: every voxel counts 1. */
+/* Adds the gradient of each voxel to the pool. A source is read in slabs, so that memory does not grow with the volume;
+ * the result is the same. weighting may be NULL: every voxel counts 1. */
 iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v, const iso_gradient_options *gradient,
                                      const iso_palette_weighting *weighting, const iso_progress *progress,
                                      iso_error *err);
@@ -149,8 +149,8 @@ typedef struct iso_palette_options {
 } iso_palette_options;
 iso_palette_options iso_palette_defaults(void);
 
-/* Fits. With fewer distinct directions than entries the fitted methods give one
- * entry to each; without any, the zero vector alone. Fixed tables and anneal
+/* Fits a palette. With fewer distinct directions than entries the fitted methods give one
+ * entry to each; with no direction at all the palette is the zero vector alone. Fixed tables and anneal
  * keep their structure whatever the data: faces and vertices take the largest
  * level that is not above `directions`, anneal needs an even number.
  * ISO_E_RANGE: options outside their limits. */
@@ -211,10 +211,10 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
 iso_status iso_palette_save_povray(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 iso_status iso_palette_save_python(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 
-/* Shading by table, the classical use: one value an entry,
+/* Shading by table, as in the papers: one value for each entry,
  *     ambient + sum of intensity (diffuse |n.l| + specular |n.h|^power),
- * with one view direction for all (a viewer far away); recomputed when a light
- * moves, count evaluations instead of one a voxel. Entry 0 is ambient. */
+ * with one view direction for all (a viewer far away). When a light moves, `count` values are
+ * computed again, instead of one for each voxel. Entry 0 is ambient. */
 typedef struct iso_palette_light {
     double toward[3]; /* unit, towards the light */
     double intensity;

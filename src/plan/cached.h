@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cached.h - a volume in bricks: within a cache of so many bytes, finest where it fits, else coarsened by least harm; or
- * the least bricks for a predicted error. */
+/* cached.h - renders a volume in bricks that fit a cache of a given size, as fine as fits with the least predicted
+ * error; or in the fewest nodes for a given predicted error. */
 #ifndef ISO_PLAN_CACHED_H
 #define ISO_PLAN_CACHED_H
 
@@ -18,7 +18,7 @@ typedef struct iso_cached_options {
 } iso_cached_options;
 
 typedef struct iso_cached_report {
-    double cache_bytes, predicted_rmse; /* taken; against all bricks at level 0 */
+    double cache_bytes, predicted_rmse; /* bytes used; predicted difference to all bricks at level 0 */
     size_t bricks_by_level[ISO_BRICK_MAX_LEVELS], brick_count, page_count;
     size_t node_count;   /* of the bricks drawn */
     double seconds;
@@ -30,7 +30,8 @@ typedef struct iso_cached_report {
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
                              iso_image *image, iso_cached_report *report, const iso_progress *progress, iso_error *err);
 
-/* The same with nodes (rounded) and a plan of the one view that are there already: opt's bricks and levels are theirs. */
+/* The same with rounded nodes and a plan of this view that the caller has already; they replace the options for bricks
+ * and levels. */
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
                                    const iso_cached_options *opt, iso_image *image, iso_cached_report *report, iso_error *err);
 

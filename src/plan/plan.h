@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* plan.h - no more model than the scene needs: which bricks to leave out, and how
+/* plan.h - the least model that a scene needs: which bricks to leave out, and how
  * coarse the others may be.
  *
  * For each view, brick and level the error in the view's image is estimated: what a
@@ -14,10 +14,10 @@
  *
  * A brick outside every view, or behind what is opaque in all of them, has footprint 0
  * and is left out, as are those that no TF shows. Bricks that are left out stay at level
- * 0: there they cost nothing, while at a coarse level they would take the faces of their
- * neighbours with them. The prediction is to be verified by rendering: `isoshade plan`
- * lowers or raises it until the measured error is met in every view. Everything is
- * deterministic. */
+ * 0: there they cost nothing, while a coarse level would make the faces of their
+ * neighbours coarse too. The prediction has to be verified by rendering: `isoshade plan`
+ * lowers or raises it until every view has at most the error that was asked for. All
+ * results are deterministic. */
 #ifndef ISO_PLAN_H
 #define ISO_PLAN_H
 

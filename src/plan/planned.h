@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* planned.h - a plan file and the model that it leaves.
+/* planned.h - a plan file, and the model that is left of a volume by it.
  *
  *   { "schema": "isoshade.plan/1", ...
  *     "bricks": [nx, ny, nz], "brick_voxels": n, "level_count": L,
@@ -48,7 +48,7 @@ typedef struct iso_planned_lattices {
 /* One merged lattice, or one a level that is in use, finest first. whole_box as in lattice.h. */
 iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool whole_box, int threads,
                                        iso_planned_lattices *lattices, iso_error *err);
-/* One a level: number of the lattice and 1 that a brick belongs to, 0 when it is left out; a byte a brick. To be freed;
+/* For each brick one byte: 1 + the number of the lattice that it belongs to, or 0 when it is left out. To be freed;
  * NULL when memory ends. */
 uint8_t *iso_planned_pieces(const iso_planned *p, const iso_planned_lattices *lattices);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);

@@ -11,7 +11,7 @@
 /* Scalar in 16 bits and a direction of three or four times 16: what bricks_gl.h's cache holds a node. */
 enum { ISO_BYTES_A_NODE = 10 };
 
-/* A choice of levels with what it renders to. */
+/* A choice of levels, and the image that it gives. */
 typedef struct iso_plan_trial {
     double predicted_rmse;
     iso_metrics measured;    /* of the view in which the RMSE is the largest */

@@ -92,7 +92,7 @@ void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k,
     store_codes(c, out, k, y, z, r);
 }
 
-/* ---- the tile way ---- */
+/* ---- filters of the own children, tile by tile ---- */
 
 typedef struct tile {
     iso_cascade *c;
@@ -245,7 +245,7 @@ static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_casc
     return ISO_OK;
 }
 
-/* ---- the whole ---- */
+/* ---- create, feed, destroy ---- */
 
 size_t iso_cascade_level_count(const iso_geometry *g, const iso_pyramid_options *opt)
 {
@@ -308,7 +308,7 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
                               top[1], top[2]);
     }
     if (status == ISO_OK)
-        status = iso_cascade_wide_create(c, err);
+        status = iso_cascade_gauss_create(c, err);
     if (status != ISO_OK) {
         iso_cascade_destroy(c);
         return status;
@@ -321,7 +321,7 @@ void iso_cascade_destroy(iso_cascade *c)
 {
     if (!c)
         return;
-    iso_cascade_wide_destroy(c);
+    iso_cascade_gauss_destroy(c);
     free(c->carry);
     free(c);
 }
@@ -345,9 +345,9 @@ float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats)
 size_t iso_cascade_bytes(const iso_cascade *c)
 {
     size_t floats = c->carry ? carry_row_floats(c) * c->size[c->tile_top][1] * c->size[c->tile_top][2] : 0;
-    for (size_t i = 0; i < c->wide_count; ++i)
+    for (size_t i = 0; i < c->gauss_count; ++i)
         for (size_t k = 1; k < c->level_count; ++k)
-            floats += c->wide[i].slot_count * c->wide[i].components * c->size[k][0] * c->size[k][1];
+            floats += c->gauss[i].slot_count * c->gauss[i].components * c->size[k][0] * c->size[k][1];
     return floats * sizeof(float);
 }
 
@@ -358,20 +358,20 @@ size_t iso_cascade_carry_level(const iso_cascade *c)
 
 size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_count)
 {
-    size_t planes = (plane_count >> level) + 1 + (level > 0 && c->wide_count ? c->wide[0].taps.count / 2 + 2 : 0);
+    size_t planes = (plane_count >> level) + 1 + (level > 0 && c->gauss_count ? c->gauss[0].taps.count / 2 + 2 : 0);
     if (level > c->tile_top)
         planes = c->size[level][2];
     return planes < c->size[level][2] ? planes : c->size[level][2];
 }
 
 /* Through the filters: the planes of the next level that n planes complete. */
-static size_t wide_complete(const iso_cascade *c, size_t level, size_t z)
+static size_t gauss_complete(const iso_cascade *c, size_t level, size_t z)
 {
     for (size_t k = 0; k < level; ++k) {
         if (z == c->size[k][2])
             z = c->size[k + 1][2];
         else
-            z = z > c->wide[0].taps.count / 2 ? (z - c->wide[0].taps.count / 2 + 1) / 2 : 0;
+            z = z > c->gauss[0].taps.count / 2 ? (z - c->gauss[0].taps.count / 2 + 1) / 2 : 0;
     }
     return z;
 }
@@ -387,15 +387,15 @@ static size_t tile_complete(const iso_cascade *c, size_t level, size_t z)
 size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
 {
     size_t near = level == 0 || c->scalar_means || c->state_count > 0 ? tile_complete(c, level, z) : SIZE_MAX;
-    size_t far = c->wide_count > 0 ? wide_complete(c, level, z) : SIZE_MAX;
+    size_t far = c->gauss_count > 0 ? gauss_complete(c, level, z) : SIZE_MAX;
     return near < far ? near : far;
 }
 
 size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
 {
-    if (c->wide_count == 0 || z == 0)
+    if (c->gauss_count == 0 || z == 0)
         return z;
-    const size_t radius = c->wide[0].taps.count / 2;
+    const size_t radius = c->gauss[0].taps.count / 2;
     size_t need = iso_cascade_complete(c, c->level_count - 1, z);
     for (size_t k = c->level_count - 1; k-- > 0;) {
         size_t from = 2 * need > radius - 1 ? 2 * need - (radius - 1) : 0;
@@ -412,7 +412,7 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
     iso_status status = run_tiles(c, in, out, 0, c->tile_top, z0 / step, (z1 + step - 1) / step, err);
     if (status == ISO_OK && c->carry && z1 == last)
         status = run_tiles(c, in, out, c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2], err);
-    return status == ISO_OK ? iso_cascade_wide_feed(c, in, z0, z1, out, err) : status;
+    return status == ISO_OK ? iso_cascade_gauss_feed(c, in, z0, z1, out, err) : status;
 }
 
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max)

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade.h - all levels of a pyramid from slabs of its finest one.
+/* cascade.h - builds all levels of a pyramid while the finest one is fed in slabs.
  *
- * The volume is fed from its first plane to its last. What a slab completes of
- * each level is written into the caller's buffers; nothing else depends on how
- * the volume is cut into slabs, or on the number of threads.
+ * The volume is fed from its first plane to its last. The planes of each level that
+ * a slab completes are written into the caller's buffers. The result depends neither
+ * on how the volume is cut into slabs nor on the number of threads.
  *
- * Filters over the own children (mean; moments, naive) go depth first: a thread
- * takes one row of the top level, computes the rows that it consists of, and
- * those that they consist of, down to the gradients of level 0, while all of it
- * lies in its caches:
+ * Filters that read only the 2x2x2 children of a voxel (mean; moments, naive, tensor)
+ * are computed depth first: a thread takes one row of the top level, computes the rows
+ * below it that it is made from, and the rows below those, down to the gradients of
+ * level 0. All of it stays in the thread's caches:
  *
  *     level 2   one row                       4 rows of level 1, each
  *     level 1   ====  ====                    2 x 2 rows of level 0
  *     level 0   == == == ==   (y)   x 4 (z)
  *
- * Wider filters (gauss, eq1) go plane by plane: a fine plane is filtered and
- * decimated along x, then y, and added to the coarse planes that it belongs to;
- * a coarse plane that is complete is a fine plane for the next level. */
+ * Gaussian filters (gauss, eq1) read more than the children and are computed plane by
+ * plane: a fine plane is filtered and decimated along x, then along y, and added to the
+ * coarse planes that it contributes to. A coarse plane that is complete is a fine plane
+ * for the next level. */
 #ifndef ISO_PYRAMID_CASCADE_H
 #define ISO_PYRAMID_CASCADE_H
 
@@ -49,31 +50,29 @@ double iso_cascade_scale(const iso_geometry *g, double range);
 
 /* Slabs start at multiples of this number of planes. */
 size_t iso_cascade_step(const iso_cascade *c);
-/* Planes of the input before and after a slab that it reads. */
+/* A slab needs this many planes of the input before it and after it. */
 size_t iso_cascade_reach(const iso_cascade *c);
-/* Planes of level k that a slab of plane_count planes can complete, at most. */
+/* The most planes of level k that a slab of plane_count planes can complete. */
 size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_count);
-/* To go on at plane z: the plane from which to feed, so that every plane that
- * is still missing then comes out whole. */
+/* To resume at plane z, feed from this plane on: then every plane that was not yet written comes out complete. */
 size_t iso_cascade_warm_up(const iso_cascade *c, size_t z);
-/* What a build that has been fed up to plane z has completed of level k. */
+/* How many planes of level k are complete after feeding up to plane z. */
 size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z);
 
-/* Feeds the planes z0 .. z1 - 1 of `in`, which holds those within reach, too. */
+/* Feeds the planes z0 .. z1 - 1 of `in`, which also holds the planes within reach of them. */
 iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out,
                             iso_error *err);
 
-/* What levels above the fifth are made from in the end: planes of `*plane_floats`
- * floats, as many as level iso_cascade_carry_level() has complete. NULL when there
- * is no such level. */
+/* Levels above the fifth are made when all is fed, from the states kept here: planes of `*plane_floats` floats, one for
+ * each complete plane of level iso_cascade_carry_level(). NULL when there are no such levels. */
 float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats);
 size_t iso_cascade_carry_level(const iso_cascade *c);
 
-/* Memory that it holds between slabs. */
+/* Memory that the cascade holds between slabs. */
 size_t iso_cascade_bytes(const iso_cascade *c);
 
-/* Of the level's scalars so far; min > max when there are none. */
+/* The range of the level's scalars so far; min > max when there are none. */
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max);
-void iso_cascade_set_range(iso_cascade *c, size_t level, double min, double max); /* to go on with */
+void iso_cascade_set_range(iso_cascade *c, size_t level, double min, double max); /* when a build is resumed */
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* filter_kernel.h - rows of states, and from states to directions. Cannot fail, allocate or know of threads.
+/* filter_kernel.h - filters of rows: from gradients to states, from states to directions. Cannot fail or allocate.
  *
  * A direction's *state* is a few floats a voxel, in planar rows, carried from level to level:
  *   moments  N (3), S      N = mean of m^2 d = m g, S = mean of m^2
@@ -28,7 +28,7 @@ typedef struct iso_taps {
 iso_taps iso_taps_mean(void);
 iso_taps iso_taps_gauss(size_t radius, double sigma);
 
-/* The fine voxel of tap t of coarse voxel i; the edge continues. */
+/* The fine voxel of tap t of coarse voxel i; the edge voxel is repeated. */
 static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, size_t fine_size)
 {
     size_t at = 2 * i + t + 1; /* shifted by the radius, to stay unsigned */
@@ -38,13 +38,13 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 
 /* ---- level 0 ---- */
 
-/* States of a row of gradients, put into acc or added to it (eq1: put). */
+/* The states of a row of gradients are stored in acc, or added to it (not with eq1). */
 void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
                               float *restrict acc, size_t stride, bool add);
 /* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
 void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
                    float *restrict dz, float *restrict length);
-/* Samples as floats, put into acc or added to it; their range extends *lo and *hi. */
+/* Samples as floats are stored in acc, or added to it; *lo and *hi are extended to their range. */
 void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add, float *lo,
                     float *hi);
 
@@ -55,7 +55,8 @@ void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc
 void iso_double_row(float *row, size_t n);
 /* The 2x2x2 mean: a and b hold n sums of two rows each, and one float more of room. */
 void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
-/* n fine values to (n + 1) / 2 weighted sums; the edge continues. `padded` has room for n + 2 radius floats. */
+/* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` has room for n + 2 radius
+ * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
                   float *restrict out);
 /* acc += weight * row */

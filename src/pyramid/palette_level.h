@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_level.h - palettes put to use on the levels of a pyramid. */
+/* palette_level.h - palettes for the levels of a pyramid. */
 #ifndef ISO_PYRAMID_PALETTE_LEVEL_H
 #define ISO_PYRAMID_PALETTE_LEVEL_H
 
 #include "pyramid/pyramid.h"
 
-/* The level's directions before encoding where it keeps them, else its decoded codes; *owned is to be freed in either
- * case, and is NULL in the first. */
+/* The level's directions before encoding where it keeps them (*owned is NULL), else its decoded codes in *owned. Free
+ * *owned in either case. */
 iso_status iso_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
                                     iso_error *err);
 
@@ -14,7 +14,7 @@ iso_status iso_level_directions(const iso_level *level, iso_code code, const flo
 iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err);
 void iso_level_detach_palette(iso_level *level); /* frees the indices; accepts a level without */
 
-/* A palette of `directions` entries for the level's directions, every voxel that has one counting 1. */
+/* A palette of `directions` entries for the level's directions, each of which counts 1. */
 iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
                                iso_palette *palette, iso_error *err);
 

@@ -7,10 +7,10 @@
  *              level_K_grad.nrrd   3 floats a voxel (keep_float)
  *              level_K_mag.nrrd    1 float a voxel, gradient magnitude per mm (keep_magnitude)
  *
- * Level 0's scalar keeps the type of the input where 8 or 16 bits or float;
+ * Level 0's scalar keeps the type of the input if that has 8 or 16 bits or is float;
  * coarser levels are float. Voxel i of level k covers the fine voxels
- * [i 2^k, (i+1) 2^k); where a size is odd, each level is continued by its own
- * edge, so that a level follows from the files of the next finer one.
+ * [i 2^k, (i+1) 2^k); where a size is odd, the last plane of
+ * each level is repeated, so that a level can be made from the files of the next finer one.
  * Direction d of a level: unit at level 0 (zero where the gradient is zero);
  * at coarse levels by the filter:
  *   moments  N = sum m^2 d, S = sum m^2 over the own children, carried in float
@@ -67,8 +67,8 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
 typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type; /* of the scalar on disk */
-    float *scalar;        /* there but in an outline */
-    uint8_t *codes;       /* 3 bytes a voxel; there but in an outline */
+    float *scalar;        /* NULL in an outline */
+    uint8_t *codes;       /* 3 bytes a voxel; NULL in an outline */
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
@@ -91,7 +91,7 @@ void iso_pyramid_destroy(iso_pyramid *p);
 
 /* A directory NAME.iso, complete or absent. */
 iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err);
-/* Checks sizes against pyramid.json, and checksums. */
+/* Checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
 /* What pyramid.json says, without samples: levels' scalar, codes and the rest are NULL. */
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);

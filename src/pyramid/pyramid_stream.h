@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* pyramid_stream.h - a pyramid from a file to files, in slabs.
+/* pyramid_stream.h - builds a pyramid slab by slab, from a volume's file to the pyramid's files, in bounded memory.
  *
- * The bytes are those of iso_pyramid_build() and iso_pyramid_save(); memory is
- * bounded. While it works the folder is .NAME.partial; it is renamed when it is
- * complete, so that a killed build never looks finished. What a killed build
- * leaves can be taken up again: progress.json says how far its files are good.
+ * The files are the same, byte for byte, as those of iso_pyramid_build() and
+ * iso_pyramid_save(). During the build the folder is called .NAME.partial; it is renamed
+ * when it is complete, so that a killed build never looks finished. A killed build can be
+ * resumed: progress.json says how far its files are valid.
  *
  * The next slab is read and the last one written while one is built. Ranks of an
- * MPI job (base/ranks.h) take the slabs in turns, and write the same files. What
- * a slab leaves to the next one, such as the checksums so far, is handed from
+ * MPI job (base/ranks.h) take the slabs in turns and write the same files. The state
+ * that a slab needs from the one before, such as the checksums so far, is sent from
  * rank to rank, so that each byte is read, hashed and written once. */
 #ifndef ISO_PYRAMID_STREAM_H
 #define ISO_PYRAMID_STREAM_H
@@ -17,7 +17,7 @@
 #include "pyramid/pyramid.h"
 #include "volume/stream.h"
 
-/* Opens the volume at its first plane; floats are read twice, for their range first. */
+/* Opens the volume at its first plane. Volumes of floats are opened and read twice, the first time for their range. */
 typedef struct iso_stream_input {
     iso_status (*open)(void *user, iso_volume_source **source, iso_error *err);
     void *user;
@@ -27,10 +27,10 @@ typedef struct iso_stream_input {
 typedef struct iso_stream_options {
     size_t memory_bytes; /* of buffers; 0: as little as is fast */
     size_t max_slab;     /* planes; 0: as memory allows; at least what the levels need */
-    bool resume;         /* take up what a killed build left, if it fits */
-    bool direct;         /* files past the page cache; large ones are anyway */
-    size_t stop_after;   /* planes; 0: all. Ends as a kill would, for tests */
-    iso_ranks *ranks;    /* all of them call; NULL: alone. Memory is that of each */
+    bool resume;         /* resume a killed build of the same volume and options */
+    bool direct;         /* write past the page cache, as large files are in any case */
+    size_t stop_after;   /* planes; 0: all. For tests: ends as if killed */
+    iso_ranks *ranks;    /* NULL: no MPI. Each rank makes the same call and takes memory_bytes */
 } iso_stream_options;
 
 typedef struct iso_stream_report {

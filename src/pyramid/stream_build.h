@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* stream_build.h - one streaming build and its parts; private to it.
+/* stream_build.h - the parts of a streaming build (pyramid_stream.h), private to them.
  *
  *   pyramid_stream.c   from beginning to end: opens, sets up, and closes
  *   stream_slabs.c     how many planes a slab has, its buffers; slabs one after the other, alone
@@ -19,7 +19,8 @@
 
 #define STREAM_CARRY_NAME "carry.raw"
 
-/* What goes from rank to rank with the turn: this, the files' tails, and the last planes of the cascade's carry. */
+/* The message from one rank to the next: this struct, the files' tails (stream_output.h), and the last planes of the
+ * cascade's carry (cascade.h). */
 typedef struct stream_turn {
     iso_status status;
     iso_error error;
@@ -27,7 +28,7 @@ typedef struct stream_turn {
     size_t carry_first, carry_count;
 } __attribute__((aligned(64))) stream_turn;
 
-/* What rank 0 decides. */
+/* What rank 0 decides for all ranks. */
 typedef struct stream_plan {
     char folder[4096];
     size_t start, slab; /* first plane; planes of a slab */
@@ -53,7 +54,7 @@ typedef struct pyramid_build {
 } pyramid_build;
 
 typedef struct stream_slab {
-    size_t from, z0, z1; /* fed from; its planes */
+    size_t from, z0, z1; /* planes z0 to z1 (not included), fed from plane `from` on */
     size_t read_from, read_to;
 } stream_slab;
 
@@ -68,19 +69,20 @@ static inline size_t stream_plane_bytes(const pyramid_build *s)
 
 /* ---- slabs ---- */
 
-/* Of the type for narrow integers; of others by reading them all, each rank its share. */
+/* The range of the input: that of the type for integers of 8 and 16 bits, else by reading all samples, each rank its
+ * share. */
 iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *err);
-/* What is fed twice when slabs do not follow each other. */
+/* The most planes that are fed twice when a rank does not have the slab before. */
 size_t iso_stream_longest_warm_up(const pyramid_build *s);
-/* As many planes as are fast and as memory allows, into plan.slab. */
+/* Sets plan.slab to as many planes as are fast and as memory allows. */
 iso_status iso_stream_choose_slab(pyramid_build *s, iso_error *err);
-/* Of all buffers for slabs of this many planes; and the planes of the input that are held at once. */
+/* Bytes of all buffers for slabs of this many planes; planes of the input that are in memory at once. */
 size_t iso_stream_buffer_bytes(const pyramid_build *s, size_t slab);
 size_t iso_stream_planes_capacity(const pyramid_build *s, size_t slab);
 
 size_t iso_stream_slab_count(const pyramid_build *s);
 stream_slab iso_stream_slab_at(const pyramid_build *s, size_t i);
-/* Its planes begin to be read; nothing behind the last slab. */
+/* Starts to read the slab's planes; does nothing behind the last slab. */
 void iso_stream_request_slab(pyramid_build *s, size_t i);
 iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **planes, iso_error *err);
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err);
@@ -101,17 +103,18 @@ iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 
 /* ---- progress.json ---- */
 
-/* What makes this very job: input, geometry, options. */
+/* What identifies this job: input, geometry, options. */
 json_t *iso_stream_describe_job(const pyramid_build *s, double scale);
-/* Whether an earlier build's progress is of this very job, and how far it came. */
+/* Whether an earlier build in the folder was the same job, and how many planes it finished. */
 bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *planes);
-/* The cascade's carry up to plane z, from the folder's file. */
+/* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);
-/* Not after every small slab: the last blocks of the files are written each time. */
+/* Whether to write progress.json now. Not after every small slab, because each time the last blocks of the files are
+ * written too. */
 bool iso_stream_progress_is_due(pyramid_build *s, size_t z);
-/* What is on the disk up to plane z may be taken up. */
+/* Notes in progress.json that a build can be resumed at plane z. */
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err);
-/* From the folder of a build that is complete. */
+/* Removes progress.json and the carry from the folder of a complete build. */
 void iso_stream_remove_progress(const pyramid_build *s);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* stream_input.h - planes of the input in memory, read ahead by a thread of their own; private to the streaming build.
+/* stream_input.h - planes of the input, read ahead by a thread; private to the streaming build.
  *
- * A set of planes is read while another one is built from, and a third, whose samples are level 0's, is written. */
+ * There are three sets of planes: one is being read, one is being built from, and one is being written as level 0. */
 #ifndef ISO_PYRAMID_STREAM_INPUT_H
 #define ISO_PYRAMID_STREAM_INPUT_H
 
@@ -32,10 +32,10 @@ typedef struct stream_input {
 bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity);
 void iso_stream_input_destroy(stream_input *in); /* accepts an empty one */
 
-/* Starts to read the planes `from` to `to` (not included) into the set after the newest one; those that the newest one
- * holds are copied. Both only grow from call to call. What was asked for before must have been waited for. */
+/* Starts to read the planes `from` to `to` (not included) into the next set; planes that the newest set holds are
+ * copied. `from` and `to` never fall from call to call. Call iso_stream_input_wait() before the next request. */
 void iso_stream_input_request(stream_input *in, size_t from, size_t to);
-/* Waits for what was asked for. */
+/* Waits for the planes of the last request. */
 iso_status iso_stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err);
 
 #endif

@@ -2,8 +2,8 @@
 /* stream_output.h - the files of all levels, written by threads of their own; private to the streaming build.
  *
  * Each level has two sets of buffers: one is written while the other is filled. Several ranks (base/ranks.h) write the
- * same files in turns; whose turn it is holds the *tails*: the checksums so far, and the bytes before the next whole block
- * of the disk. */
+ * same files in turns. The rank whose turn it is has the *tails* of all files: the checksum so far, and the bytes that
+ * do not fill a block of the disk yet. */
 #ifndef ISO_PYRAMID_STREAM_OUTPUT_H
 #define ISO_PYRAMID_STREAM_OUTPUT_H
 
@@ -57,7 +57,7 @@ typedef struct stream_output {
 
 /* Levels as the options and the size give them; no memory yet. */
 void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input, const iso_pyramid_options *opt);
-/* Of one plane of level k in each set, and of one plane of a file. */
+/* Bytes of one plane of a level in each set; bytes of one plane of a file. */
 size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
 size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
 
@@ -65,32 +65,35 @@ size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
 bool iso_stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);
 void iso_stream_output_destroy(stream_output *o); /* waits; leaves the files as they are */
 
-/* Opens the files in the folder, each at its level's plane `first`: new with their headers, or what an earlier build left. */
+/* Opens the files in the folder, each at its level's plane `first`: new with their headers, or what an earlier build
+ * left. */
 iso_status iso_stream_output_open(stream_output *o, const char *dir, iso_error *err);
-/* Opens what another rank has opened. */
+/* Opens the files that another rank has created. */
 iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *err);
 
-/* What the last slab began and did not complete goes on in the active set. */
+/* Copies planes that the last slab began and did not complete to the active set. */
 void iso_stream_output_copy_begun(stream_output *o);
-/* Where the slab's planes go. */
+/* The buffers for the planes of the slab. */
 void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
-/* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's planes. */
+/* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's
+ * planes. */
 void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first);
-/* Begins to write what is listed; the other set becomes active. */
+/* Starts to write the listed planes; the other set becomes active. */
 void iso_stream_output_start(stream_output *o);
 iso_status iso_stream_output_wait(stream_output *o, iso_error *err);
-/* What has been written is in the files. */
+/* Returns when all that was written is on the disk. */
 iso_status iso_stream_output_sync(stream_output *o, iso_error *err);
 /* Cuts and closes; levels[].files have their sizes and checksums. */
 iso_status iso_stream_output_close(stream_output *o, iso_error *err);
 
-/* In turns. Tails are bytes, aligned to 64, that any rank understands. */
+/* For turns: tails as bytes, aligned to 64, that can be sent to any rank. */
 size_t iso_stream_tails_bytes(const stream_output *o);
-/* Where the files stand that iso_stream_output_open() has opened. */
+/* The tails of the files that iso_stream_output_open() has opened. */
 void iso_stream_tails_get(const stream_output *o, void *tails);
-/* Goes on from there. Nothing is being written. */
+/* Writing goes on behind these tails. To be called while nothing is being written. */
 void iso_stream_tails_set(stream_output *o, const void *tails);
-/* From the tails before the items to those after them; hashes the items. The tails have been set. */
+/* Hashes the listed items and changes the tails to those behind them. iso_stream_tails_set() has been called with
+ * them. */
 void iso_stream_tails_advance(stream_output *o, void *tails);
 
 #endif

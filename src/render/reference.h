@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* reference.h - the arbiter: the rendering equation in double precision on the CPU.
+/* reference.h - the reference renderer: the rendering equation in double precision on the CPU.
  *
  * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a
  * linear ramp of extinction; a sphere. Results do not depend on threads.
@@ -53,13 +53,13 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
                                 iso_error *err);
 
 /* The same of bricks of mixed resolution, with their own directions; opt->source
- * is not looked at. */
+ * is ignored. */
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
                                        const iso_reference_options *opt, iso_image *image,
                                        const iso_progress *progress, iso_error *err);
 
-/* The same of bricks with the transitions of mixed-resolution-2008, of four channels; level: whose field this is, for its
- * geometry and range. */
+/* The same of bricks with the transitions of mixed-resolution-2008, of four channels; level: whose field this is, for
+ * its geometry and range. */
 iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
                                      const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                      iso_error *err);

@@ -30,12 +30,12 @@ typedef struct iso_sampler {
 /* ISO_E_RANGE when the level holds no floats and they are asked for. */
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err);
-/* Scalar and directions of bricks; *level is filled for the sampler to stand on. */
+/* A sampler of bricks. *level is filled with what the sampler needs of a level and has to outlive it. */
 void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level);
 void iso_sampler_destroy(iso_sampler *s);
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
-/* The same of bytes, one a voxel of the level. */
+/* The same for bytes, one for each voxel of the level. */
 double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 index);
 /* World axes, |n| <= 1, zero where there is no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);

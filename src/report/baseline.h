@@ -5,11 +5,11 @@
  * with its error bar, its limits and its gates, consistency, and calibrations - under
  * the row's name, sorted and with 4 digits, so that a change of one figure is a
  * change of one line. A later report is worse where a verdict says less than before
- * (agree or pass, reported, refused, differ or fail, in this order), where a figure or a
+ * (the order is: agree or pass, reported, refused, differ or fail), where a figure or a
  * limit grew beyond factor times the accepted one plus a floor, and where a row or a
- * figure is missing or no number any more. The value of a gate is kept in parts of its
- * limit, with a floor of a tenth. Being better or having more is no failure; nor are
- * other versions or options, but they are told. A baseline changes only when someone
+ * figure is missing or is no longer a number. The value of a gate is kept in parts of its
+ * limit, with a floor of a tenth. Better or additional figures are no failure; nor are
+ * other versions or options, but they are listed. A baseline changes only when someone
  * asks for it.
  *
  *   { "schema": "isoshade.accepted/2", "command": the report's, "options": its, "versions": its,

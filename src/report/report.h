@@ -27,7 +27,7 @@ typedef struct iso_report_about {
 
 /* An existing DIR is replaced only if it holds a report.json. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_report_create(iso_report **report, const char *dir, const iso_report_about *about, iso_error *err);
-/* Drops what was not finished; accepts NULL. */
+/* Removes a report that was not finished; accepts NULL. */
 void iso_report_destroy(iso_report *report);
 
 /* The directory as it is called once the report is finished. */
@@ -96,7 +96,8 @@ iso_status iso_report_add_consistency(iso_report *report, const iso_report_consi
 enum { ISO_CONSISTENCY_NAME_BYTES = 128 };
 void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES]);
 
-/* A renderer's fitness before it is compared. Passes when |value| <= limit; NaN: nothing could be measured, which fails. */
+/* A renderer's fitness before it is compared. Passes when |value| <= limit; NaN: nothing could be measured, which
+ * fails. */
 typedef struct iso_report_calibration {
     const char *renderer, *check;
     double value, limit;
@@ -117,9 +118,9 @@ iso_report_summary iso_report_summarise(const iso_report *report);
 iso_status iso_report_finish(iso_report *report, iso_error *err);
 
 /* The rows as JUnit's XML, for continuous integration; before or after finish. Rows that differ and calibrations that
- * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped; a scene of whose
- * rows none was compared is a failure. Consistency is
- * measured without a limit: its figures are properties of a suite without cases. */
+ * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped;
+ * a scene of whose rows none was compared is a failure. Consistency is measured without a limit: its figures are
+ * properties of a suite without cases. */
 iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
 
 /* The data model, borrowed. */

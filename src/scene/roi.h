@@ -10,8 +10,8 @@
  *     sigma         = (1 - w) sigma_k           + w sigma_j
  *     sigma c shade = (1 - w) sigma_k c_k shade + w sigma_j c_j shade
  *
- * each level with its own scalar, directions and TF: two media in one place, which
- * every renderer can have. w is 1 in the box, and falls to 0 over a band around it:
+ * each level with its own scalar, directions and TF. These are two media in one place, which
+ * every renderer supports. w is 1 in the box, and falls to 0 over a band around it:
  *
  *     u = 1 - d / band,  w = u^2 (3 - 2 u),  d: how far outside the box the point
  *                                            is, the largest of the three axes
@@ -50,7 +50,7 @@ iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_tabl
                             iso_roi *roi, iso_error *err);
 void iso_roi_destroy(iso_roi *roi); /* accepts empty and NULL */
 
-/* Of the finer level, at an index of the level around it. */
+/* The weight of the finer level at an index of the level around it. */
 double iso_roi_weight(const iso_roi *roi, iso_vec3 index);
 
 static inline iso_vec3 iso_roi_inside(const iso_roi *f, iso_vec3 index)

@@ -21,7 +21,7 @@
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
  *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
  *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   what validation asks; optional
- *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   what isoshade make makes it of; optional
+ *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   the volume, as options of isoshade make; optional
  *
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
  * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
@@ -58,7 +58,7 @@ typedef struct iso_shading {
     double ambient, diffuse, specular, power;
 } iso_shading;
 
-/* What is known of a scene's image, and so what validation may ask: enum, name. */
+/* How the true image of a scene is known, which decides what validation asks of renderers: enum, name. */
 #define ISO_TIER_LIST(X)                                                                                     \
     X(ISO_TIER_CLOSED_FORM, "closed form") /* a formula; for all renderers */                                \
     X(ISO_TIER_TIGHT, "tight")             /* the ray caster's own samples in double precision */            \
@@ -74,7 +74,7 @@ typedef enum iso_tier {
 } iso_tier;
 const char *iso_tier_name(iso_tier tier);
 
-/* sharp: the TF has bends or steps that a voxel does not resolve, so that the error bars may be wider. */
+/* sharp: the TF has bends or steps within less than a voxel, so error bars may be wider. */
 typedef struct iso_scene_agreement {
     iso_tier tier;
     bool sharp;
@@ -119,7 +119,7 @@ typedef struct iso_view {
     double background[3];
     double step_voxels;
     iso_tf_table tf;
-    iso_tf_2d *tf_2d; /* of the level that is rendered, in place of tf; owned, or NULL */
+    iso_tf_2d *tf_2d; /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
     struct iso_roi *roi;   /* a finer level inside a box (roi.h); owned, or NULL */
 } iso_view;
 
@@ -127,7 +127,7 @@ typedef struct iso_view {
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err);
 void iso_view_destroy(iso_view *view);
-/* The geometry whose spacing a ray's step is counted in: of the finest level that is looked up. */
+/* Ray steps are counted in the spacing of this geometry: that of the finest level that the view shows. */
 const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level);
 
 /* The height of a pixel in the plane through the centre of the box, parallel to the image; for scale bars.

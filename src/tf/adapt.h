@@ -18,8 +18,8 @@
  *     opacity       a; colour weighted by a                  default, length = level-0 spacing
  *     extinction    sigma; colour weighted by sigma
  *     transmittance as opacity over the length sqrt(h_0 h_k), h the spacings
- * The result is extinction again, so no length is left in it; it never exceeds
- * the largest of its row.
+ * The result is an extinction again, so it depends on no length; it never exceeds
+ * the largest extinction of its row.
  *
  * Rows that no fine voxel falls into are filled linearly between their filled
  * neighbours on premultiplied entries (beyond the outermost: its copy); a
@@ -83,10 +83,10 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * adapted TF has no smaller error than the original, the original is kept. It
  * needs H_k and the TF alone, and costs as little as adapting.
  *
- * The window does most of what an indicator would have to: the voxels of a tissue
- * that shares its value with a thin structure are the bulk of their row, the
- * structure is its tail, and a tail beyond 1.75 deviations is cut off. Over 3
- * deviations it lights the tissue up (doc/results/adaptive-tf.md). */
+ * The window already prevents most failures: where a tissue shares its value with a
+ * thin structure, the voxels of the tissue are the bulk of the row and the structure
+ * is its tail, and a tail beyond 1.75 deviations is cut off. A window of 3 deviations
+ * would light the tissue up (doc/results/adaptive-tf.md). */
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted;
     bool use_original;
@@ -94,7 +94,7 @@ typedef struct iso_adapt_judgment {
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
                            iso_adapt_judgment *judgment, iso_error *err);
 
-/* All of it for one level of a pyramid: what renderers and exporters call. dir:
+/* The whole adaptation for one level of a pyramid, as renderers and exporters call it. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
  * of tf. judgment may be NULL. */
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* integral.h - pre-integrated classification: what a TF does on average between two values.
+/* integral.h - pre-integrated classification: the mean of a transfer function between two values.
  *
  * Where the scalar goes linearly from one value to another along a segment of a ray, the mean extinction and the mean
  * emission sigma c are integrals of the table over its entries. Sums up to each entry make them exact in a few fetches,
@@ -9,8 +9,8 @@
  *   colour   opacity * (mean of sigma c) / (mean of sigma)
  *
  * Engel, Kraus and Ertl, High-quality pre-integrated volume rendering using hardware-accelerated pixel shading, 2001,
- * sec. 3.3: the integral functions instead of a table over both ends. Light that is absorbed within a segment takes no
- * account of the order of its colours, which is an error of third order in the segment's length. */
+ * sec. 3.3: the integral functions instead of a table over both ends. Absorption within a segment ignores the order of
+ * its colours, which is an error of third order in the length of the segment. */
 #ifndef ISO_TF_INTEGRAL_H
 #define ISO_TF_INTEGRAL_H
 

@@ -45,7 +45,7 @@ typedef struct iso_tf {
 } iso_tf;
 
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
-/* The same from an object inside another file; `path` is the file to blame. */
+/* The same from an object inside another file; `path` is the file that error messages name. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
 iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
 /* A new object in the form of the file, points linear. */
@@ -53,11 +53,11 @@ json_t *iso_tf_to_json(const iso_tf *tf);
 iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);
 void iso_tf_destroy(iso_tf *tf);
 
-/* What renderers and exporters use. */
+/* The form that renderers and exporters use. */
 typedef struct iso_tf_table {
     size_t count; /* entries */
     double lo, hi;
-    float *entries; /* 4 a entry: linear r, g, b, extinction per mm */
+    float *entries; /* 4 for each entry: linear r, g, b, extinction per mm */
 } iso_tf_table;
 
 /* Resolves range and unit distance against a volume: value_min/max and the

@@ -155,7 +155,7 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
     return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
 }
 
-/* The arbiter itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
+/* The reference itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
 static iso_status check_reference(iso_validation *v, size_t level, const truth *formula, iso_error *err)
 {
     iso_image image = {0};

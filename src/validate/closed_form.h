@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* closed_form.h - images that a formula gives, so that no renderer is measured by another.
+/* closed_form.h - images that are known by a formula, so that renderers can be compared with the truth and not only
+ * with each other.
  *
  * Where the voxels are linear in the index (a constant counts) and the TF has one
  * colour, shading is one number a ray and only the optical depth is left:

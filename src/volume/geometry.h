@@ -35,7 +35,7 @@ typedef struct iso_geometry {
 iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
 
 /* ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that
- * is singular or not finite. `name` is the file or what else to blame. */
+ * is singular or not finite. `name` is what an error message names: the file, for instance. */
 iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err);
 
 /* The geometry of the next coarser level: sizes (n + 1) / 2, the same box. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* stream.h - volumes plane by plane, for those larger than memory.
+/* stream.h - reads and writes volumes plane by plane, so that they may be larger than memory.
  *
  * A source reads a file from its first plane to its last; a sink writes one.
- * iso_volume_load() and iso_volume_save() stand on them.
+ * iso_volume_load() and iso_volume_save() are built on them.
  *
  * World coordinates (geometry.h) are millimetres. Where the file names an
  * anatomical space (NRRD: left-posterior-superior and the like; NIfTI with an
@@ -33,19 +33,20 @@ iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, i
 /* What the header says; data is NULL. Valid until close. */
 const iso_volume *iso_source_volume(const iso_volume_source *source);
 
-/* From now on samples come as physical values, slope * sample + intercept, as float (iso_volume_notes, whose scale then is
- * 1 and 0). Nothing changes where the file names no scale. Before the first read. */
+/* From now on samples come as physical values, slope * sample + intercept, as float (iso_volume_notes, whose scale then
+ * is 1 and 0). Nothing changes where the file names no scale. Before the first read. */
 void iso_source_apply_scale(iso_volume_source *source);
 
 /* The next plane_count planes, in the machine's byte order, into
  * plane_count * nx * ny * iso_type_bytes(type) bytes. With the last plane the
  * end of compressed data is checked too. NaN and Inf are not looked for. */
 iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
-/* Passes over planes: at once where samples are plain, unpacking them where compressed. */
+/* Skips planes: by a seek where samples are not compressed, else by unpacking them. */
 iso_status iso_source_skip(iso_volume_source *source, size_t plane_count, iso_error *err);
 void iso_source_close(iso_volume_source *source); /* accepts NULL */
 
-/* All of it as a volume, from before the first read; closes the source in every case. As iso_volume_load. */
+/* Reads the whole volume from a source that nothing has been read from yet; closes the source in every case. Statuses
+ * as iso_volume_load. */
 iso_status iso_volume_load_source(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err);
 
 typedef struct iso_volume_sink iso_volume_sink;

@@ -9,7 +9,7 @@
 #include "volume/stream.h"
 
 struct iso_volume_source {
-    char *path;       /* what to blame */
+    char *path;       /* for error messages */
     iso_volume header;
     FILE *file;       /* plain samples, or */
     gzFile gz;        /* compressed ones, or */
@@ -29,7 +29,7 @@ iso_status iso_nifti_open(iso_volume_source *source, iso_error *err);
 /* True when the first bytes are those of a NIfTI-1 or NIfTI-2 header of either byte order. */
 bool iso_nifti_starts_like(const unsigned char *head, size_t size);
 
-/* header.geometry is checked, and that `available` bytes are just its samples. */
+/* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
 size_t iso_source_bytes(const iso_volume_source *source);
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* ranks_mpi.c - the door to MPI, a library of its own (base/ranks.h): linked with MPI, which the program is not. MPI's own
- * handler ends the job on an error. */
+/* ranks_mpi.c - the calls to MPI, a library of its own (base/ranks.h): linked with MPI, which the program is not. MPI's
+ * own handler ends the job on an error. */
 #define _POSIX_C_SOURCE 200809L
 #include <mpi.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "base/ranks_door.h"
+#include "base/ranks_interface.h"
 
 /* What is on its way to each rank. */
 typedef struct sending {
@@ -17,7 +17,7 @@ typedef struct sending {
 
 static sending *under_way;
 
-static void door_open(int *index, int *count)
+static void mpi_open(int *index, int *count)
 {
     int provided;
     MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
@@ -44,7 +44,7 @@ static void finish_sending(sending *s)
     s->copy = NULL;
 }
 
-static void door_close(void)
+static void mpi_close(void)
 {
     int count;
     MPI_Comm_size(MPI_COMM_WORLD, &count);
@@ -54,21 +54,21 @@ static void door_close(void)
     MPI_Finalize();
 }
 
-static void door_gather(const void *data, size_t bytes, void *all)
+static void mpi_gather(const void *data, size_t bytes, void *all)
 {
     MPI_Request request;
     MPI_Iallgather(data, (int)bytes, MPI_BYTE, all, (int)bytes, MPI_BYTE, MPI_COMM_WORLD, &request);
     wait_asleep(&request);
 }
 
-static void door_broadcast(void *data, size_t bytes)
+static void mpi_broadcast(void *data, size_t bytes)
 {
     MPI_Request request;
     MPI_Ibcast(data, (int)bytes, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     wait_asleep(&request);
 }
 
-static void door_largest(double *values, size_t count)
+static void mpi_largest(double *values, size_t count)
 {
     MPI_Request request;
     MPI_Iallreduce(MPI_IN_PLACE, values, (int)count, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD, &request);
@@ -93,7 +93,7 @@ static MPI_Datatype unit_type(void)
     return type;
 }
 
-static void door_send(int to, const void *data, size_t bytes)
+static void mpi_send(int to, const void *data, size_t bytes)
 {
     sending *s = &under_way[to];
     finish_sending(s);
@@ -104,7 +104,7 @@ static void door_send(int to, const void *data, size_t bytes)
     MPI_Isend(s->copy, units(bytes), unit_type(), to, 0, MPI_COMM_WORLD, &s->request);
 }
 
-static void door_receive(int from, void *data, size_t bytes)
+static void mpi_receive(int from, void *data, size_t bytes)
 {
     char *padded = calloc((size_t)units(bytes), UNIT);
     if (!padded)
@@ -116,12 +116,12 @@ static void door_receive(int from, void *data, size_t bytes)
     free(padded);
 }
 
-const iso_ranks_door iso_ranks_door_mpi = {
-    .open = door_open,
-    .close = door_close,
-    .gather = door_gather,
-    .broadcast = door_broadcast,
-    .largest = door_largest,
-    .send = door_send,
-    .receive = door_receive,
+const iso_ranks_interface iso_ranks_interface_mpi = {
+    .open = mpi_open,
+    .close = mpi_close,
+    .gather = mpi_gather,
+    .broadcast = mpi_broadcast,
+    .largest = mpi_largest,
+    .send = mpi_send,
+    .receive = mpi_receive,
 };

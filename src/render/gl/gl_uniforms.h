@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* gl_uniforms.h - what every ray casting program is told: camera, step, lights.
+/* gl_uniforms.h - the uniforms of all ray casting programs: camera, step, lights.
  *
  * raycast.glsl walks in its own coordinates p = scale * index + offset: texture
  * coordinates of one volume, or bricks. */
@@ -25,7 +25,7 @@ void iso_gl_set_tf(GLuint program, const iso_tf_table *tf, double zero, double p
  * above. */
 void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 samples_per_p, double first_sample,
                         double zero, double per_texel);
-/* A table that shows the values of a surface and what lies behind it: for culling. On the caller's entries. */
+/* A transfer function for culling that shows the values from iso on. Its entries are the caller's array. */
 iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12]);
 
 #endif

@@ -30,8 +30,8 @@ typedef struct iso_gl_info {
 iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
-/* From now on times are the process's processor time over all cores instead of the wall clock's: for software GL on a
- * machine that has other work. */
+/* From now on times are processor time summed over all cores instead of wall-clock time: for software GL on a machine
+ * that is also used by others. */
 void iso_gl_time_processor(iso_gl *gl, bool processor);
 
 /* Leaving out bricks that the TF does not show changes no pixel by more than
@@ -58,16 +58,16 @@ typedef struct iso_gl_options {
     iso_gl_skip skip;
     size_t brick_voxels;         /* of the skipped bricks */
     size_t repeats;              /* draws; the time is that of the fastest */
-    double repeat_seconds;       /* above 0: no further draw begins once they took so long; and a draw of one pixel goes
-                                  * before them, because drivers compile in the first one */
+    double repeat_seconds;       /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
+                                  * them, because drivers compile in the first one */
     iso_gl_stats *stats;         /* filled; or NULL */
     bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
     bool preintegrated;          /* not with a 2D transfer function */
-    bool exact_lookups;          /* textures are filtered in the shader, at positions in double precision, instead of by the
-                                  * texture unit, whose coordinates are floats, and so is the table's entry found: slow,
-                                  * for certifying; not with a surface, pre-integration or a region of interest */
+    bool exact_lookups;          /* the shader filters textures and finds the table's entry itself, at positions in double
+                                  * precision; texture units take float coordinates. Slow, for validation; not with a
+                                  * surface, pre-integration or a region of interest */
     const iso_surface *surface;  /* its first hit instead of the integral, or NULL; exact in each cell: no step */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);

@@ -263,7 +263,7 @@ static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint 
 {
     static const char *const transitions[ISO_WARP_MODE_COUNT] = {[ISO_WARP_NONE] = "ISO_TRANSITION_NONE",
                                                                  [ISO_WARP_WRITTEN] = "ISO_TRANSITION_WRITTEN",
-                                                                 [ISO_WARP_MENDED] = "ISO_TRANSITION_MENDED"};
+                                                                 [ISO_WARP_CORRECTED] = "ISO_TRANSITION_CORRECTED"};
     const bool lit = c->shaded && view;
     const iso_gl_variant variant = {
         .direction_source = SOURCE_VECTORS,

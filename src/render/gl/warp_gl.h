@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* warp_gl.h - the ray caster on bricks with the transitions of mixed-resolution-2008
- * (brick/warp.h): on their own, as written, mended. For comparison with bricks_gl.h.
+ * (brick/warp.h): on their own, as written, corrected. For comparison with bricks_gl.h.
  *
  * Cache as the paper has it: slots of (n + 2)^3 texels, one fine brick with its
  * border or eight coarse ones of (n / 2 + 1)^3; a layout texel and the 26
  * neighbours' bits a brick. As written the border is fixed up on upload and the
- * warped place fetched once; mended, places in transition are fetched twice. */
+ * warped place fetched once; corrected, places in transition are fetched twice. */
 #ifndef ISO_GL_WARP_GL_H
 #define ISO_GL_WARP_GL_H
 
@@ -13,7 +13,7 @@
 #include "render/gl/bricks_gl.h"
 
 /* level: whose field this is, for its geometry, range and culling. Of the options max_slots, keep_hidden and wanted are
- * not looked at. Fields of one channel are drawn unshaded. ISO_E_RANGE, ISO_E_MEMORY. */
+ * ignored. Fields of one channel are drawn unshaded. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const iso_view *view,
                               const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats, iso_error *err);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // transition.glsl - bricks whose samples lie inside them, with the transitions of mixed-resolution-2008 (brick/warp.h).
 //
-// TRANSITION (brick/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 mended,
+// TRANSITION (brick/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 corrected,
 // two fetches. Positions p are bricks, as in raycast.glsl.
 
 #include "warp_map.h"
@@ -26,7 +26,7 @@ vec4 address_in(ivec3 brick, vec3 p)
         iso_warp_fetch at = iso_warp_place(in_brick * brick_side, brick_side, coarse, TRANSITION);
         // Coarse bricks have no neighbours that count: their own places stay as they are.
         in_brick = coarse != 0u ? at.top / brick_side : in_brick;
-#if TRANSITION == ISO_TRANSITION_MENDED
+#if TRANSITION == ISO_TRANSITION_CORRECTED
         foot_part = at.part;
         vec4 there = texelFetch(layout_of_bricks, brick + ivec3(at.step), 0);
         foot_place = there.xyz + (at.foot / brick_side - at.step) * there.w * brick_in_cache;
@@ -39,7 +39,7 @@ vec4 address_in(ivec3 brick, vec3 p)
 vec4 fetch(sampler3D texels, vec3 p)
 {
     vec4 top = textureLod(texels, p, 0.0);
-#if TRANSITION == ISO_TRANSITION_MENDED
+#if TRANSITION == ISO_TRANSITION_CORRECTED
     if (foot_part > 0.0)
         top = mix(top, textureLod(texels, foot_place, 0.0), foot_part);
 #endif

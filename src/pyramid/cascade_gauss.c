@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_wide.c - filters wider than the own children, plane by plane: the
+/* cascade_gauss.c - filters wider than the own children, plane by plane: the
  * normalised convolution of gradients-2017 Eq. 1, and the Gaussian of scalars,
  * separable and decimated as they go. */
 #include <math.h>
@@ -17,30 +17,30 @@ enum { BLOCK_ROWS = 16 };
 enum { BATCH_LEAST = 8, BATCH_MOST = 32 };
 #define BATCH_BYTES ((size_t)64 << 20)
 
-/* What one call of iso_cascade_wide_feed works with. */
-typedef struct wide_run {
+/* What one call of iso_cascade_gauss_feed works with. */
+typedef struct gauss_run {
     iso_cascade *c;
-    wide_channel *channel;
+    gauss_channel *channel;
     const iso_planes *in;
     const iso_cascade_out *out;
     float *memory;
     size_t per_thread;
-} wide_run;
+} gauss_run;
 
-static size_t slot_floats(const iso_cascade *c, const wide_channel *w, size_t coarse)
+static size_t slot_floats(const iso_cascade *c, const gauss_channel *w, size_t coarse)
 {
     return w->components * c->size[coarse][0] * c->size[coarse][1];
 }
 
-iso_status iso_cascade_wide_create(iso_cascade *c, iso_error *err)
+iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err)
 {
     const iso_taps taps = iso_taps_gauss(c->opt.gauss_radius, c->opt.gauss_sigma_voxels);
     if (!c->scalar_means)
-        c->wide[c->wide_count++] = (wide_channel){.is_scalar = true, .components = 1, .filtered = 1, .taps = taps};
+        c->gauss[c->gauss_count++] = (gauss_channel){.is_scalar = true, .components = 1, .filtered = 1, .taps = taps};
     if (c->opt.direction_filter == ISO_DIRECTION_EQ1)
-        c->wide[c->wide_count++] = (wide_channel){.components = 5, .filtered = 4, .taps = taps};
-    for (size_t i = 0; i < c->wide_count; ++i) {
-        wide_channel *w = &c->wide[i];
+        c->gauss[c->gauss_count++] = (gauss_channel){.components = 5, .filtered = 4, .taps = taps};
+    for (size_t i = 0; i < c->gauss_count; ++i) {
+        gauss_channel *w = &c->gauss[i];
         const size_t slot_bytes = c->level_count > 1 ? slot_floats(c, w, 1) * sizeof(float) : 1;
         const size_t most = 2 * (BATCH_BYTES / slot_bytes);
         w->batch = most < BATCH_LEAST ? BATCH_LEAST : most < BATCH_MOST ? most : BATCH_MOST;
@@ -54,14 +54,14 @@ iso_status iso_cascade_wide_create(iso_cascade *c, iso_error *err)
     return ISO_OK;
 }
 
-void iso_cascade_wide_destroy(iso_cascade *c)
+void iso_cascade_gauss_destroy(iso_cascade *c)
 {
-    for (size_t i = 0; i < c->wide_count; ++i)
+    for (size_t i = 0; i < c->gauss_count; ++i)
         for (size_t k = 0; k + 1 < c->level_count; ++k)
-            free(c->wide[i].slots[k]);
+            free(c->gauss[i].slots[k]);
 }
 
-static float *slot(const wide_run *r, size_t coarse, size_t plane)
+static float *slot(const gauss_run *r, size_t coarse, size_t plane)
 {
     return r->channel->slots[coarse - 1] +
            plane % r->channel->slot_count * slot_floats(r->c, r->channel, coarse);
@@ -73,17 +73,17 @@ typedef struct block {
     float *state, *padded, *narrow, *filtered;
 } block;
 
-static size_t block_scratch_count(const iso_cascade *c, const wide_channel *w)
+static size_t block_scratch_count(const iso_cascade *c, const gauss_channel *w)
 {
     const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
     return iso_emit_rows_count(c) + w->components * n + n + w->taps.count + 16 +
            (2 * BLOCK_ROWS + w->taps.count) * w->components * half + half + 64;
 }
 
-static block make_block(const wide_run *r)
+static block make_block(const gauss_run *r)
 {
     const iso_cascade *c = r->c;
-    const wide_channel *w = r->channel;
+    const gauss_channel *w = r->channel;
     const size_t n = row_stride(c, 0), half = row_stride(c, c->level_count > 1);
     scratch s = {r->memory + (size_t)iso_thread_index() * r->per_thread};
     block b = {.rows = iso_take_emit_rows(c, &s)};
@@ -96,7 +96,7 @@ static block make_block(const wide_run *r)
 
 /* Component rows of the fine row (y, z) of level k, `*stride` apart. Rows of
  * level 0 are made here, and stored when they are the block's own. */
-static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, size_t z, bool own, size_t *stride)
+static const float *fine_row(const gauss_run *r, block *b, size_t k, size_t y, size_t z, bool own, size_t *stride)
 {
     const iso_cascade *c = r->c;
     if (k > 0) {
@@ -118,9 +118,9 @@ static const float *fine_row(const wide_run *r, block *b, size_t k, size_t y, si
 
 /* Coarse rows j0 .. j1 - 1 of the fine plane z of level k: along x into
  * b->narrow, along y into b->filtered, along z into the open planes. */
-static void filter_block(const wide_run *r, block *b, size_t k, size_t z, size_t j0, size_t j1)
+static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_t j0, size_t j1)
 {
-    const wide_channel *w = r->channel;
+    const gauss_channel *w = r->channel;
     const size_t *fine = r->c->size[k], *coarse = r->c->size[k + 1], taps = w->taps.count, radius = taps / 2;
     const size_t first = iso_taps_source(&w->taps, j0, 0, fine[1]), last = iso_taps_source(&w->taps, j1 - 1, taps - 1, fine[1]);
     const size_t open_first = z >= radius ? (z - radius + 1) / 2 : 0, reach = (z + radius - 1) / 2;
@@ -151,7 +151,7 @@ static void filter_block(const wide_run *r, block *b, size_t k, size_t z, size_t
 }
 
 /* Coarse planes z0 .. z1 - 1 are whole: what Eq. 1 still does to them, and storing them. */
-static void finish_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
+static void finish_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
 {
     iso_cascade *c = r->c;
     const iso_cascade_out *out = &r->out[k];
@@ -175,7 +175,7 @@ static void finish_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
     c->hi[k] = hi;
 }
 
-static void store_level0_only(const wide_run *r, size_t z0, size_t z1)
+static void store_level0_only(const gauss_run *r, size_t z0, size_t z1)
 {
     const size_t ny = r->c->size[0][1];
 #pragma omp parallel for schedule(static) num_threads(r->c->threads)
@@ -187,7 +187,7 @@ static void store_level0_only(const wide_run *r, size_t z0, size_t z1)
 }
 
 /* Fine planes z0 .. z1 - 1 of level k, and all coarser planes that they complete. */
-static void feed_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
+static void feed_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
 {
     const iso_cascade *c = r->c;
     if (k + 1 == c->level_count) {
@@ -215,10 +215,10 @@ static void feed_planes(const wide_run *r, size_t k, size_t z0, size_t z1)
     }
 }
 
-iso_status iso_cascade_wide_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
+iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
 {
-    for (size_t i = 0; i < c->wide_count; ++i) {
-        wide_run r = {.c = c, .channel = &c->wide[i], .in = in, .out = out};
+    for (size_t i = 0; i < c->gauss_count; ++i) {
+        gauss_run r = {.c = c, .channel = &c->gauss[i], .in = in, .out = out};
         r.per_thread = (block_scratch_count(c, r.channel) + 15) / 16 * 16;
         r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
         if (!r.memory)

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* ranks_door.h - what the library beside the program offers; private to ranks. */
-#ifndef ISO_RANKS_DOOR_H
-#define ISO_RANKS_DOOR_H
+/* ranks_interface.h - what the library beside the program offers; private to ranks. */
+#ifndef ISO_RANKS_INTERFACE_H
+#define ISO_RANKS_INTERFACE_H
 
 #include <stddef.h>
 
-#define ISO_RANKS_DOOR_SYMBOL "iso_ranks_door_mpi"
+#define ISO_RANKS_INTERFACE_SYMBOL "iso_ranks_interface_mpi"
 
-typedef struct iso_ranks_door {
+typedef struct iso_ranks_interface {
     void (*open)(int *index, int *count);
     void (*close)(void);
     void (*gather)(const void *data, size_t bytes, void *all); /* to every rank */
@@ -15,6 +15,6 @@ typedef struct iso_ranks_door {
     void (*largest)(double *values, size_t count);
     void (*send)(int to, const void *data, size_t bytes);
     void (*receive)(int from, void *data, size_t bytes);
-} iso_ranks_door;
+} iso_ranks_interface;
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "vdb/vdb_door.h"
+#include "vdb/vdb_openvdb.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -18,19 +18,19 @@ namespace {
 /* The one place where exceptions end. */
 template <typename Work> int guarded(iso_vdb_message *message, Work work)
 {
-    int status = ISO_VDB_DOOR_FAILED;
+    int status = ISO_OPENVDB_FAILED;
     const char *what = "unknown failure";
     try {
         return work();
     } catch (const openvdb::IoError &e) {
-        status = ISO_VDB_DOOR_IO;
+        status = ISO_OPENVDB_IO;
         std::snprintf(message->text, sizeof message->text, "%s", e.what());
         return status;
     } catch (const std::ios_base::failure &e) {
-        status = ISO_VDB_DOOR_IO;
+        status = ISO_OPENVDB_IO;
         what = "writing failed (is the disk full?)";
     } catch (const std::bad_alloc &) {
-        status = ISO_VDB_DOOR_MEMORY;
+        status = ISO_OPENVDB_MEMORY;
         what = "out of memory";
     } catch (const std::exception &e) {
         std::snprintf(message->text, sizeof message->text, "%s", e.what());
@@ -67,7 +67,8 @@ void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
 void take(const float *v, float &out) { out = v[0]; }
 void take(const float *v, openvdb::Vec3f &out) { out = openvdb::Vec3f(v[0], v[1], v[2]); }
 
-/* Eight voxels from x on of row (y, z): which are active. Nothing is beyond a volume whose voxels are not all active. */
+/* Eight voxels from x on of row (y, z): which are active. Nothing is beyond a volume whose voxels are not all
+ * active. */
 void read_active_row(const iso_vdb_source &s, long x, long y, long z, unsigned char *row)
 {
     std::fill_n(row, 8, static_cast<unsigned char>(!s.read_active));
@@ -203,7 +204,7 @@ int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_m
     return guarded(message, [&] {
         file->grids.push_back(source->channels == 3 ? build<openvdb::Vec3SGrid>(*source)
                                                     : build<openvdb::FloatGrid>(*source));
-        return static_cast<int>(ISO_VDB_DOOR_OK);
+        return static_cast<int>(ISO_OPENVDB_OK);
     });
 }
 
@@ -215,13 +216,13 @@ int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_messa
         out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
         archive().save(out, file->grids, openvdb::MetaMap());
         out.close();
-        return static_cast<int>(ISO_VDB_DOOR_OK);
+        return static_cast<int>(ISO_OPENVDB_OK);
     });
 }
 
 void iso_vdb_file_destroy(iso_vdb_file *file) { delete file; }
 
-int iso_vdb_door_read(const char *path, const char *name, int channels, const size_t size[3], float *out,
+int iso_openvdb_read(const char *path, const char *name, int channels, const size_t size[3], float *out,
                       iso_vdb_grid_info *info, iso_vdb_message *message)
 {
     return guarded(message, [&] {
@@ -230,7 +231,7 @@ int iso_vdb_door_read(const char *path, const char *name, int channels, const si
         file.open(/*delayLoad=*/false);
         if (!file.hasGrid(name)) {
             std::snprintf(message->text, sizeof message->text, "has no grid \"%s\"", name);
-            return static_cast<int>(ISO_VDB_DOOR_NO_GRID);
+            return static_cast<int>(ISO_OPENVDB_NO_GRID);
         }
         openvdb::GridBase::Ptr base = file.readGrid(name);
         const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
@@ -238,18 +239,18 @@ int iso_vdb_door_read(const char *path, const char *name, int channels, const si
         if (channels == 1 ? !scalars : !vectors) {
             std::snprintf(message->text, sizeof message->text, "grid \"%s\" has values of type %s, wanted %s", name,
                           base->valueType().c_str(), channels == 1 ? "float" : "vec3s");
-            return static_cast<int>(ISO_VDB_DOOR_NO_GRID);
+            return static_cast<int>(ISO_OPENVDB_NO_GRID);
         }
         if (scalars)
             read_dense(*scalars, size, out);
         else
             read_dense(*vectors, size, out);
         read_info(*base, size, info);
-        return static_cast<int>(ISO_VDB_DOOR_OK);
+        return static_cast<int>(ISO_OPENVDB_OK);
     });
 }
 
-int iso_vdb_door_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message)
+int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         openvdb::initialize();
@@ -261,8 +262,8 @@ int iso_vdb_door_measure(const char *path, size_t *active_voxels, size_t *memory
             *active_voxels += grid->activeVoxelCount();
             *memory_bytes += grid->memUsage();
         }
-        return static_cast<int>(ISO_VDB_DOOR_OK);
+        return static_cast<int>(ISO_OPENVDB_OK);
     });
 }
 
-const char *iso_vdb_door_version(void) { return openvdb::getLibraryVersionString(); }
+const char *iso_openvdb_version(void) { return openvdb::getLibraryVersionString(); }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_door.h - what passes between C (vdb.c) and C++ (vdb_door.cc): plain types, no exception.
+/* vdb_openvdb.h - the interface between C (vdb.c) and C++ (vdb_openvdb.cc): plain types, no exceptions.
  *
  * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at
  * the voxels' centres) to world. Private to exporters/vdb. */
-#ifndef ISO_VDB_DOOR_H
-#define ISO_VDB_DOOR_H
+#ifndef ISO_VDB_OPENVDB_H
+#define ISO_VDB_OPENVDB_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-enum { ISO_VDB_DOOR_OK, ISO_VDB_DOOR_IO, ISO_VDB_DOOR_NO_GRID, ISO_VDB_DOOR_MEMORY, ISO_VDB_DOOR_FAILED };
+enum { ISO_OPENVDB_OK, ISO_OPENVDB_IO, ISO_OPENVDB_NO_GRID, ISO_OPENVDB_MEMORY, ISO_OPENVDB_FAILED };
 
 typedef struct iso_vdb_message {
     char text[512];
@@ -53,13 +53,13 @@ typedef struct iso_vdb_grid_info {
     double index_to_world[3][4];
     double box_index[3];
 } iso_vdb_grid_info;
-int iso_vdb_door_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
+int iso_openvdb_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
                       iso_vdb_grid_info *info, iso_vdb_message *message);
 
 /* Reads all grids of a file; active voxels and bytes of the trees, as OpenVDB counts them, summed. */
-int iso_vdb_door_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
+int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
 
-const char *iso_vdb_door_version(void);
+const char *iso_openvdb_version(void);
 
 #ifdef __cplusplus
 }
