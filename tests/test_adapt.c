@@ -178,7 +178,8 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_builder *b;
-    assert_ok(iso_joint_begin(&whole.z, &whole.s, 1, n, m, 2, 2, &b, &err));
+    const iso_joint_shape shape = {whole.z, whole.s, 1, {n[0], n[1], n[2]}, {m[0], m[1], m[2]}, 2};
+    assert_ok(iso_joint_begin(&shape, 2, &b, &err));
     for (size_t z = 0; z < n[2]; z += 3) {
         size_t end = z + 3 < n[2] ? z + 3 : n[2], first, count;
         iso_joint_needs(b, z, end, &first, &count);
@@ -201,14 +202,21 @@ static void stored_histograms_come_back_and_foreign_ones_are_refused(void **stat
         iso_joint j, back;
         assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 1, &j, &err));
         assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
-        assert_ok(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err));
+        assert_ok(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s, j.voxel_count,
+                                 &back, &err));
         assert_same_joint(&j, &back);
         iso_joint_destroy(&back);
-        assert_status(iso_joint_load(dir, 1, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count + 1, &back, &err), ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s,
+                                     j.voxel_count + 1, &back, &err),
+                      ISO_E_FORMAT);
         iso_bins other = j.z;
         other.step *= 1.01;
-        assert_status(iso_joint_load(dir, 1, bits, &other, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err), ISO_E_FORMAT);
-        assert_status(iso_joint_load(dir, 2, bits, &j.z, &j.s, ISO_SECOND_VALUE_NONE, j.voxel_count, &back, &err), ISO_E_IO);
+        assert_status(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &other, &j.s, j.voxel_count,
+                                     &back, &err),
+                      ISO_E_FORMAT);
+        assert_status(iso_joint_load(dir, &(iso_joint_key){2, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s, j.voxel_count,
+                                     &back, &err),
+                      ISO_E_IO);
         iso_joint_destroy(&j);
     }
     iso_pyramid_destroy(&p);

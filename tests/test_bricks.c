@@ -363,7 +363,8 @@ static void sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_ra
     (void)state;
     iso_pyramid p = make_waves();
     iso_node_levels smooth, sharp, cells;
-    assert_ok(iso_node_levels_create_by(&smooth, &p.levels[0], 8, 3, ISO_NODES_SMOOTH, false, 0, &err));
+    assert_ok(
+        iso_node_levels_create_by(&smooth, &p.levels[0], &(iso_node_options){8, 3, ISO_NODES_SMOOTH, false, 0}, &err));
     assert_ok(iso_node_levels_create(&sharp, &p.levels[0], 8, 3, false, 0, &err));
     assert_ok(iso_node_levels_create_from_cells(&cells, &p, 8, 3, 0, &err));
     assert_at_most(distance_to_level0(&cells, &p.levels[0], 0), 1e-6);

@@ -708,9 +708,9 @@ static void shading_table_is_the_shading_of_each_entry(void **state)
     p.xyz[3] = 1;
     p.xyz[8] = -1;
     const iso_palette_light light = {{0.6, 0, 0.8}, 0.5};
-    const double toward_viewer[3] = {0, 0, 1};
+    const iso_palette_shading shading = {0.2, 0.6, 0.4, 2, &light, 1, {0, 0, 1}};
     float shade[3];
-    iso_palette_shade(&p, &light, 1, toward_viewer, 0.2, 0.6, 0.4, 2, shade);
+    iso_palette_shade(&p, &shading, shade);
     double hh = 0.36 + 1.8 * 1.8; /* |l + v|^2 */
     assert_within(shade[0], 0.2, 1e-7);
     assert_within(shade[1], 0.2 + 0.5 * (0.6 * 0.6 + 0.4 * 0.36 / hh), 1e-7); /* floats */

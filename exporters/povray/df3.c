@@ -37,10 +37,18 @@ static void encode_row(const float *restrict row, size_t count, size_t rim, size
     }
 }
 
-static iso_status write_padded(FILE *file, const char *path, const size_t size[3], const float *values, size_t stride,
-                               size_t rim, const iso_df3_coding *coding, iso_error *err)
+/* What is written: samples of floats, with a rim of so many voxels. */
+typedef struct density {
+    const size_t *size;
+    const float *values;
+    size_t stride, rim;
+    const iso_df3_coding *coding;
+} density;
+
+static iso_status write_samples(FILE *file, const char *path, const density *d, iso_error *err)
 {
-    size_t rows_bytes = (size[0] + 2 * rim) * (coding->bits / 8);
+    const size_t *size = d->size, rim = d->rim;
+    size_t rows_bytes = (size[0] + 2 * rim) * (d->coding->bits / 8);
     uint8_t *out = malloc(rows_bytes);
     if (!out)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a row of %zu bytes", path, rows_bytes);
@@ -53,7 +61,7 @@ static iso_status write_padded(FILE *file, const char *path, const size_t size[3
     for (size_t z = 0; z < nz && good; ++z) {
         for (size_t y = 0; y < ny && good; ++y) {
             size_t row = (rim ? clamped(z, size[2]) : z) * size[1] + (rim ? clamped(y, size[1]) : y);
-            encode_row(values + row * size[0] * stride, size[0], rim, stride, coding, out);
+            encode_row(d->values + row * size[0] * d->stride, size[0], rim, d->stride, d->coding, out);
             good = fwrite(out, 1, rows_bytes, file) == rows_bytes;
         }
     }
@@ -61,9 +69,9 @@ static iso_status write_padded(FILE *file, const char *path, const size_t size[3
     return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
 }
 
-static iso_status write_file(const char *path, const size_t size[3], const float *values, size_t stride, size_t rim,
-                             const iso_df3_coding *coding, iso_error *err)
+static iso_status write_file(const char *path, const density *d, iso_error *err)
 {
+    const size_t *size = d->size, rim = d->rim;
     for (int a = 0; a < 3; ++a)
         if (size[a] + 2 * rim > UINT16_MAX)
             return iso_fail(err, ISO_E_RANGE, "%s: size %zu x %zu x %zu, a DF3 file holds at most %zu along an axis", path,
@@ -71,7 +79,7 @@ static iso_status write_file(const char *path, const size_t size[3], const float
     FILE *file = fopen(path, "wb");
     if (!file)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
-    iso_status status = write_padded(file, path, size, values, stride, rim, coding, err);
+    iso_status status = write_samples(file, path, d, err);
     if (fclose(file) != 0 && status == ISO_OK)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
     return status;
@@ -80,12 +88,12 @@ static iso_status write_file(const char *path, const size_t size[3], const float
 iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,
                          const iso_df3_coding *coding, iso_error *err)
 {
-    return write_file(path, size, values + channel, stride, 1, coding, err);
+    return write_file(path, &(density){size, values + channel, stride, 1, coding}, err);
 }
 
-iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t rows, size_t stride, size_t channel,
-                               const iso_df3_coding *coding, iso_error *err)
+iso_status iso_df3_write_table(const char *path, const size_t size[2], const float *values, size_t stride,
+                               size_t channel, const iso_df3_coding *coding, iso_error *err)
 {
-    const size_t size[3] = {count, rows, 1};
-    return write_file(path, size, values + channel, stride, 0, coding, err);
+    const size_t whole[3] = {size[0], size[1], 1};
+    return write_file(path, &(density){whole, values + channel, stride, 0, coding}, err);
 }

@@ -28,8 +28,9 @@ typedef struct iso_df3_coding {
 iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,
                          const iso_df3_coding *coding, iso_error *err);
 
-/* A table as a density of count x rows x 1 samples, without a rim: entry i of row r is at x = i / count, y = r / rows. */
-iso_status iso_df3_write_table(const char *path, const float *values, size_t count, size_t rows, size_t stride, size_t channel,
-                               const iso_df3_coding *coding, iso_error *err);
+/* A table of size[0] entries in size[1] rows as a density one voxel deep, without a rim: entry i of row r is at
+ * x = i / size[0], y = r / size[1]. */
+iso_status iso_df3_write_table(const char *path, const size_t size[2], const float *values, size_t stride,
+                               size_t channel, const iso_df3_coding *coding, iso_error *err);
 
 #endif

@@ -142,9 +142,9 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
         if (!iso_povray_needs_tables(s, c < 3))
             continue;
         const iso_df3_coding coding = {32, 0, most[c]};
+        const size_t size[2] = {s->tf->count, rows ? ISO_TF_2D_ROWS : 1};
         char *path = iso_povray_file_path(dir, s->name, suffix[c]);
-        status = path ? iso_df3_write_table(path, rows ? rows : s->tf->entries, s->tf->count, rows ? ISO_TF_2D_ROWS : 1,
-                                            4, c, &coding, err)
+        status = path ? iso_df3_write_table(path, size, rows ? rows : s->tf->entries, 4, c, &coding, err)
                       : iso_povray_no_memory(err);
         free(path);
     }

@@ -148,7 +148,8 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
 /* A plan, as a file, and what is read from it again: what a person does by two commands. */
 static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const iso_progress *progress, iso_error *err)
 {
-    iso_status status = iso_planner_create(&s->planner, nodes, s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads, progress, err);
+    const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
+    iso_status status = iso_planner_create(&s->planner, nodes, &opt, progress, err);
     if (status == ISO_OK)
         status = iso_planner_search(&s->planner, s->bench->error, 0, progress, err);
     if (status != ISO_OK)
@@ -164,8 +165,9 @@ static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const 
     status = iso_json_save(path, plan, err);
     json_decref(plan);
     if (status == ISO_OK)
-        status = iso_planned_create(path, &s->pyramid->levels[0], s->pyramid->options.code, &s->views[0].tf, 1,
-                                    s->bench->cli->threads, &s->planned, err);
+        status = iso_planned_create(
+            path, &(iso_planned_subject){&s->pyramid->levels[0], s->pyramid->options.code, &s->views[0].tf, 1},
+            s->bench->cli->threads, &s->planned, err);
     free(path);
     return status;
 }

@@ -248,8 +248,9 @@ static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const
     json_t *cases = json_array();
     iso_node_levels smooth = {0}, from_cells = {0};
     const iso_node_levels *const nodes[LEVEL_KINDS] = {NULL, &smooth, sharp, &from_cells};
-    iso_status status = iso_node_levels_create_by(&smooth, &p->levels[0], sharp->brick_voxels, sharp->level_count,
-                                                  ISO_NODES_SMOOTH, true, cli->threads, err);
+    iso_status status = iso_node_levels_create_by(
+        &smooth, &p->levels[0],
+        &(iso_node_options){sharp->brick_voxels, sharp->level_count, ISO_NODES_SMOOTH, true, cli->threads}, err);
     if (status == ISO_OK)
         status = iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err);
     if (!cli->json) {

@@ -188,16 +188,19 @@ static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t br
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err)
 {
-    return iso_node_levels_create_by(n, level0, brick_voxels, level_count, ISO_NODES_SHARP, with_directions, threads, err);
+    const iso_node_options opt = {brick_voxels, level_count, ISO_NODES_SHARP, with_directions, threads};
+    return iso_node_levels_create_by(n, level0, &opt, err);
 }
 
-iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
-                                     iso_node_filter filter, bool with_directions, int threads, iso_error *err)
+iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
+                                     iso_error *err)
 {
-    iso_status status = lay_out(n, level0, brick_voxels, level_count, err);
+    const size_t level_count = opt->level_count;
+    const bool with_directions = opt->with_directions;
+    iso_status status = lay_out(n, level0, opt->brick_voxels, level_count, err);
     if (status != ISO_OK)
         return status;
-    n->filter = filter;
+    n->filter = opt->filter;
     float *sums[ISO_BRICK_MAX_LEVELS] = {NULL}, *gradients = NULL, unused;
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
         sums[l] = with_directions ? malloc(all_nodes(n, l) * sizeof **sums) : &unused;
@@ -205,9 +208,9 @@ iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0
             status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
     }
     if (status == ISO_OK && with_directions)
-        status = gradients_of(level0, threads, &gradients, err);
+        status = gradients_of(level0, opt->threads, &gradients, err);
     if (status == ISO_OK)
-        fill_levels(n, level0, gradients, sums, iso_threads(threads));
+        fill_levels(n, level0, gradients, sums, iso_threads(opt->threads));
     free(gradients);
     for (size_t l = 0; with_directions && l < level_count; ++l)
         free(sums[l]);

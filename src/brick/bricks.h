@@ -57,8 +57,14 @@ typedef struct iso_node_levels {
  * than it has; ISO_E_MEMORY. with_directions: else they are zero. */
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err);
-iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
-                                     iso_node_filter filter, bool with_directions, int threads, iso_error *err);
+typedef struct iso_node_options {
+    size_t brick_voxels, level_count;
+    iso_node_filter filter;
+    bool with_directions;
+    int threads;
+} iso_node_options;
+iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
+                                     iso_error *err);
 /* From the levels of a pyramid instead of its level 0: a node of level l is interpolated among that level's voxels,
  * cubic in the scalar (kept within the range of the eight voxels around) and linear in the decoded directions. Bricks
  * are as continuous and as fast to draw as with the filters above, but more blurred, because the voxels are means

@@ -262,15 +262,19 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
 
 static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
-    const iso_cached_options opt = {.plan_error = c->plan_error, .step_voxels = c->step_voxels, .repeats = MOST_FRAMES,
-                                    .repeat_seconds = FRAMES_SECONDS, .threads = b->threads};
-    iso_cached_report report;
+    iso_cached_report report = {0};
+    const iso_cached_options opt = {.plan_error = c->plan_error,
+                                    .step_voxels = c->step_voxels,
+                                    .repeats = MOST_FRAMES,
+                                    .repeat_seconds = FRAMES_SECONDS,
+                                    .threads = b->threads,
+                                    .report = &report};
     iso_gl *gl;
     iso_status status = iso_renderers_need_gl(&b->renderers, &gl, err);
     if (status == ISO_OK && b->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
-        status = iso_cached_render_nodes(gl, &b->nodes, &b->plan, &b->view, &opt, image, &report, err);
+        status = iso_cached_render_nodes(gl, &b->nodes, &b->plan, &b->view, &opt, image, err);
     if (status != ISO_OK)
         return status;
     iso_render_stats_of_gl(&report.gl, &c->took);

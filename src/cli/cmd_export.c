@@ -259,7 +259,9 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK && (target->needs_scene || a->plan))
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK && a->plan)
-        status = iso_planned_create(a->plan, &pyramid.levels[0], pyramid.options.code, &view.tf, 1, a->cli->threads, &planned, err);
+        status =
+            iso_planned_create(a->plan, &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
+                               a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     const export_job job = {a, &pyramid, &view, a->plan ? &planned : NULL, &progress, root};
     if (status == ISO_OK)

@@ -155,7 +155,8 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
     const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
     iso_planner p;
     plan_update update;
-    iso_status status = iso_planner_create(&p, nodes, views, view_count, faces, cli->threads, &progress, err);
+    iso_status status =
+        iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads}, &progress, err);
     if (status != ISO_OK)
         return status;
     status = iso_planner_search(&p, a->error, a->memory, &progress, err);

@@ -282,13 +282,19 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 static iso_status render_cached(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
                                 const iso_view *view, iso_image *image, double *seconds, const iso_progress *progress, iso_error *err)
 {
-    const iso_cached_options o = {.cache_bytes = a->cache_bytes, .plan_error = a->plan_error, .brick_voxels = (size_t)a->brick, .level_count = (size_t)a->brick_levels,
-                                  .page_side = (size_t)a->page_side, .step_voxels = a->step, .threads = cli->threads};
-    iso_cached_report r;
+    iso_cached_report r = {0};
+    const iso_cached_options o = {.cache_bytes = a->cache_bytes,
+                                  .plan_error = a->plan_error,
+                                  .brick_voxels = (size_t)a->brick,
+                                  .level_count = (size_t)a->brick_levels,
+                                  .page_side = (size_t)a->page_side,
+                                  .step_voxels = a->step,
+                                  .threads = cli->threads,
+                                  .report = &r};
     iso_gl *gl;
     iso_status status = iso_renderers_need_gl(renderers, &gl, err);
     if (status == ISO_OK)
-        status = iso_cached_render(gl, &p->levels[0], view, &o, image, &r, progress, err);
+        status = iso_cached_render(gl, &p->levels[0], view, &o, image, progress, err);
     *seconds = r.seconds;
     if (status == ISO_OK)
         report_cache(&r, cli);

@@ -391,7 +391,9 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL, (size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE, opt.threads, &joint, err);
+        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
+                                  &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads,
+                                  &joint, err);
     if (status == ISO_OK)
         status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
     if (status == ISO_OK && a->output)

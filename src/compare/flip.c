@@ -124,11 +124,19 @@ static void add_shifted_row(const double *restrict in, size_t width, long shift,
         out[x] += w * in[width - 1];
 }
 
-/* out += weight * (column filter)(row filter) in; edges repeat. The rows pass through scratch. */
-static void add_separable(const double *restrict in, size_t width, size_t height, const double *row_filter,
-                          const double *column_filter, size_t radius, double weight, double *restrict scratch,
-                          double *restrict out)
+/* weight times a filter along x, then one along y; taps -radius .. radius. */
+typedef struct separable {
+    const double *along_x, *along_y;
+    size_t radius;
+    double weight;
+} separable;
+
+/* out += the filtered in; edges repeat. The rows pass through scratch. */
+static void add_separable(const double *restrict in, const planes *size, const separable *filter,
+                          double *restrict scratch, double *restrict out)
 {
+    const size_t width = size->width, height = size->height, radius = filter->radius;
+    const double *row_filter = filter->along_x, *column_filter = filter->along_y, weight = filter->weight;
     const int threads = width * height < 40000 ? 1 : iso_threads(0); /* starting them costs more than 1 ms of work */
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t y = 0; y < height; ++y) {
@@ -169,9 +177,9 @@ static void filter_channel(const double *in, const planes *size, int channel, do
     double sum2 = gaussian(PI * PI / (b2 * ppd * ppd), radius, second);
     double total = w1 * sum1 * sum1 + w2 * sum2 * sum2;
     memset(out, 0, size->width * size->height * sizeof *out);
-    add_separable(in, size->width, size->height, first, first, radius, w1 / total, scratch, out);
+    add_separable(in, size, &(separable){first, first, radius, w1 / total}, scratch, out);
     if (w2 > 0)
-        add_separable(in, size->width, size->height, second, second, radius, w2 / total, scratch, out);
+        add_separable(in, size, &(separable){second, second, radius, w2 / total}, scratch, out);
 }
 
 /* Scales the positive taps to a sum of 1 and the negative ones to -1 (sec. 4.2). */
@@ -185,14 +193,15 @@ static void balance(double *taps, size_t radius)
 }
 
 /* The length of (filter along x, filter along y) of the luminance; the other axis is smoothed. */
-static void detect(const double *luminance, const planes *size, const double *derivative, const double *smooth,
-                   size_t radius, double *scratch, double *along_y, double *out)
+static void detect(const double *luminance, const planes *size, const separable *along, double *scratch,
+                   double *along_y, double *out)
 {
+    const separable across = {along->along_y, along->along_x, along->radius, along->weight};
     size_t count = size->width * size->height;
     memset(out, 0, count * sizeof *out);
     memset(along_y, 0, count * sizeof *along_y);
-    add_separable(luminance, size->width, size->height, derivative, smooth, radius, 1, scratch, out);
-    add_separable(luminance, size->width, size->height, smooth, derivative, radius, 1, scratch, along_y);
+    add_separable(luminance, size, along, scratch, out);
+    add_separable(luminance, size, &across, scratch, along_y);
     for (size_t i = 0; i < count; ++i)
         out[i] = hypot(out[i], along_y[i]);
 }
@@ -211,8 +220,8 @@ static void detect_features(const double *luminance, double ppd, double *scratch
     }
     balance(edge, radius);
     balance(point, radius);
-    detect(luminance, &p->color, edge, smooth, radius, scratch, scratch2, p->edges);
-    detect(luminance, &p->color, point, smooth, radius, scratch, scratch2, p->points);
+    detect(luminance, &p->color, &(separable){edge, smooth, radius, 1}, scratch, scratch2, p->edges);
+    detect(luminance, &p->color, &(separable){point, smooth, radius, 1}, scratch, scratch2, p->points);
 }
 
 static void percept_destroy(percept *p)

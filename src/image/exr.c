@@ -105,17 +105,28 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     return status;
 }
 
+/* A file that is read chunk by chunk. */
+typedef struct chunk_reader {
+    exr_context_t file;
+    exr_decode_pipeline_t pipe;
+    bool started;
+    iso_image *image;
+    unsigned mask; /* the components that came */
+} chunk_reader;
+
 /* Points the decoder at the pixels of one chunk, whose first is at (x, y) of
- * the image. Channels that are not ours are skipped. *mask gathers which came. */
-static void aim(exr_decode_pipeline_t *pipe, iso_image *image, size_t x, size_t y, unsigned *mask)
+ * the image. Channels that are not ours are skipped. */
+static void aim(chunk_reader *r, size_t x, size_t y)
 {
+    exr_decode_pipeline_t *pipe = &r->pipe;
+    iso_image *image = r->image;
     for (int c = 0; c < pipe->channel_count; ++c) {
         exr_coding_channel_info_t *channel = &pipe->channels[c];
         int component = component_of(channel->channel_name);
         channel->decode_to_ptr = NULL;
         if (component < 0 || channel->x_samples != 1 || channel->y_samples != 1)
             continue;
-        *mask |= 1u << component;
+        r->mask |= 1u << component;
         channel->user_bytes_per_element = sizeof(float);
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_pixel_stride = 4 * sizeof(float);
@@ -124,62 +135,60 @@ static void aim(exr_decode_pipeline_t *pipe, iso_image *image, size_t x, size_t 
     }
 }
 
-static exr_result_t decode_chunk(exr_context_t file, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *pipe,
-                                 bool *started, iso_image *image, size_t x, size_t y, unsigned *mask)
+static exr_result_t decode_chunk(chunk_reader *r, const exr_chunk_info_t *chunk, size_t x, size_t y)
 {
-    exr_result_t result = *started ? exr_decoding_update(file, 0, chunk, pipe)
-                                   : exr_decoding_initialize(file, 0, chunk, pipe);
+    exr_result_t result = r->started ? exr_decoding_update(r->file, 0, chunk, &r->pipe)
+                                     : exr_decoding_initialize(r->file, 0, chunk, &r->pipe);
     if (result != EXR_ERR_SUCCESS)
         return result;
-    aim(pipe, image, x, y, mask);
-    if (!*started)
-        result = exr_decoding_choose_default_routines(file, 0, pipe);
-    *started = true;
-    return result == EXR_ERR_SUCCESS ? exr_decoding_run(file, 0, pipe) : result;
+    aim(r, x, y);
+    if (!r->started)
+        result = exr_decoding_choose_default_routines(r->file, 0, &r->pipe);
+    r->started = true;
+    return result == EXR_ERR_SUCCESS ? exr_decoding_run(r->file, 0, &r->pipe) : result;
 }
 
-static exr_result_t read_scanlines(exr_context_t file, int32_t first_line, exr_decode_pipeline_t *pipe, iso_image *image,
-                                   unsigned *mask)
+static exr_result_t read_scanlines(chunk_reader *r, int32_t first_line)
 {
     int32_t lines = 1;
-    bool started = false;
-    exr_result_t result = exr_get_scanlines_per_chunk(file, 0, &lines);
-    for (size_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (size_t)lines) {
+    exr_result_t result = exr_get_scanlines_per_chunk(r->file, 0, &lines);
+    for (size_t y = 0; y < r->image->height && result == EXR_ERR_SUCCESS; y += (size_t)lines) {
         exr_chunk_info_t chunk;
-        result = exr_read_scanline_chunk_info(file, 0, first_line + (int)y, &chunk);
+        result = exr_read_scanline_chunk_info(r->file, 0, first_line + (int)y, &chunk);
         if (result == EXR_ERR_SUCCESS)
-            result = decode_chunk(file, &chunk, pipe, &started, image, 0, y, mask);
+            result = decode_chunk(r, &chunk, 0, y);
     }
     return result;
 }
 
-static exr_result_t read_tiles(exr_context_t file, exr_decode_pipeline_t *pipe, iso_image *image, unsigned *mask)
+static exr_result_t read_tiles(chunk_reader *r)
 {
     int32_t tile_width = 0, tile_height = 0;
-    bool started = false;
-    exr_result_t result = exr_get_tile_sizes(file, 0, 0, 0, &tile_width, &tile_height);
-    for (size_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (size_t)tile_height)
-        for (size_t x = 0; x < image->width && result == EXR_ERR_SUCCESS; x += (size_t)tile_width) {
+    exr_result_t result = exr_get_tile_sizes(r->file, 0, 0, 0, &tile_width, &tile_height);
+    for (size_t y = 0; y < r->image->height && result == EXR_ERR_SUCCESS; y += (size_t)tile_height)
+        for (size_t x = 0; x < r->image->width && result == EXR_ERR_SUCCESS; x += (size_t)tile_width) {
             exr_chunk_info_t chunk;
-            result = exr_read_tile_chunk_info(file, 0, (int)(x / (size_t)tile_width), (int)(y / (size_t)tile_height), 0, 0, &chunk);
+            result = exr_read_tile_chunk_info(r->file, 0, (int)(x / (size_t)tile_width), (int)(y / (size_t)tile_height),
+                                              0, 0, &chunk);
             if (result == EXR_ERR_SUCCESS)
-                result = decode_chunk(file, &chunk, pipe, &started, image, x, y, mask);
+                result = decode_chunk(r, &chunk, x, y);
         }
     return result;
 }
 
 static exr_result_t read_pixels(exr_context_t file, exr_attr_box2i_t window, iso_image *image, unsigned *mask)
 {
-    exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
+    chunk_reader r = {.file = file, .pipe = EXR_DECODE_PIPELINE_INITIALIZER, .image = image};
     exr_storage_t storage;
     exr_result_t result = exr_get_storage(file, 0, &storage);
     if (result == EXR_ERR_SUCCESS && storage == EXR_STORAGE_SCANLINE)
-        result = read_scanlines(file, window.min.y, &pipe, image, mask);
+        result = read_scanlines(&r, window.min.y);
     else if (result == EXR_ERR_SUCCESS && storage == EXR_STORAGE_TILED)
-        result = read_tiles(file, &pipe, image, mask);
+        result = read_tiles(&r);
     else if (result == EXR_ERR_SUCCESS)
         result = EXR_ERR_FEATURE_NOT_IMPLEMENTED; /* deep images */
-    exr_decoding_destroy(file, &pipe);
+    exr_decoding_destroy(file, &r.pipe);
+    *mask |= r.mask;
     return result;
 }
 

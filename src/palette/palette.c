@@ -174,23 +174,21 @@ iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *
     return ISO_OK;
 }
 
-void iso_palette_shade(const iso_palette *palette, const iso_palette_light *lights, size_t light_count,
-                       const double toward_viewer[3], double ambient, double diffuse, double specular, double power,
-                       float *restrict shade)
+void iso_palette_shade(const iso_palette *palette, const iso_palette_shading *s, float *restrict shade)
 {
     for (size_t i = 0; i < palette->count; ++i) {
         const float *n = palette->xyz + 3 * i;
-        double value = ambient;
-        for (size_t k = 0; i > 0 && k < light_count; ++k) {
+        double value = s->ambient;
+        for (size_t k = 0; i > 0 && k < s->light_count; ++k) {
             double nl = 0, nh = 0, hh = 0;
             for (int c = 0; c < 3; ++c) {
-                double h = lights[k].toward[c] + toward_viewer[c];
-                nl += (double)n[c] * lights[k].toward[c];
+                double h = s->lights[k].toward[c] + s->toward_viewer[c];
+                nl += (double)n[c] * s->lights[k].toward[c];
                 nh += (double)n[c] * h;
                 hh += h * h;
             }
-            double highlight = hh > 0 ? pow(fabs(nh) / sqrt(hh), power) : 0;
-            value += lights[k].intensity * (diffuse * fabs(nl) + specular * highlight);
+            double highlight = hh > 0 ? pow(fabs(nh) / sqrt(hh), s->power) : 0;
+            value += s->lights[k].intensity * (s->diffuse * fabs(nl) + s->specular * highlight);
         }
         shade[i] = (float)value;
     }

@@ -211,16 +211,19 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
 iso_status iso_palette_save_povray(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 iso_status iso_palette_save_python(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 
-/* Shading by table, as in the papers: one value for each entry,
- *     ambient + sum of intensity (diffuse |n.l| + specular |n.h|^power),
- * with one view direction for all (a viewer far away). When a light moves, `count` values are
- * computed again, instead of one for each voxel. Entry 0 is ambient. */
 typedef struct iso_palette_light {
     double toward[3]; /* unit, towards the light */
     double intensity;
 } iso_palette_light;
-void iso_palette_shade(const iso_palette *palette, const iso_palette_light *lights, size_t light_count,
-                       const double toward_viewer[3], double ambient, double diffuse, double specular, double power,
-                       float *restrict shade);
+typedef struct iso_palette_shading {
+    double ambient, diffuse, specular, power;
+    const iso_palette_light *lights;
+    size_t light_count;
+    double toward_viewer[3]; /* one direction for all entries: a viewer far away */
+} iso_palette_shading;
+/* Shading by table, as in the papers: one value for each entry,
+ *     ambient + sum of intensity (diffuse |n.l| + specular |n.h|^power).
+ * When a light moves, `count` values are computed again, instead of one for each voxel. Entry 0 is ambient. */
+void iso_palette_shade(const iso_palette *palette, const iso_palette_shading *s, float *restrict shade);
 
 #endif

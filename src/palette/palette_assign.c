@@ -41,14 +41,21 @@ static float dot_at(const entry *e, const double corner[3])
     return e->c[0] * (float)corner[0] + e->c[1] * (float)corner[1] + e->c[2] * (float)corner[2];
 }
 
-/* Of the parent's candidates those that may be nearest somewhere in [u, u + size] x [v, v + size]. */
-static size_t cell_candidates(const iso_palette_lookup *l, int face, double u, double v, double size,
-                              const uint16_t *from, size_t from_count, uint16_t *to)
+/* [u, u + size] x [v, v + size] of a face of the cube. */
+typedef struct cube_cell {
+    int face;
+    double u, v, size;
+} cube_cell;
+
+/* Of the parent's candidates those that may be nearest somewhere in the cell. */
+static size_t cell_candidates(const iso_palette_lookup *l, const cube_cell *cell, const uint16_t *from,
+                              size_t from_count, uint16_t *to)
 {
+    const double u = cell->u, v = cell->v, size = cell->size;
     double middle[3], corner[4][3];
-    iso_cube_vector(face, u + 0.5 * size, v + 0.5 * size, middle);
+    iso_cube_vector(cell->face, u + 0.5 * size, v + 0.5 * size, middle);
     for (int c = 0; c < 4; ++c)
-        iso_cube_vector(face, u + (c & 1 ? size : 0), v + (c & 2 ? size : 0), corner[c]);
+        iso_cube_vector(cell->face, u + (c & 1 ? size : 0), v + (c & 2 ? size : 0), corner[c]);
     size_t leader = from[0], count = 0;
     float best = -4;
     for (size_t i = 0; i < from_count; ++i) {
@@ -92,7 +99,8 @@ static bool fill_cells(iso_palette_lookup *l, int face, int column, int row, int
 {
     const double scale = 2.0 / GRID_CELLS;
     uint16_t *own = (uint16_t *)from + from_count;
-    size_t count = cell_candidates(l, face, column * scale - 1, row * scale - 1, n * scale, from, from_count, own);
+    const cube_cell cell = {face, column * scale - 1, row * scale - 1, n * scale};
+    size_t count = cell_candidates(l, &cell, from, from_count, own);
     if (count > 2 && n > 1) {
         int half = n / 2;
         return fill_cells(l, face, column, row, half, own, count) &&

@@ -43,7 +43,10 @@ static iso_status check_weighting(const iso_palette_weighting *w, iso_error *err
     return ISO_OK;
 }
 
+/* What a volume is sampled by, and the memory for a slab of it. */
 typedef struct slab_buffers {
+    const iso_gradient_options *gradient;
+    const iso_palette_weighting *weighting;
     size_t capacity; /* voxels */
     float *gradients, *weights, *row; /* row: one a thread */
     int threads;
@@ -75,12 +78,12 @@ static size_t slab_planes(const iso_geometry *g)
 }
 
 /* Pools the planes [z0, z1) of v. */
-static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, size_t z0, size_t z1,
-                              const iso_gradient_options *gradient, const iso_palette_weighting *w, slab_buffers *b,
+static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, size_t z0, size_t z1, slab_buffers *b,
                               iso_error *err)
 {
+    const iso_palette_weighting *w = b->weighting;
     const size_t nx = v->geometry.size[0], ny = v->geometry.size[1], rows = ny * (z1 - z0);
-    iso_status status = iso_gradient_slab(v, gradient, z0, z1, b->gradients, err);
+    iso_status status = iso_gradient_slab(v, b->gradient, z0, z1, b->gradients, err);
     if (status != ISO_OK)
         return status;
     if (is_weighted(w)) {
@@ -102,12 +105,12 @@ iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume 
                                      const iso_palette_weighting *w, const iso_progress *progress, iso_error *err)
 {
     const size_t nz = v->geometry.size[2], planes = slab_planes(&v->geometry);
-    slab_buffers b = {0};
+    slab_buffers b = {.gradient = gradient, .weighting = w};
     iso_status status = check_weighting(w, err);
     if (status == ISO_OK)
         status = buffers_create(&b, &v->geometry, planes, gradient->threads, err);
     for (size_t z = 0; z < nz && status == ISO_OK; z += planes) {
-        status = pool_planes(pool, v, z, z + planes < nz ? z + planes : nz, gradient, w, &b, err);
+        status = pool_planes(pool, v, z, z + planes < nz ? z + planes : nz, &b, err);
         iso_progress_report(progress, "directions", (double)(z + planes) / (double)nz);
     }
     buffers_destroy(&b);
@@ -127,7 +130,7 @@ iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source
     const size_t nz = header->geometry.size[2], planes = slab_planes(&header->geometry);
     const size_t plane_bytes = header->geometry.size[0] * header->geometry.size[1] * iso_type_bytes(header->type);
     iso_volume window = *header;
-    slab_buffers b = {0};
+    slab_buffers b = {.gradient = gradient, .weighting = w};
     window.data = malloc((planes + 2) * plane_bytes);
     iso_status status = check_weighting(w, err);
     if (status == ISO_OK && !window.data)
@@ -145,7 +148,7 @@ iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source
             break;
         have = need;
         window.geometry.size[2] = have - first;
-        status = pool_planes(pool, &window, z - first, end - first, gradient, w, &b, err);
+        status = pool_planes(pool, &window, z - first, end - first, &b, err);
         iso_progress_report(progress, "directions", (double)end / (double)nz);
     }
     buffers_destroy(&b);

@@ -88,25 +88,28 @@ static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report
 }
 
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
-                                   const iso_cached_options *opt, iso_image *image, iso_cached_report *report, iso_error *err)
+                                   const iso_cached_options *opt, iso_image *image, iso_error *err)
 {
     cache c = {.nodes = nodes, .view = view, .opt = opt, .plan = plan, .visible = malloc(plan->brick_count)};
-    *report = (iso_cached_report){0};
+    iso_cached_report report = {0};
     *image = (iso_image){0};
-    iso_status status = c.visible ? fit(&c, &report->predicted_rmse, err)
+    iso_status status = c.visible ? fit(&c, &report.predicted_rmse, err)
                                   : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", plan->brick_count);
     if (status == ISO_OK)
-        status = draw(gl, &c, image, report, err);
+        status = draw(gl, &c, image, &report, err);
+    if (opt->report)
+        *opt->report = report;
     free(c.visible);
     return status;
 }
 
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
-                             iso_image *image, iso_cached_report *report, const iso_progress *progress, iso_error *err)
+                             iso_image *image, const iso_progress *progress, iso_error *err)
 {
     iso_node_levels nodes = {0};
     iso_plan plan = {0};
-    *report = (iso_cached_report){0};
+    if (opt->report)
+        *opt->report = (iso_cached_report){0};
     *image = (iso_image){0};
     iso_status status = iso_node_levels_create(&nodes, level0, opt->brick_voxels, opt->level_count, true, opt->threads, err);
     if (status != ISO_OK)
@@ -114,7 +117,7 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
     iso_node_levels_round(&nodes);
     status = iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err);
     if (status == ISO_OK)
-        status = iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, report, err);
+        status = iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err);
     iso_plan_destroy(&plan);
     iso_node_levels_destroy(&nodes);
     return status;

@@ -7,6 +7,14 @@
 #include "render/gl/bricks_gl.h"
 #include "plan/plan.h"
 
+typedef struct iso_cached_report {
+    double cache_bytes, predicted_rmse; /* bytes used; predicted difference to all bricks at level 0 */
+    size_t bricks_by_level[ISO_BRICK_MAX_LEVELS], brick_count, page_count;
+    size_t node_count; /* of the bricks drawn */
+    double seconds;
+    iso_gl_stats gl;
+} iso_cached_report;
+
 typedef struct iso_cached_options {
     double cache_bytes;  /* what the textures of scalars and directions may take; or, when it is 0, */
     double plan_error;   /* the predicted RMSE that bricks may be coarsened for (plan/plan.h) */
@@ -15,24 +23,17 @@ typedef struct iso_cached_options {
     size_t repeats;      /* draws, and until when, as in iso_gl_options */
     double repeat_seconds;
     int threads;
+    iso_cached_report *report; /* filled; or NULL */
 } iso_cached_options;
-
-typedef struct iso_cached_report {
-    double cache_bytes, predicted_rmse; /* bytes used; predicted difference to all bricks at level 0 */
-    size_t bricks_by_level[ISO_BRICK_MAX_LEVELS], brick_count, page_count;
-    size_t node_count;   /* of the bricks drawn */
-    double seconds;
-    iso_gl_stats gl;
-} iso_cached_report;
 
 /* Levels are chosen as plan.h chooses, for the least predicted error that fits; nothing is rendered for it. ISO_E_RANGE
  * when the coarsest levels do not fit, with what they take. */
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
-                             iso_image *image, iso_cached_report *report, const iso_progress *progress, iso_error *err);
+                             iso_image *image, const iso_progress *progress, iso_error *err);
 
 /* The same with rounded nodes and a plan of this view that the caller has already; they replace the options for bricks
  * and levels. */
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
-                                   const iso_cached_options *opt, iso_image *image, iso_cached_report *report, iso_error *err);
+                                   const iso_cached_options *opt, iso_image *image, iso_error *err);
 
 #endif

@@ -120,20 +120,21 @@ static iso_status check_bricks(const char *path, const iso_planned *p, iso_error
     return ISO_OK;
 }
 
-iso_status iso_planned_create(const char *path, const iso_level *level0, iso_code code, const iso_tf_table *tfs,
-                              size_t tf_count, int threads, iso_planned *p, iso_error *err)
+iso_status iso_planned_create(const char *path, const iso_planned_subject *subject, int threads, iso_planned *p,
+                              iso_error *err)
 {
     double start = iso_clock_seconds();
-    *p = (iso_planned){.tfs = tfs, .tf_count = tf_count};
+    *p = (iso_planned){.tfs = subject->tfs, .tf_count = subject->tf_count};
     iso_status status = iso_plan_file_load(path, &p->plan, err);
     if (status == ISO_OK)
-        status = iso_node_levels_create(&p->nodes, level0, p->plan.brick_voxels, p->plan.level_count, true, threads, err);
+        status = iso_node_levels_create(&p->nodes, subject->level0, p->plan.brick_voxels, p->plan.level_count, true,
+                                        threads, err);
     if (status == ISO_OK)
         status = check_bricks(path, p, err);
     if (status == ISO_OK)
         status = check_match(path, p, threads, err);
     if (status == ISO_OK)
-        iso_node_levels_encode(&p->nodes, code);
+        iso_node_levels_encode(&p->nodes, subject->code);
     p->build_seconds = iso_clock_seconds() - start;
     if (status != ISO_OK)
         iso_planned_destroy(p);

@@ -34,10 +34,16 @@ typedef struct iso_planned {
     double build_seconds;
 } iso_planned;
 
-/* `tfs` is kept, not copied. ISO_E_RANGE when the plan was made
- * for another volume or for other transfer functions. */
-iso_status iso_planned_create(const char *path, const iso_level *level0, iso_code code, const iso_tf_table *tfs,
-                              size_t tf_count, int threads, iso_planned *p, iso_error *err);
+/* What a plan is of: a volume, the code of its directions, and the transfer functions that show it. */
+typedef struct iso_planned_subject {
+    const iso_level *level0;
+    iso_code code;
+    const iso_tf_table *tfs; /* kept, not copied */
+    size_t tf_count;
+} iso_planned_subject;
+/* ISO_E_RANGE when the plan was made for another volume or for other transfer functions. */
+iso_status iso_planned_create(const char *path, const iso_planned_subject *subject, int threads, iso_planned *p,
+                              iso_error *err);
 void iso_planned_destroy(iso_planned *p);
 
 typedef struct iso_planned_lattices {

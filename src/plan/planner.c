@@ -107,10 +107,13 @@ static iso_status measure_blank(const iso_image *full, const iso_view *view, dou
     return status;
 }
 
-iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_view *views, size_t view_count,
-                              iso_brick_faces faces, int threads, const iso_progress *progress, iso_error *err)
+iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
+                              const iso_progress *progress, iso_error *err)
 {
-    *p = (iso_planner){.nodes = nodes, .views = views, .view_count = view_count, .faces = faces, .blank_rmse = INFINITY};
+    const iso_view *views = opt->views;
+    const size_t view_count = opt->view_count;
+    *p = (iso_planner){
+        .nodes = nodes, .views = views, .view_count = view_count, .faces = opt->faces, .blank_rmse = INFINITY};
     size_t count = iso_brick_count(nodes), side = iso_brick_side(nodes, 0);
     p->full_node_count = count * side * side * side;
     p->wanted = malloc(count);
@@ -119,7 +122,7 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
     if (status == ISO_OK)
         status = iso_gl_create(&p->gl, NULL, err);
     if (status == ISO_OK)
-        status = iso_plan_create(&p->plan, nodes, views, view_count, threads, progress, err);
+        status = iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err);
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         p->wanted[i] = p->plan.footprints[i] > 0;
     for (size_t v = 0; status == ISO_OK && v < view_count; ++v) { /* levels are still all 0 */

@@ -35,9 +35,15 @@ typedef struct iso_planner {
     int render_count;
 } iso_planner;
 
-/* views and nodes are kept, not copied. threads 0: all. */
-iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_view *views, size_t view_count,
-                              iso_brick_faces faces, int threads, const iso_progress *progress, iso_error *err);
+typedef struct iso_planner_options {
+    const iso_view *views;
+    size_t view_count;
+    iso_brick_faces faces;
+    int threads; /* 0: all */
+} iso_planner_options;
+/* The views and nodes are kept, not copied. */
+iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
+                              const iso_progress *progress, iso_error *err);
 /* memory 0: the least model whose measured RMSE is at most `error` in every view. Else the model of the least RMSE in
  * at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what is needed. */
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err);

@@ -81,13 +81,13 @@ void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y,
     store_codes(c, out, 0, y, z, r);
 }
 
-void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
-                 size_t stride, emit_rows *r)
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, state_row state,
+                     emit_rows *r)
 {
     if (z < out->first)
         return;
     const size_t n = c->size[k][0];
-    iso_direction_rows(c->opt.direction_filter, state, stride, n, r->d[0], r->d[1], r->d[2],
+    iso_direction_rows(c->opt.direction_filter, state.components, state.stride, n, r->d[0], r->d[1], r->d[2],
                        out->magnitude ? r->magnitude : NULL);
     store_codes(c, out, k, y, z, r);
 }
@@ -158,7 +158,7 @@ static void store_coarse(tile *t, size_t k, size_t y, size_t z, float *own)
             memcpy(out->scalar + row * n, scalar, n * sizeof *scalar);
     }
     if (c->state_count > 0)
-        iso_emit_coarse(c, out, k, y, z, own, stride, &t->rows);
+        iso_emit_coarse(c, out, k, y, z, (state_row){own, stride}, &t->rows);
     if (c->carry && k == c->tile_top && t->base == 0)
         for (size_t i = 0; i <= c->state_count; ++i)
             memcpy(carry_row(c, y, z) + i * n, own + i * stride, n * sizeof *own);
@@ -221,9 +221,14 @@ static tile make_tile(iso_cascade *c, const iso_planes *in, const iso_cascade_ou
 }
 
 /* Rows of level `top`, planes z0 .. z1 - 1, from level `base`. */
-static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_cascade_out *out, size_t base, size_t top,
-                            size_t z0, size_t z1, iso_error *err)
+typedef struct tile_range {
+    size_t base, top, z0, z1;
+} tile_range;
+
+static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_cascade_out *out, tile_range range,
+                            iso_error *err)
 {
+    const size_t base = range.base, top = range.top, z0 = range.z0, z1 = range.z1;
     const size_t rows = c->size[top][1], count = (z1 - z0) * rows, floats = tile_scratch_count(c);
     float *memory = aligned_alloc(64, (size_t)c->threads * (floats * sizeof *memory + 63) / 64 * 64);
     if (!memory)
@@ -409,9 +414,10 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
                             iso_error *err)
 {
     const size_t step = iso_cascade_step(c), last = c->size[0][2];
-    iso_status status = run_tiles(c, in, out, 0, c->tile_top, z0 / step, (z1 + step - 1) / step, err);
+    iso_status status = run_tiles(c, in, out, (tile_range){0, c->tile_top, z0 / step, (z1 + step - 1) / step}, err);
     if (status == ISO_OK && c->carry && z1 == last)
-        status = run_tiles(c, in, out, c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2], err);
+        status = run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
+                           err);
     return status == ISO_OK ? iso_cascade_gauss_feed(c, in, z0, z1, out, err) : status;
 }
 

@@ -65,9 +65,14 @@ emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s);
 void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
 /* Stores the directions of the row's gradients. */
 void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
+/* The components of a row's state, `stride` floats apart. */
+typedef struct state_row {
+    const float *components;
+    size_t stride;
+} state_row;
 /* Stores a row of directions of a coarse level from its state. */
-void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, const float *state,
-                 size_t stride, emit_rows *rows);
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, state_row state,
+                     emit_rows *rows);
 
 /* cascade_gauss.c */
 iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);

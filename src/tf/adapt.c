@@ -384,9 +384,10 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, 
     iso_adapt_options opt_2d = *opt; /* the second value takes a row's bulk and its tail apart */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
         opt_2d.window = ISO_TF_2D_WINDOW;
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SECOND_VALUE_NONE, opt->threads, &joint, err);
+    iso_status status =
+        iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads, &joint, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(p, dir, level, opt->bits, second, opt->threads, &joint_2d, err);
+        status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, second}, opt->threads, &joint_2d, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, &opt_2d, &all, err);
     if (status == ISO_OK)
@@ -493,7 +494,8 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
             *judgment = verdict;
         return copy_table(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, dir, level, opt->bits, ISO_SECOND_VALUE_NONE, opt->threads, &joint, err);
+    iso_status status =
+        iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);
     if (status == ISO_OK)

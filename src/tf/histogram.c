@@ -97,8 +97,7 @@ typedef struct counter {
 } counter;
 
 struct iso_joint_builder {
-    iso_bins z, s;
-    size_t second_count, fine[3], coarse[3], level;
+    iso_joint_shape shape;
     int thread_count;
     bool dense, shared; /* shared: the threads add to `table` */
     size_t table_count; /* of a thread: 1 or 2 */
@@ -110,7 +109,7 @@ struct iso_joint_builder {
 
 static size_t pair_count(const iso_joint_builder *b)
 {
-    return b->z.count * b->s.count * b->second_count;
+    return b->shape.z.count * b->shape.s.count * b->shape.second_count;
 }
 
 static void free_counter(counter *c)
@@ -124,10 +123,10 @@ static void free_counter(counter *c)
 
 static bool make_counter(counter *c, const iso_joint_builder *b)
 {
-    c->blended = malloc((b->coarse[0] + 2) * sizeof *c->blended);
-    c->keys = malloc(b->fine[0] * sizeof *c->keys);
+    c->blended = malloc((b->shape.coarse[0] + 2) * sizeof *c->blended);
+    c->keys = malloc(b->shape.fine[0] * sizeof *c->keys);
     c->tables = b->dense && !b->shared ? calloc(b->table_count * pair_count(b), sizeof *c->tables) : NULL;
-    c->second_bins = malloc(b->fine[0] * sizeof *c->second_bins);
+    c->second_bins = malloc(b->shape.fine[0] * sizeof *c->second_bins);
     return c->blended && c->keys && c->second_bins && (c->tables || !b->dense || b->shared);
 }
 
@@ -143,27 +142,34 @@ void iso_joint_abandon(iso_joint_builder *b)
     free(b);
 }
 
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_count, const size_t fine_size[3],
-                           const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
-                           iso_error *err)
+static iso_status check_shape(const iso_joint_shape *shape, iso_error *err)
 {
-    *builder = NULL;
+    const size_t *fine_size = shape->fine, *coarse_size = shape->coarse, level = shape->level;
     if (level < 1 || level > 30)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
-    if (second_count != 1 && second_count != ISO_TF_2D_ROWS)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu bins of the second value, must be 1 or %d", second_count, ISO_TF_2D_ROWS);
+    if (shape->second_count != 1 && shape->second_count != ISO_TF_2D_ROWS)
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu bins of the second value, must be 1 or %d",
+                        shape->second_count, ISO_TF_2D_ROWS);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
             return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
                             coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
+    return ISO_OK;
+}
+
+iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err)
+{
+    *builder = NULL;
+    iso_status status = check_shape(shape, err);
+    if (status != ISO_OK)
+        return status;
     iso_joint_builder *b = calloc(1, sizeof *b);
     if (!b)
         return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
-    *b = (iso_joint_builder){.z = *z, .s = *s, .second_count = second_count, .level = level, .thread_count = iso_threads(threads)};
-    memcpy(b->fine, fine_size, sizeof b->fine);
-    memcpy(b->coarse, coarse_size, sizeof b->coarse);
+    *b = (iso_joint_builder){.shape = *shape, .thread_count = iso_threads(threads)};
     size_t pairs = pair_count(b);
-    b->dense = pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 8 <= fine_size[0] * fine_size[1] * fine_size[2]);
+    b->dense =
+        pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 8 <= shape->fine[0] * shape->fine[1] * shape->fine[2]);
     b->table_count = pairs <= TWIN_PAIRS ? 2 : 1;
     b->shared = b->dense && pairs * b->table_count * (size_t)b->thread_count > OWN_PAIRS;
     b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
@@ -173,7 +179,8 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_c
         good = make_counter(&b->counters[t], b);
     if (!good) {
         iso_joint_abandon(b);
-        return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu x %zu bins", z->count, s->count);
+        return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu x %zu bins", shape->z.count,
+                        shape->s.count);
     }
     *builder = b;
     return ISO_OK;
@@ -181,14 +188,14 @@ iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_c
 
 void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *first, size_t *count)
 {
-    *first = iso_phase_at(z0, b->level, b->coarse[2]).left;
-    *count = iso_phase_at(z1 - 1, b->level, b->coarse[2]).right + 1 - *first;
+    *first = iso_phase_at(z0, b->shape.level, b->shape.coarse[2]).left;
+    *count = iso_phase_at(z1 - 1, b->shape.level, b->shape.coarse[2]).right + 1 - *first;
 }
 
 static void count_row(const iso_joint_builder *b, counter *c)
 {
     const uint32_t *keys = c->keys;
-    size_t n = b->fine[0];
+    size_t n = b->shape.fine[0];
     if (!b->dense)
         for (size_t x = 0; x < n && !c->failed; ++x)
             c->failed = !map_add(&c->map, keys[x], 1);
@@ -202,19 +209,26 @@ static void count_row(const iso_joint_builder *b, counter *c)
         iso_count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
 }
 
-/* The bins of level k's row at the fine voxels of row (y, z). */
-static void lookup_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *coarse, size_t coarse_z0,
-                       iso_row_scale scale, uint32_t *bins)
+/* A row of level 0, and the planes that stand for level k around it. */
+typedef struct row_place {
+    size_t y, z, coarse_z0; /* the first of the planes */
+} row_place;
+
+/* The bins of a level's planes at the fine voxels of a row. */
+static void lookup_row(const iso_joint_builder *b, counter *c, row_place at, const float *coarse, iso_row_scale scale,
+                       uint32_t *bins)
 {
-    iso_phase py = iso_phase_at(y, b->level, b->coarse[1]), pz = iso_phase_at(z, b->level, b->coarse[2]);
-    size_t plane = b->coarse[0] * b->coarse[1];
+    const size_t y = at.y, z = at.z, coarse_z0 = at.coarse_z0;
+    iso_phase py = iso_phase_at(y, b->shape.level, b->shape.coarse[1]),
+              pz = iso_phase_at(z, b->shape.level, b->shape.coarse[2]);
+    size_t plane = b->shape.coarse[0] * b->shape.coarse[1];
     const float *left = coarse + (pz.left - coarse_z0) * plane, *right = coarse + (pz.right - coarse_z0) * plane;
-    const float *const rows[4] = {left + py.left * b->coarse[0], left + py.right * b->coarse[0],
-                                  right + py.left * b->coarse[0], right + py.right * b->coarse[0]};
+    const float *const rows[4] = {left + py.left * b->shape.coarse[0], left + py.right * b->shape.coarse[0],
+                                  right + py.left * b->shape.coarse[0], right + py.right * b->shape.coarse[0]};
     const float weights[4] = {pz.weight_left * py.weight_left, pz.weight_left * py.weight_right,
                               pz.weight_right * py.weight_left, pz.weight_right * py.weight_right};
-    iso_blend_rows(rows, weights, scale, b->coarse[0], c->blended);
-    iso_expand_bins(c->blended, b->level, b->fine[0], bins);
+    iso_blend_rows(rows, weights, scale, b->shape.coarse[0], c->blended);
+    iso_expand_bins(c->blended, b->shape.level, b->shape.fine[0], bins);
 }
 
 static iso_row_scale scale_of(const iso_bins *bins)
@@ -222,18 +236,18 @@ static iso_row_scale scale_of(const iso_bins *bins)
     return (iso_row_scale){(float)bins->lo, (float)(1 / bins->step), (float)(bins->count - 1)};
 }
 
-static void add_row(const iso_joint_builder *b, counter *c, size_t y, size_t z, const float *fine_row,
-                    const float *coarse, const float *second, size_t coarse_z0)
+static void add_row(const iso_joint_builder *b, counter *c, row_place at, const float *fine_row, const float *coarse,
+                    const float *second)
 {
-    size_t n = b->fine[0];
-    lookup_row(b, c, y, z, coarse, coarse_z0, scale_of(&b->s), c->keys);
-    if (b->second_count > 1) {
-        const iso_row_scale whole = {0, 1, (float)(b->second_count - 1)};
-        lookup_row(b, c, y, z, second, coarse_z0, whole, c->second_bins);
+    size_t n = b->shape.fine[0];
+    lookup_row(b, c, at, coarse, scale_of(&b->shape.s), c->keys);
+    if (b->shape.second_count > 1) {
+        const iso_row_scale whole = {0, 1, (float)(b->shape.second_count - 1)};
+        lookup_row(b, c, at, second, whole, c->second_bins);
         for (size_t x = 0; x < n; ++x)
-            c->keys[x] += c->second_bins[x] * (uint32_t)b->s.count;
+            c->keys[x] += c->second_bins[x] * (uint32_t)b->shape.s.count;
     }
-    iso_join_bins(fine_row, n, scale_of(&b->z), (uint32_t)b->z.count, c->keys);
+    iso_join_bins(fine_row, n, scale_of(&b->shape.z), (uint32_t)b->shape.z.count, c->keys);
     count_row(b, c);
 }
 
@@ -274,13 +288,13 @@ static bool merge(iso_joint_builder *b)
 iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse,
                          const float *second, iso_error *err)
 {
-    size_t ny = b->fine[1], nx = b->fine[0], first, count, part = (size_t)b->thread_count;
+    size_t ny = b->shape.fine[1], nx = b->shape.fine[0], first, count, part = (size_t)b->thread_count;
     iso_joint_needs(b, z0, z1, &first, &count);
 #pragma omp parallel for schedule(static, 1) num_threads(b->thread_count)
     for (size_t t = 0; t < part; ++t) {
         size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
         for (size_t r = row0; r < row1; ++r)
-            add_row(b, &b->counters[t], r % ny, z0 + r / ny, fine + r * nx, coarse, second, first);
+            add_row(b, &b->counters[t], (row_place){r % ny, z0 + r / ny, first}, fine + r * nx, coarse, second);
     }
     b->voxel_count += (uint64_t)((z1 - z0) * ny * nx);
     return merge(b) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
@@ -290,7 +304,11 @@ iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float
 
 static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t entry_count, iso_error *err)
 {
-    *joint = (iso_joint){.z = b->z, .s = b->s, .second = ISO_SECOND_VALUE_NONE, .second_count = b->second_count, .entry_count = entry_count};
+    *joint = (iso_joint){.z = b->shape.z,
+                         .s = b->shape.s,
+                         .second = ISO_SECOND_VALUE_NONE,
+                         .second_count = b->shape.second_count,
+                         .entry_count = entry_count};
     joint->row_start = calloc(iso_joint_row_count(joint) + 1, sizeof *joint->row_start);
     joint->entry_z = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_z);
     joint->entry_count_of = malloc((entry_count ? entry_count : 1) * sizeof *joint->entry_count_of);
@@ -379,76 +397,6 @@ void iso_joint_destroy(iso_joint *joint)
     *joint = (iso_joint){0};
 }
 
-/* ---- the second value: deviation or gradient magnitude -------------------------------------------------------------- */
-
-static double deviation_coordinate(const float *fine, const size_t n[3], size_t z0, size_t level, const size_t at[3], double half_range)
-{
-    size_t lo[3], hi[3], count = 1;
-    for (int a = 0; a < 3; ++a) {
-        lo[a] = at[a] << level;
-        hi[a] = lo[a] + ((size_t)1 << level) < n[a] ? lo[a] + ((size_t)1 << level) : n[a];
-        count *= hi[a] - lo[a];
-    }
-    const double shift = (double)fine[((lo[2] - z0) * n[1] + lo[1]) * n[0] + lo[0]]; /* small differences, no cancellation */
-    double sum = 0, square = 0;
-    for (size_t z = lo[2]; z < hi[2]; ++z)
-        for (size_t y = lo[1]; y < hi[1]; ++y) {
-            const float *row = fine + ((z - z0) * n[1] + y) * n[0];
-            for (size_t x = lo[0]; x < hi[0]; ++x) {
-                double d = (double)row[x] - shift;
-                sum += d;
-                square += d * d;
-            }
-        }
-    double mean = sum / (double)count, variance = fmax(square / (double)count - mean * mean, 0);
-    return half_range > 0 ? (ISO_TF_2D_ROWS - 1) * sqrt(fmin(sqrt(variance) / half_range, 1)) : 0;
-}
-
-void iso_joint_deviation_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
-                            size_t c1, double half_range, int threads, float *out)
-{
-    size_t rows = (c1 - c0) * coarse_size[1];
-#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
-    for (size_t r = 0; r < rows; ++r)
-        for (size_t x = 0; x < coarse_size[0]; ++x) {
-            const size_t at[3] = {x, r % coarse_size[1], c0 + r / coarse_size[1]};
-            out[r * coarse_size[0] + x] = (float)deviation_coordinate(fine, fine_size, c0 << level, level, at, half_range);
-        }
-}
-
-/* |central difference| of the level's scalar, in value a voxel, a plane at a time. */
-static iso_status gradient_coordinates(const iso_level *level, double half_range, int threads, float *out, iso_error *err)
-{
-    const size_t *n = level->geometry.size;
-    const iso_volume v = {.geometry = iso_geometry_axis_aligned(n, (const double[3]){1, 1, 1}), .type = ISO_F32, .data = level->scalar};
-    iso_gradient_options opt = iso_gradient_defaults();
-    size_t plane = n[0] * n[1];
-    opt.threads = threads;
-    float *g = malloc(3 * plane * sizeof *g);
-    iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for a plane of gradients");
-    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
-        status = iso_gradient_slab(&v, &opt, z, z + 1, g, err);
-        for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
-            double magnitude = sqrt((double)g[3 * i] * g[3 * i] + (double)g[3 * i + 1] * g[3 * i + 1] + (double)g[3 * i + 2] * g[3 * i + 2]);
-            out[z * plane + i] = half_range > 0 ? (float)((ISO_TF_2D_ROWS - 1) * sqrt(fmin(magnitude / half_range, 1))) : 0;
-        }
-    }
-    free(g);
-    return status;
-}
-
-iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads, float *out,
-                                       iso_error *err)
-{
-    const iso_level *fine = &p->levels[0];
-    const iso_geometry *g = &p->levels[level].geometry;
-    const double half_range = (fine->max - fine->min) / 2;
-    if (second == ISO_SECOND_VALUE_GRADIENT)
-        return gradient_coordinates(&p->levels[level], half_range, threads, out, err);
-    iso_joint_deviation_planes(fine->scalar, fine->geometry.size, g->size, level, 0, g->size[2], half_range, threads, out);
-    return ISO_OK;
-}
-
 /* ---- a pyramid in memory ------------------------------------------------------------- */
 
 static iso_status count_all(const iso_pyramid *p, size_t level, const float *second, iso_joint_builder *b, iso_error *err)
@@ -480,11 +428,14 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with a second value, must be 8 to 12", bits);
     const iso_level *fine = &p->levels[0];
     const size_t *n = fine->geometry.size, *m = p->levels[level].geometry.size;
-    iso_bins z, s;
+    iso_joint_shape shape = {.second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS,
+                             .fine = {n[0], n[1], n[2]},
+                             .coarse = {m[0], m[1], m[2]},
+                             .level = level};
     iso_joint_builder *b;
     float *planes = NULL;
-    iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    iso_status status = iso_joint_begin(&z, &s, second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, n, m, level, threads, &b, err);
+    iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &shape.z, &shape.s);
+    iso_status status = iso_joint_begin(&shape, threads, &b, err);
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE) {
         planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
         if (!planes)

@@ -78,10 +78,16 @@ void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
 typedef struct iso_joint_builder iso_joint_builder;
 
-/* second_count: bins of the second value, 1 or ISO_TF_2D_ROWS; fine_size: of level 0; coarse_size: of level `level`. */
-iso_status iso_joint_begin(const iso_bins *z, const iso_bins *s, size_t second_count, const size_t fine_size[3],
-                           const size_t coarse_size[3], size_t level, int threads, iso_joint_builder **builder,
-                           iso_error *err);
+/* What is counted against what. */
+typedef struct iso_joint_shape {
+    iso_bins z, s;
+    size_t second_count;       /* bins of the second value: 1, or ISO_TF_2D_ROWS */
+    size_t fine[3], coarse[3]; /* sizes of level 0 and of level `level` */
+    size_t level;
+} iso_joint_shape;
+
+/* ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err);
 /* The coarse planes [*first, *first + *count) that the fine planes [z0, z1) look at. */
 void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
 /* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(); second: the second value in these planes, as
@@ -92,10 +98,6 @@ iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const
 iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
 void iso_joint_abandon(iso_joint_builder *builder);
 
-/* Bins by deviation of the coarse planes [c0, c1), in [0, ISO_TF_2D_ROWS - 1]. fine: level 0's
- * planes from c0 2^level on. half_range: (max - min) / 2 of level 0. */
-void iso_joint_deviation_planes(const float *fine, const size_t fine_size[3], const size_t coarse_size[3], size_t level, size_t c0,
-                            size_t c1, double half_range, int threads, float *out);
 /* Bins of all voxels of a level, by either second value. ISO_E_MEMORY. */
 iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads, float *out,
                                        iso_error *err);
@@ -106,13 +108,20 @@ iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_
  * ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers an entry: z, s, count. The file's geometry
  * gives the bins' places. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
+/* Which of a pyramid's histograms. */
+typedef struct iso_joint_key {
+    size_t level;
+    int bits;
+    iso_second_value second;
+} iso_joint_key;
+
 /* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value second,
+iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_bins *z, const iso_bins *s,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads what is stored in `dir`, else computes it and stores it there. dir may
  * be NULL; a folder that cannot be written is no failure. p may be the outline of
  * the pyramid in `dir`: its samples are read when they are needed. */
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value second, int threads,
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joint_key *key, int threads,
                             iso_joint *joint, iso_error *err);
 
 /* Bytes of the smaller form before compression, for Table 1's figures. */

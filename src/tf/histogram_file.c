@@ -9,12 +9,16 @@
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
-static char *file_path(const char *dir, size_t level, int bits, iso_second_value second)
+static char *file_path(const char *dir, const iso_joint_key *key)
 {
+    const size_t level = key->level;
+    const int bits = key->bits;
     char *path = NULL;
-    if (second != ISO_SECOND_VALUE_NONE)
-        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits, second == ISO_SECOND_VALUE_GRADIENT ? 'g' : 'x',
-                        ISO_TF_2D_ROWS) < 0 ? NULL : path;
+    if (key->second != ISO_SECOND_VALUE_NONE)
+        return asprintf(&path, "%s/level_%zu_joint%d%c%d.nrrd", dir, level, bits,
+                        key->second == ISO_SECOND_VALUE_GRADIENT ? 'g' : 'x', ISO_TF_2D_ROWS) < 0
+                   ? NULL
+                   : path;
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
 
@@ -65,7 +69,7 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
     bool sparse = sparse_is_smaller(j);
     iso_geometry g = bins_geometry(j, sparse);
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, j->second);
+    char *path = file_path(dir, &(iso_joint_key){level, bits, j->second});
     iso_status status = path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     for (size_t s = 0; status == ISO_OK && s < iso_joint_row_count(j); ++s)
@@ -120,12 +124,12 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     return ISO_OK;
 }
 
-iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bins *z, const iso_bins *s, iso_second_value second,
+iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_bins *z, const iso_bins *s,
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
     iso_volume v = {0};
-    char *path = file_path(dir, level, bits, second);
+    char *path = file_path(dir, key);
     iso_status status = path ? iso_volume_load(path, &v, err) : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
         status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
@@ -138,7 +142,7 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     if (status == ISO_OK)
-        status = read_rows(&v, path, z, s, second, j, err);
+        status = read_rows(&v, path, z, s, key->second, j, err);
     if (status == ISO_OK && j->voxel_count != voxel_count)
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
@@ -149,15 +153,18 @@ iso_status iso_joint_load(const char *dir, size_t level, int bits, const iso_bin
     return status;
 }
 
-iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, size_t level, int bits, iso_second_value second, int threads,
-                            iso_joint *j, iso_error *err)
+iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joint_key *key, int threads, iso_joint *j,
+                            iso_error *err)
 {
+    const size_t level = key->level;
+    const int bits = key->bits;
+    const iso_second_value second = key->second;
     iso_bins z, s;
     const iso_level *fine = &p->levels[0];
     if (bits < 8 || bits > 16 || level < 1 || level >= p->level_count)
         return iso_joint_compute(p, level, bits, second, threads, j, err); /* names the value and the limit */
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    if (dir && iso_joint_load(dir, level, bits, &z, &s, second, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
+    if (dir && iso_joint_load(dir, key, &z, &s, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
         return ISO_OK;
     iso_pyramid whole = {0};
     iso_status status = ISO_OK;

@@ -34,8 +34,9 @@ iso_status iso_gl_upload_palette(const iso_gl *gl, const iso_palette *palette, c
 {
     iso_palette_light lights[ISO_MAX_LIGHTS];
     const iso_vec3 forward = view->camera.forward;
-    const double toward_viewer[3] = {-forward.x, -forward.y, -forward.z};
     const iso_shading *s = &view->shading;
+    const iso_palette_shading shading = {
+        s->ambient, s->diffuse, s->specular, s->power, lights, view->light_count, {-forward.x, -forward.y, -forward.z}};
     for (size_t i = 0; i < view->light_count; ++i) {
         iso_vec3 d = view->lights[i].direction;
         lights[i] = (iso_palette_light){{d.x, d.y, d.z}, view->lights[i].intensity};
@@ -45,8 +46,7 @@ iso_status iso_gl_upload_palette(const iso_gl *gl, const iso_palette *palette, c
     if (!shade || !row) {
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu palette entries", palette->count);
     } else {
-        iso_palette_shade(palette, lights, view->light_count, toward_viewer, s->ambient, s->diffuse, s->specular,
-                          s->power, shade);
+        iso_palette_shade(palette, &shading, shade);
         for (size_t i = 0; i < palette->count; ++i) {
             for (size_t c = 0; c < 3; ++c)
                 row[4 * i + c] = palette->xyz[3 * i + c];
