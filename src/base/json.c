@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/names.h"
 
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
 {
@@ -134,16 +135,15 @@ void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key
     iso_json_get_string(r, object, key, required, &word);
     if (!word)
         return;
-    char list[256] = "";
-    for (int i = 0; words[i]; ++i) {
-        if (strcmp(words[i], word) == 0) {
-            *index = i;
+    iso_names names = {"word", words, 0, sizeof words[0], 0, ISO_NAMES_NO_SUMMARY, false};
+    for (; words[names.count]; ++names.count)
+        if (strcmp(words[names.count], word) == 0) {
+            *index = (int)names.count;
             return;
         }
-        strncat(list, i ? ", " : "", sizeof list - strlen(list) - 1);
-        strncat(list, words[i], sizeof list - strlen(list) - 1);
-    }
-    r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\" is \"%s\", must be one of: %s", r->path, key, word, list);
+    char list[256];
+    r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\" is \"%s\", must be one of: %s", r->path, key, word,
+                         iso_names_join(&names, NULL, list, sizeof list));
 }
 
 json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required)

@@ -10,6 +10,7 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/machine.h"
+#include "base/names.h"
 #include "base/version.h"
 #include "base/words.h"
 #include "report/gnuplot.h"
@@ -20,19 +21,19 @@ ISO_EMBED(iso_pareto_gp, "src/chart/pareto.gp");
 /* ---- errors and fronts --------------------------------------------------------------- */
 
 static const struct {
-    const char *name, *title;
-} metrics[ISO_CHART_METRIC_COUNT] = {{"rmse", "RMSE"}, {"flip", "mean FLIP"}, {"ssim", "1 - SSIM"}};
+    const char *name, *summary;
+} metrics[] = {{"rmse", "RMSE"}, {"flip", "mean FLIP"}, {"ssim", "1 - SSIM"}};
+static const iso_names metric_names = ISO_NAMES_OF_ROWS("--metric", metrics);
 
 const char *iso_chart_metric_name(iso_chart_metric m) { return metrics[m].name; }
 
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err)
 {
-    for (int i = 0; i < ISO_CHART_METRIC_COUNT; ++i)
-        if (strcmp(metrics[i].name, name) == 0) {
-            *m = (iso_chart_metric)i;
-            return ISO_OK;
-        }
-    return iso_fail(err, ISO_E_USAGE, "--metric is \"%s\", wanted rmse, flip or ssim", name);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&metric_names, name, &row, err);
+    if (status == ISO_OK)
+        *m = (iso_chart_metric)row;
+    return status;
 }
 
 double iso_chart_error(const iso_chart_case *c, iso_chart_metric m)
@@ -411,7 +412,7 @@ static char *result_csv(const iso_chart_result *r)
                 bytes_of(c, r->bytes));
         fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric), c->metrics.rmse,
                 c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front, c->on_bytes_front, c->number,
-                (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want, metrics[r->metric].title,
+                (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want, metrics[r->metric].summary,
                 time_kind(r), bytes_kind(r), r->bench->view.width, r->bench->view.height);
         put_field(f, r->bench->path);
         put_field(f, r->scene);

@@ -32,31 +32,50 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/names.h"
 #include "base/status.h"
+#include "encode/hole.h"
+
+/* The one list of codes: ISO_CODE_FIT is the number of iso_code_fit, the row that stands beside the encoder. */
+#define ISO_CODE_LIST(X)  \
+    X(SNORM, snorm)       \
+    X(FIT, fit)           \
+    X(SHELL, shell)       \
+    X(FREE, free)         \
+    X(CUBE, cube)         \
+    X(REGION48, region48) \
+    X(SQUEEZE, squeeze)   \
+    X(OCT24, oct24)       \
+    X(HALF, half)
 
 typedef enum iso_code {
-    ISO_CODE_SNORM,
-    ISO_CODE_FIT,
-    ISO_CODE_SHELL,
-    ISO_CODE_FREE,
-    ISO_CODE_CUBE,
-    ISO_CODE_REGION48,
-    ISO_CODE_SQUEEZE,
-    ISO_CODE_OCT24,
-    ISO_CODE_HALF,
+#define ISO_CODE_ENUM(code, row) ISO_CODE_##code,
+    ISO_CODE_LIST(ISO_CODE_ENUM)
+#undef ISO_CODE_ENUM
     ISO_CODE_COUNT
 } iso_code;
 
 typedef struct iso_code_info {
     const char *name;
-    const char *help;
+    const char *summary;
     size_t bytes;      /* a direction */
     bool is_textured;  /* 3 bytes that a texture may filter: what pyramids store */
     bool is_signed;    /* SNORM8 lattice, else UNORM8 read as 2t - 1 */
     bool keeps_length; /* d's length survives */
     bool is_linear;    /* decode(e) = e, so that filtering decoded vectors is the same */
     int decoder;       /* ISO_DECODER_* of code_decode.h, for shaders */
+    /* count directions of 3 floats to `bytes` each. Cannot fail. */
+    void (*encode)(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+    /* The bytes to the lattice vector, where they are not three bytes that is_signed says how to read; else NULL. */
+    void (*lattice)(const uint8_t *bytes, double e[3]);
+    /* encode() of rows of components, to the low three bytes of a word each: what builds use. NULL: there is none. */
+    void (*encode_rows)(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
+                        uint32_t *restrict words);
+    /* The biggest hole, as iso_code_hole() of code_hole.h. */
+    iso_status (*hole)(const struct iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
 } iso_code_info;
+
+extern const iso_names iso_code_names;
 
 const iso_code_info *iso_code_describe(iso_code code);
 iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err);

@@ -2,6 +2,7 @@
 /* encode_fit.c - best fits: in place of the nearest lattice point one whose
  * direction is nearer, among those whose length will do. Along the direction, one
  * candidate for each whole number of the largest component: the other two rounded. */
+#include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/fit.h"
 #include "encode/fit_rows.h"
@@ -121,3 +122,55 @@ ISO_INLINE void free_lanes(float *px, float *py, float *pz)
 }
 
 ISO_SIMD_ENCODER(iso_encode_free, free_lanes)
+
+/* ---- their rows --------------------------------------------------------------------- */
+
+/* Lengths that the window reaches. */
+static iso_status fit_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+{
+    const iso_code_points points = {127, 0, 1, 127 - ISO_FIT_REACH, 127 + ISO_FIT_REACH};
+    return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
+}
+
+const iso_code_info iso_code_fit = {
+    .name = "fit",
+    .summary = "signed bytes near the vector, with the best direction at almost its length",
+    .bytes = 3,
+    .is_textured = true,
+    .is_signed = true,
+    .keeps_length = true,
+    .is_linear = true,
+    .decoder = ISO_DECODER_LINEAR,
+    .encode = iso_encode_fit,
+    .encode_rows = iso_fit_rows,
+    .hole = fit_hole,
+};
+
+static iso_status shell_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+{
+    const iso_code_points points = {127, 0, 1, 127 * ISO_SHELL_MIN, 127};
+    return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
+}
+
+const iso_code_info iso_code_shell = {
+    .name = "shell",
+    .summary = "the best direction at a length of 0.95 to 1; direction only",
+    .bytes = 3,
+    .is_textured = true,
+    .is_signed = true,
+    .is_linear = true,
+    .decoder = ISO_DECODER_LINEAR,
+    .encode = iso_encode_shell,
+    .hole = shell_hole,
+};
+
+const iso_code_info iso_code_free = {
+    .name = "free",
+    .summary = "the best direction at any length; direction only",
+    .bytes = 3,
+    .is_textured = true,
+    .is_signed = true,
+    .decoder = ISO_DECODER_UNIT,
+    .encode = iso_encode_free,
+    .hole = iso_code_hole_of_signed,
+};

@@ -7,6 +7,7 @@
  * lies (ry, rz) from the transformed direction's, at most 1/87. f of Eq. 2 is
  * quadratic, and where the candidate decodes to follows from (ry, rz) to second
  * order without decoding it; the third order changes a distance by 1e-4. */
+#include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/simd.h"
 
@@ -133,3 +134,13 @@ ISO_INLINE void region48_lanes(float *px, float *py, float *pz)
 /* This file is compiled with fused products (Makefile): the search gains a third
  * by them, and bytes differ only where two candidates are equally near to 1e-5. */
 ISO_SIMD_ENCODER_FOR(iso_encode_region48, region48_lanes, "avx2,fma", "fma")
+
+const iso_code_info iso_code_region48 = {
+    .name = "region48",
+    .summary = "48 regions, lambda 0.61 (gradients-2017); direction only",
+    .bytes = 3,
+    .is_textured = true,
+    .decoder = ISO_DECODER_REGION48,
+    .encode = iso_encode_region48,
+    .hole = iso_code_hole_of_unsigned,
+};

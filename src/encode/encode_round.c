@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* encode_round.c - codes that are roundings: the vector itself, its cube-dot,
  * the octahedral map; and half floats. */
+#include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
+#include "encode/fit_rows.h"
 #include "encode/simd.h"
+
+static const double degree = 0.017453292519943295;
 
 /* ---- snorm: 127 d, rounded ---- */
 
@@ -18,6 +22,27 @@ ISO_INLINE void snorm_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_snorm, snorm_lanes)
 
+/* Half a step in each component, all of it across. */
+static iso_status snorm_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+{
+    (void)code, (void)tolerance_deg, (void)err;
+    return iso_code_hole_of_rounding(sqrt(3) / 254, hole, how);
+}
+
+const iso_code_info iso_code_snorm = {
+    .name = "snorm",
+    .summary = "signed bytes of the vector itself, rounded",
+    .bytes = 3,
+    .is_textured = true,
+    .is_signed = true,
+    .keeps_length = true,
+    .is_linear = true,
+    .decoder = ISO_DECODER_LINEAR,
+    .encode = iso_encode_snorm,
+    .encode_rows = iso_snorm_rows,
+    .hole = snorm_hole,
+};
+
 /* ---- cube: projected on the cube's surface, rounded to odd 255ths. Zero: 127.5
  * goes to the even 128. ---- */
 
@@ -32,6 +57,17 @@ ISO_INLINE void cube_lanes(float *px, float *py, float *pz)
 }
 
 ISO_SIMD_ENCODER(iso_encode_cube, cube_lanes)
+
+/* The surface alone has the hole of all unsigned points: at the axes. */
+const iso_code_info iso_code_cube = {
+    .name = "cube",
+    .summary = "projected on the cube and rounded; direction only",
+    .bytes = 3,
+    .is_textured = true,
+    .decoder = ISO_DECODER_UNIT,
+    .encode = iso_encode_cube,
+    .hole = iso_code_hole_of_unsigned,
+};
 
 /* ---- oct24: 12 + 12 bits of the octahedral map, the best of the four corners
  * of the cell ---- */
@@ -82,6 +118,54 @@ ISO_INLINE void oct24_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_oct24, oct24_lanes)
 
+static void oct24_lattice(const uint8_t *bytes, double e[3])
+{
+    e[0] = 2 * (bytes[0] | (bytes[1] & 15) << 8) / 4095.0 - 1;
+    e[1] = 2 * (bytes[1] >> 4 | bytes[2] << 4) / 4095.0 - 1;
+    e[2] = 0;
+}
+
+static iso_vec3 oct_corner(int u, int v)
+{
+    return iso_decode_oct(iso_v3(u / 4095.0, v / 4095.0, 0));
+}
+
+/* The angular radius of the circle through three unit vectors. */
+static double circle_deg(iso_vec3 a, iso_vec3 b, iso_vec3 c)
+{
+    iso_vec3 ab = iso_sub(b, a), bc = iso_sub(c, b), ca = iso_sub(a, c);
+    double area2 = iso_norm(iso_cross(ab, ca));
+    return area2 > 0 ? asin(fmin(iso_norm(ab) * iso_norm(bc) * iso_norm(ca) / (2 * area2), 1)) / degree : 0;
+}
+
+/* Each cell of the square lattice is cut along the better diagonal. One eighth of
+ * the square, u >= v >= -1, has an image of every cell. Cells at the square's edge
+ * have corners twice (the fold), which circle_deg gives no area and no hole. */
+static iso_status oct24_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+{
+    (void)code, (void)tolerance_deg, (void)err;
+    *how = "circles";
+    *hole = (iso_hole){0, {0, 0, 1}};
+    for (int u = -1; u < 4095; u += 2)
+        for (int v = -1; v <= u; v += 2) {
+            iso_vec3 p = oct_corner(u, v), q = oct_corner(u + 2, v), r = oct_corner(u, v + 2), s = oct_corner(u + 2, v + 2);
+            double one = fmax(circle_deg(p, q, r), circle_deg(q, r, s)), other = fmax(circle_deg(p, q, s), circle_deg(p, r, s));
+            if (fmin(one, other) > hole->radius_deg)
+                *hole = (iso_hole){fmin(one, other), iso_normalize(iso_add(iso_add(p, q), iso_add(r, s)))};
+        }
+    return ISO_OK;
+}
+
+const iso_code_info iso_code_oct24 = {
+    .name = "oct24",
+    .summary = "octahedral map, 12 + 12 bits, for nearest fetches; direction only",
+    .bytes = 3,
+    .decoder = ISO_DECODER_OCT,
+    .encode = iso_encode_oct24,
+    .lattice = oct24_lattice,
+    .hole = oct24_hole,
+};
+
 /* ---- half: three half floats, little endian ---- */
 
 static uint16_t to_half(float value)
@@ -106,3 +190,36 @@ void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, 
         bytes[2 * i + 1] = (uint8_t)(half >> 8);
     }
 }
+
+static double from_half(const uint8_t *bytes)
+{
+    int bits = bytes[0] | bytes[1] << 8, exponent = bits >> 10 & 31, fraction = bits & 1023;
+    double size = exponent ? ldexp(1024 + fraction, exponent - 25) : ldexp(fraction, -24);
+    return bits & 0x8000 ? -size : size;
+}
+
+static void half_lattice(const uint8_t *bytes, double e[3])
+{
+    for (int a = 0; a < 3; ++a)
+        e[a] = from_half(bytes + 2 * a);
+}
+
+/* 2^-11 of each component. */
+static iso_status half_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+{
+    (void)code, (void)tolerance_deg, (void)err;
+    return iso_code_hole_of_rounding(0x1p-11, hole, how);
+}
+
+const iso_code_info iso_code_half = {
+    .name = "half",
+    .summary = "three half floats",
+    .bytes = 6,
+    .is_signed = true,
+    .keeps_length = true,
+    .is_linear = true,
+    .decoder = ISO_DECODER_LINEAR,
+    .encode = iso_encode_half,
+    .lattice = half_lattice,
+    .hole = half_hole,
+};

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <threads.h>
 
+#include "encode/code_kernel.h"
 #include "encode/decode_double.h"
 #include "encode/encode_kernel.h"
 #include "encode/nearest_table.h"
@@ -156,3 +157,13 @@ void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict byte
     else
         iso_encode_squeeze_exact(directions, bytes, count);
 }
+
+const iso_code_info iso_code_squeeze = {
+    .name = "squeeze",
+    .summary = "48 regions, half the hole of region48; direction only",
+    .bytes = 3,
+    .is_textured = true,
+    .decoder = ISO_DECODER_SQUEEZE,
+    .encode = iso_encode_squeeze,
+    .hole = iso_code_hole_of_unsigned,
+};

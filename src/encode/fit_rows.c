@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* fit_rows.c - the code "fit", over rows of components: plain C that the
+/* fit_rows.c - the codes "fit" and "snorm", over rows of components: plain C that the
  * compiler vectorises for each instruction set, the same bytes from all. */
 #include "encode/fit_rows.h"
 
@@ -61,4 +61,24 @@ void iso_fit_rows_baseline(const float *restrict x, const float *restrict y, con
 {
     for (size_t i = 0; i < count; ++i)
         words[i] = fit_word(x[i], y[i], z[i]);
+}
+
+/* ---- snorm ---- */
+
+/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
+ * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
+static inline uint32_t snorm_byte(float d)
+{
+    union {
+        float f;
+        uint32_t u;
+    } bits = {.f = 127 * d + 12582912.0f};
+    return bits.u & 0xFF;
+}
+
+ISO_SIMD void iso_snorm_rows(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
+                             uint32_t *restrict words)
+{
+    for (size_t i = 0; i < count; ++i)
+        words[i] = snorm_byte(x[i]) | snorm_byte(y[i]) << 8 | snorm_byte(z[i]) << 16;
 }

@@ -2,17 +2,17 @@
 #include "gradient/gradient.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/parallel.h"
 #include "base/simd.h"
 #include "gradient/gradient_kernel.h"
 
-static const char *const method_names[ISO_GRADIENT_COUNT] = {
-#define ISO_GRADIENT_NAME(name, text, help) text,
-    ISO_GRADIENT_LIST(ISO_GRADIENT_NAME)
-#undef ISO_GRADIENT_NAME
-};
+#define ISO_GRADIENT_POINTER(method, row) [ISO_GRADIENT_##method] = &iso_gradient_##row,
+static const iso_gradient_info *const methods[] = {ISO_GRADIENT_LIST(ISO_GRADIENT_POINTER)};
+#undef ISO_GRADIENT_POINTER
+const iso_names iso_gradient_names = ISO_NAMES_OF_POINTERS("gradient method", methods);
+
+const iso_gradient_info *iso_gradient_describe(iso_gradient_method method) { return methods[method]; }
 
 iso_gradient_options iso_gradient_defaults(void)
 {
@@ -21,19 +21,16 @@ iso_gradient_options iso_gradient_defaults(void)
 
 const char *iso_gradient_name(iso_gradient_method method)
 {
-    return method_names[method];
+    return methods[method]->name;
 }
 
 iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method, iso_error *err)
 {
-    for (int i = 0; i < ISO_GRADIENT_COUNT; ++i) {
-        if (strcmp(method_names[i], name) == 0) {
-            *method = (iso_gradient_method)i;
-            return ISO_OK;
-        }
-    }
-    return iso_fail(err, ISO_E_USAGE, "unknown gradient method \"%s\", must be one of: central, intermediate, sobel, corners, fourth, bspline",
-                    name);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&iso_gradient_names, name, &row, err);
+    if (status == ISO_OK)
+        *method = (iso_gradient_method)row;
+    return status;
 }
 
 /* Three planar rows to triples, in the caches. */

@@ -10,23 +10,42 @@
 #ifndef ISO_GRADIENT_H
 #define ISO_GRADIENT_H
 
+#include "base/names.h"
 #include "volume/volume.h"
 
-/* enum, name, what it is. Errors of each: `isoshade bench gradient`. */
-#define ISO_GRADIENT_LIST(X)                                                                                  \
-    X(ISO_GRADIENT_CENTRAL, "central", "central differences, 6 samples")                                      \
-    X(ISO_GRADIENT_INTERMEDIATE, "intermediate", "differences to the next sample, 3 samples; half a voxel off") \
-    X(ISO_GRADIENT_SOBEL, "sobel", "3x3x3: central along, 1 2 1 across, 26 samples")                          \
-    X(ISO_GRADIENT_CORNERS, "corners", "Sobel from the 8 corners of the voxel (Sigg and Hadwiger)")           \
-    X(ISO_GRADIENT_FOURTH, "fourth", "Taylor-designed, of fourth order, 12 samples")                                  \
-    X(ISO_GRADIENT_BSPLINE, "bspline", "of the interpolating cubic B-spline (recursive pre-filter), 72 samples")
+/* The one list of estimators: ISO_GRADIENT_CENTRAL is the number of iso_gradient_central, the row that stands beside
+ * its kernel. Errors of each: `isoshade bench gradient`. */
+#define ISO_GRADIENT_LIST(X)      \
+    X(CENTRAL, central)           \
+    X(INTERMEDIATE, intermediate) \
+    X(SOBEL, sobel)               \
+    X(CORNERS, corners)           \
+    X(FOURTH, fourth)             \
+    X(BSPLINE, bspline)
 
 typedef enum iso_gradient_method {
-#define ISO_GRADIENT_ENUM(name, text, help) name,
+#define ISO_GRADIENT_ENUM(method, row) ISO_GRADIENT_##method,
     ISO_GRADIENT_LIST(ISO_GRADIENT_ENUM)
 #undef ISO_GRADIENT_ENUM
     ISO_GRADIENT_COUNT
 } iso_gradient_method;
+
+struct iso_planes;          /* gradient_kernel.h */
+struct iso_gradient_matrix;
+
+typedef struct iso_gradient_info {
+    const char *name;
+    const char *summary;
+    int samples; /* that a gradient is made of */
+    int order;   /* inside the volume the derivative of a polynomial of this degree along an axis is exact */
+    size_t reach; /* planes before and after a plane that its gradients read */
+    /* Gradients of the row (y, z), times the matrix, to planar rows; as iso_gradient_row() of gradient_kernel.h. */
+    void (*row)(const struct iso_planes *p, iso_gradient_method method, const struct iso_gradient_matrix *matrix, size_t y,
+                size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+} iso_gradient_info;
+
+extern const iso_names iso_gradient_names;
+const iso_gradient_info *iso_gradient_describe(iso_gradient_method method);
 
 typedef struct iso_gradient_options {
     iso_gradient_method method;

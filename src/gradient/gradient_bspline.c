@@ -17,7 +17,7 @@
 #include "base/simd.h"
 #include "gradient/gradient_kernel.h"
 
-enum { REACH = ISO_GRADIENT_BSPLINE_REACH, BLOCK = 64, EDGE = 4 };
+enum { REACH = 12, BLOCK = 64, EDGE = 4 };
 
 static void interior_weights(float w[REACH])
 {
@@ -101,6 +101,8 @@ ISO_SIMD static void add_weighted(float weight, const float *restrict row, size_
         sum[x] += weight * row[x];
 }
 
+_Static_assert((int)REACH <= (int)ISO_GRADIENT_MOST_REACH, "scratch rows are too short");
+
 static const void *row_at(const iso_planes *p, size_t y, size_t z)
 {
     const size_t row = (z - p->first) * p->size[1] + y;
@@ -181,11 +183,21 @@ static void along(const iso_planes *p, size_t y, size_t z, float *padded, float 
     filter_padded(w, padded, n, out);
 }
 
-void iso_gradient_row_bspline(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *scratch,
-                              float *restrict gx, float *restrict gy, float *restrict gz)
+static void bspline_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
+                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
+    (void)method;
     along(p, y, z, scratch, gx);
     across(p, false, y, z, scratch, gy);
     across(p, true, y, z, scratch, gz);
     iso_gradient_to_world(matrix, p->size[0], gx, gy, gz);
 }
+
+const iso_gradient_info iso_gradient_bspline = {
+    .name = "bspline",
+    .summary = "of the interpolating cubic B-spline (recursive pre-filter), 72 samples",
+    .samples = 6 * REACH,
+    .order = 4,
+    .reach = REACH,
+    .row = bspline_row,
+};

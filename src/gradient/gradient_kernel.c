@@ -70,9 +70,10 @@ static const void *row_at(const iso_planes *p, size_t y, size_t z)
     return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
 }
 
-static void central_row(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *restrict gx,
-                        float *restrict gy, float *restrict gz)
+static void central_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
+                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
+    (void)method, (void)scratch;
     const size_t nx = p->size[0], ny = p->size[1], nz = p->size[2];
     const size_t y0 = y > 0 ? y - 1 : 0, y1 = y + 1 < ny ? y + 1 : y;
     const size_t z0 = z > 0 ? z - 1 : 0, z1 = z + 1 < nz ? z + 1 : z;
@@ -90,10 +91,14 @@ static void central_row(const iso_planes *p, const iso_gradient_matrix *matrix, 
     }
 }
 
-size_t iso_gradient_reach(iso_gradient_method method)
-{
-    return method == ISO_GRADIENT_BSPLINE ? ISO_GRADIENT_BSPLINE_REACH : method == ISO_GRADIENT_FOURTH ? 2 : 1;
-}
+const iso_gradient_info iso_gradient_central = {
+    .name = "central",
+    .summary = "central differences, 6 samples",
+    .samples = 6,
+    .order = 2,
+    .reach = 1,
+    .row = central_row,
+};
 
 iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
 {
@@ -108,18 +113,13 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world)
 
 size_t iso_gradient_scratch_count(size_t nx)
 {
-    return 2 * nx + 2 * ISO_GRADIENT_BSPLINE_REACH;
+    return 2 * nx + 2 * ISO_GRADIENT_MOST_REACH;
 }
 
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
-    if (method == ISO_GRADIENT_CENTRAL)
-        central_row(p, matrix, y, z, gx, gy, gz);
-    else if (method == ISO_GRADIENT_BSPLINE)
-        iso_gradient_row_bspline(p, matrix, y, z, scratch, gx, gy, gz);
-    else
-        iso_gradient_row_stencil(p, method, matrix, y, z, scratch, gx, gy, gz);
+    iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, gx, gy, gz);
 }
 
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)

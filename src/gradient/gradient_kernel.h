@@ -14,9 +14,6 @@ typedef struct iso_planes {
     size_t first, count;
 } iso_planes;
 
-/* Planes before and after a plane that its gradients read. */
-size_t iso_gradient_reach(iso_gradient_method method);
-
 /* The matrix, as float and row-major, and whether only its diagonal counts. */
 typedef struct iso_gradient_matrix {
     float m[9];
@@ -32,14 +29,12 @@ size_t iso_gradient_scratch_count(size_t nx);
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
 
-/* The same for the methods other than central differences. */
-void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                              size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+#define ISO_GRADIENT_DECLARE(method, row) extern const iso_gradient_info iso_gradient_##row;
+ISO_GRADIENT_LIST(ISO_GRADIENT_DECLARE)
+#undef ISO_GRADIENT_DECLARE
 
-/* The same for the B-spline. */
-enum { ISO_GRADIENT_BSPLINE_REACH = 12 };
-void iso_gradient_row_bspline(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *scratch,
-                              float *restrict gx, float *restrict gy, float *restrict gz);
+/* No estimator reaches farther. */
+enum { ISO_GRADIENT_MOST_REACH = 12 };
 
 /* Turns a row of index gradients into world gradients, in place. */
 void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,

@@ -142,8 +142,8 @@ ISO_SIMD void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n,
     }
 }
 
-void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                              size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+static void stencil_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
+                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
     const size_t n = p->size[0];
     float *row = scratch, *sum = scratch + n, *g[3] = {gx, gy, gz};
@@ -168,3 +168,39 @@ void iso_gradient_row_stencil(const iso_planes *p, iso_gradient_method method, c
     }
     iso_gradient_to_world(matrix, n, gx, gy, gz);
 }
+
+const iso_gradient_info iso_gradient_intermediate = {
+    .name = "intermediate",
+    .summary = "differences to the next sample, 3 samples; half a voxel off",
+    .samples = 3,
+    .order = 1,
+    .reach = 1,
+    .row = stencil_row,
+};
+
+const iso_gradient_info iso_gradient_sobel = {
+    .name = "sobel",
+    .summary = "3x3x3: central along, 1 2 1 across, 26 samples",
+    .samples = 26,
+    .order = 2,
+    .reach = 1,
+    .row = stencil_row,
+};
+
+const iso_gradient_info iso_gradient_corners = {
+    .name = "corners",
+    .summary = "Sobel from the 8 corners of the voxel (Sigg and Hadwiger)",
+    .samples = 26,
+    .order = 2,
+    .reach = 1,
+    .row = stencil_row,
+};
+
+const iso_gradient_info iso_gradient_fourth = {
+    .name = "fourth",
+    .summary = "Taylor-designed, of fourth order, 12 samples",
+    .samples = 12,
+    .order = 4,
+    .reach = 2,
+    .row = stencil_row,
+};

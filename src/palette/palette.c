@@ -9,27 +9,23 @@
 #include "palette/palette_regular.h"
 
 static const struct {
-    const char *name, *help;
+    const char *name, *summary;
 } methods[] = {
 #define METHOD_ROW(name, text, help) {text, help},
     ISO_PALETTE_METHOD_LIST(METHOD_ROW)
 #undef METHOD_ROW
 };
+const iso_names iso_palette_method_names = ISO_NAMES_OF_ROWS("palette method", methods);
 
 const char *iso_palette_method_name(iso_palette_method method) { return methods[method].name; }
-const char *iso_palette_method_help(iso_palette_method method) { return methods[method].help; }
 
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err)
 {
-    char list[256] = "";
-    for (int i = 0; i < ISO_PALETTE_METHOD_COUNT; ++i) {
-        if (strcmp(methods[i].name, name) == 0) {
-            *method = (iso_palette_method)i;
-            return ISO_OK;
-        }
-        strcat(strcat(list, i ? ", " : ""), methods[i].name);
-    }
-    return iso_fail(err, ISO_E_USAGE, "palette method \"%s\", must be one of: %s", name, list);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&iso_palette_method_names, name, &row, err);
+    if (status == ISO_OK)
+        *method = (iso_palette_method)row;
+    return status;
 }
 
 iso_palette_options iso_palette_defaults(void)

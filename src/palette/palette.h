@@ -26,6 +26,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/names.h"
 #include "base/progress.h"
 #include "base/status.h"
 #include "gradient/gradient.h"
@@ -129,7 +130,7 @@ typedef enum iso_palette_method {
 } iso_palette_method;
 
 const char *iso_palette_method_name(iso_palette_method method);
-const char *iso_palette_method_help(iso_palette_method method);
+extern const iso_names iso_palette_method_names;
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err);
 
 /* The paper's parameters, by its names. */

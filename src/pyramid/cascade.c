@@ -8,7 +8,6 @@
 
 #include "base/parallel.h"
 #include "base/simd.h"
-#include "encode/fit_rows.h"
 #include "pyramid/cascade_kernel.h"
 
 /* ---- rows to what is stored ---- */
@@ -41,15 +40,13 @@ void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, si
     iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g[0], r->g[1], r->g[2]);
 }
 
-/* Of the codes that most builds use, straight from the rows. */
+/* Straight from the rows, for the codes that can. */
 static bool encode_rows(iso_code code, size_t n, emit_rows *r)
 {
-    if (code == ISO_CODE_FIT)
-        iso_fit_rows(r->d[0], r->d[1], r->d[2], n, r->packed);
-    else if (code == ISO_CODE_SNORM)
-        iso_pack_snorm(r->d[0], r->d[1], r->d[2], n, r->packed);
-    else
+    const iso_code_info *info = iso_code_describe(code);
+    if (!info->encode_rows)
         return false;
+    info->encode_rows(r->d[0], r->d[1], r->d[2], n, r->packed);
     iso_unpack_bytes(r->packed, n, r->bytes);
     return true;
 }
@@ -338,7 +335,7 @@ size_t iso_cascade_step(const iso_cascade *c)
 
 size_t iso_cascade_reach(const iso_cascade *c)
 {
-    return iso_gradient_reach(c->opt.gradient.method);
+    return iso_gradient_describe(c->opt.gradient.method)->reach;
 }
 
 float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats)

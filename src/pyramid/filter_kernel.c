@@ -374,23 +374,6 @@ ISO_SIMD void iso_interleave_rows(const float *dx, const float *dy, const float 
     }
 }
 
-/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
- * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
-static inline uint32_t snorm_byte(float d)
-{
-    union {
-        float f;
-        uint32_t u;
-    } bits = {.f = 127 * d + 12582912.0f};
-    return bits.u & 0xFF;
-}
-
-ISO_SIMD void iso_pack_snorm(const float *dx, const float *dy, const float *dz, size_t n, uint32_t *restrict packed)
-{
-    for (size_t i = 0; i < n; ++i)
-        packed[i] = snorm_byte(dx[i]) | snorm_byte(dy[i]) << 8 | snorm_byte(dz[i]) << 16;
-}
-
 void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes)
 {
     size_t i = 0;

@@ -70,8 +70,6 @@ void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t expon
 void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
                         float *restrict dy, float *restrict dz, float *restrict magnitude);
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
-/* Each to round(127 d) in three bytes of a word, as the code snorm does. */
-void iso_pack_snorm(const float *dx, const float *dy, const float *dz, size_t n, uint32_t *restrict packed);
 /* The low three bytes of each word; bytes has room for 3 n + 16. */
 void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes);
 void iso_row_range(const float *row, size_t n, float *lo, float *hi);

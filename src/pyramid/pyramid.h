@@ -26,6 +26,7 @@
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
+#include "base/names.h"
 #include "base/progress.h"
 #include "encode/code.h"
 #include "palette/palette.h"
@@ -59,6 +60,7 @@ iso_pyramid_options iso_pyramid_defaults(void);
 /* ISO_E_RANGE with the value and its limits. */
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err);
 
+extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
 const char *iso_scalar_filter_name(iso_scalar_filter f);
 const char *iso_direction_filter_name(iso_direction_filter f);
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err);

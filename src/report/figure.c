@@ -9,11 +9,13 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/names.h"
 #include "report/figure_draw.h"
 #include "compare/metrics.h"
 #include "report/report.h"
 
-static const char *const kind_names[ISO_FIGURE_COUNT] = {"levels", "renderers"};
+static const char *const kind_names[] = {"levels", "renderers"};
+static const iso_names kinds = ISO_NAMES_OF_STRINGS("figure", kind_names);
 enum { max_panels = 256 };
 
 typedef iso_figure_panel panel;
@@ -36,12 +38,11 @@ const char *iso_figure_name(iso_figure_kind kind)
 
 iso_status iso_figure_from_name(const char *name, iso_figure_kind *kind, iso_error *err)
 {
-    for (int i = 0; i < ISO_FIGURE_COUNT; ++i)
-        if (strcmp(kind_names[i], name) == 0) {
-            *kind = (iso_figure_kind)i;
-            return ISO_OK;
-        }
-    return iso_fail(err, ISO_E_USAGE, "no figure is called \"%s\"; wanted levels or renderers", name);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&kinds, name, &row, err);
+    if (status == ISO_OK)
+        *kind = (iso_figure_kind)row;
+    return status;
 }
 
 iso_figure_options iso_figure_defaults(void)

@@ -3,27 +3,29 @@
 
 #include <string.h>
 
-static const char *const source_names[ISO_SOURCE_COUNT] = {
-    [ISO_FROM_CODES] = "codes",
-    [ISO_FROM_DECODED] = "decoded",
-    [ISO_FROM_FLOAT] = "float",
-    [ISO_FROM_FLIPPED] = "flipped",
-    [ISO_FROM_ON_THE_FLY] = "on-the-fly",
-    [ISO_FROM_PALETTE] = "palette",
-    [ISO_FROM_PALETTE_NEAREST] = "palette-nearest",
+static const struct {
+    const char *name, *summary;
+} sources[] = {
+    [ISO_FROM_CODES] = {"codes", "codes are fetched, filtered, then decoded: what a GPU does"},
+    [ISO_FROM_DECODED] = {"decoded", "decoded at the voxels, then filtered: what exports carry"},
+    [ISO_FROM_FLOAT] = {"float", "as they are before they are encoded"},
+    [ISO_FROM_FLIPPED] = {"flipped", "decoded at the voxels and turned to one side, then filtered"},
+    [ISO_FROM_ON_THE_FLY] = {"on-the-fly", "central differences of the filtered scalar, one voxel apart"},
+    [ISO_FROM_PALETTE] = {"palette", "the entries of a palette at the voxels, filtered"},
+    [ISO_FROM_PALETTE_NEAREST] = {"palette-nearest", "the palette's entry of the voxel that holds the point"},
 };
+const iso_names iso_direction_source_names = ISO_NAMES_OF_ROWS("direction source", sources);
 
 const char *iso_direction_source_name(iso_direction_source s)
 {
-    return (unsigned)s < ISO_SOURCE_COUNT ? source_names[s] : "unknown";
+    return (unsigned)s < ISO_SOURCE_COUNT ? sources[s].name : "unknown";
 }
 
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err)
 {
-    for (int i = 0; i < ISO_SOURCE_COUNT; ++i)
-        if (strcmp(name, source_names[i]) == 0) {
-            *s = (iso_direction_source)i;
-            return ISO_OK;
-        }
-    return iso_fail(err, ISO_E_USAGE, "direction source '%s', must be codes, decoded, float, flipped, on-the-fly, palette or palette-nearest", name);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&iso_direction_source_names, name, &row, err);
+    if (status == ISO_OK)
+        *s = (iso_direction_source)row;
+    return status;
 }

@@ -3,6 +3,7 @@
 #ifndef ISO_SCENE_FIELD_H
 #define ISO_SCENE_FIELD_H
 
+#include "base/names.h"
 #include "pyramid/pyramid.h"
 
 typedef enum iso_direction_source {
@@ -16,7 +17,8 @@ typedef enum iso_direction_source {
     ISO_SOURCE_COUNT
 } iso_direction_source;
 
-const char *iso_direction_source_name(iso_direction_source s); /* codes, decoded, float, flipped, on-the-fly, palette, palette-nearest */
+extern const iso_names iso_direction_source_names;
+const char *iso_direction_source_name(iso_direction_source s);
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
 
 /* What an image of a first-hit isosurface shows. */

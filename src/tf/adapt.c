@@ -5,48 +5,38 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const weight_names[ISO_WEIGHT_COUNT] = {"gauss", "flat", "triangle", "mixed"};
-static const char *const average_names[ISO_AVERAGE_COUNT] = {"rgba", "opacity", "extinction", "transmittance"};
+#include "base/names.h"
+
+static const char *const weights[] = {"gauss", "flat", "triangle", "mixed"};
+static const char *const averages[] = {"rgba", "opacity", "extinction", "transmittance"};
+static const iso_names weight_names = ISO_NAMES_OF_STRINGS("weight", weights);
+static const iso_names average_names = ISO_NAMES_OF_STRINGS("average", averages);
 
 const char *iso_adapt_weight_name(iso_adapt_weight w)
 {
-    return weight_names[w];
+    return weights[w];
 }
 
 const char *iso_adapt_average_name(iso_adapt_average a)
 {
-    return average_names[a];
-}
-
-static iso_status find_name(const char *name, const char *const names[], int count, const char *what, int *found, iso_error *err)
-{
-    char list[128] = "";
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(names[i], name) == 0) {
-            *found = i;
-            return ISO_OK;
-        }
-        strcat(list, i ? ", " : "");
-        strcat(list, names[i]);
-    }
-    return iso_fail(err, ISO_E_USAGE, "unknown %s \"%s\", must be one of: %s", what, name, list);
+    return averages[a];
 }
 
 iso_status iso_adapt_weight_from_name(const char *name, iso_adapt_weight *w, iso_error *err)
 {
-    int found = 0;
-    iso_status status = find_name(name, weight_names, ISO_WEIGHT_COUNT, "weight", &found, err);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&weight_names, name, &row, err);
     if (status == ISO_OK)
-        *w = (iso_adapt_weight)found;
+        *w = (iso_adapt_weight)row;
     return status;
 }
 
 iso_status iso_adapt_average_from_name(const char *name, iso_adapt_average *a, iso_error *err)
 {
-    int found = 0;
-    iso_status status = find_name(name, average_names, ISO_AVERAGE_COUNT, "average", &found, err);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&average_names, name, &row, err);
     if (status == ISO_OK)
-        *a = (iso_adapt_average)found;
+        *a = (iso_adapt_average)row;
     return status;
 }
 

@@ -8,35 +8,26 @@
 #include "base/parallel.h"
 
 static const struct {
-    const char *name, *help;
+    const char *name, *summary;
 } fields[] = {
 #define ISO_FIELD_ROW(name, text, help) [name] = {text, help},
     ISO_FIELD_LIST(ISO_FIELD_ROW)
 #undef ISO_FIELD_ROW
 };
+const iso_names iso_field_names = ISO_NAMES_OF_ROWS("kind", fields);
 
 const char *iso_field_name(iso_field_kind kind)
 {
     return fields[kind].name;
 }
 
-const char *iso_field_help(iso_field_kind kind)
-{
-    return fields[kind].help;
-}
-
 iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err)
 {
-    char list[256] = "";
-    for (int i = 0; i < ISO_FIELD_COUNT; ++i) {
-        if (strcmp(fields[i].name, name) == 0) {
-            *kind = (iso_field_kind)i;
-            return ISO_OK;
-        }
-        strcat(list, i ? ", " : "");
-        strcat(list, fields[i].name);
-    }
-    return iso_fail(err, ISO_E_USAGE, "unknown kind \"%s\", must be one of: %s", name, list);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&iso_field_names, name, &row, err);
+    if (status == ISO_OK)
+        *kind = (iso_field_kind)row;
+    return status;
 }
 
 static double half_shortest_edge_mm(const iso_geometry *g)

@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/names.h"
 #include "volume/volume.h"
 
 /* enum, name, what it is */
@@ -42,7 +43,7 @@ typedef struct iso_field {
 } iso_field;
 
 const char *iso_field_name(iso_field_kind kind);
-const char *iso_field_help(iso_field_kind kind);
+extern const iso_names iso_field_names;
 iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err);
 
 /* Value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/names.h"
 #include "base/parallel.h"
 #include "volume/stream.h"
 
@@ -16,6 +17,7 @@ static const struct {
     ISO_TYPE_LIST(ISO_TYPE_ROW)
 #undef ISO_TYPE_ROW
 };
+static const iso_names type_names = ISO_NAMES_OF_NAMES("type", types);
 
 const char *iso_type_name(iso_type type)
 {
@@ -29,16 +31,11 @@ size_t iso_type_bytes(iso_type type)
 
 iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err)
 {
-    char list[128] = "";
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
-        if (strcmp(types[i].name, name) == 0) {
-            *type = (iso_type)i;
-            return ISO_OK;
-        }
-        strcat(list, i ? ", " : "");
-        strcat(list, types[i].name);
-    }
-    return iso_fail(err, ISO_E_USAGE, "unknown type \"%s\", must be one of: %s", name, list);
+    size_t row = 0;
+    const iso_status status = iso_names_find(&type_names, name, &row, err);
+    if (status == ISO_OK)
+        *type = (iso_type)row;
+    return status;
 }
 
 iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err)

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/* names.h - tables whose rows have a name: one lookup, and one way to list them.
+ *
+ * A table is an array of rows, of any type, with the members `name` and, where
+ * people should read what a row is, `summary`; or an array of pointers to such
+ * rows; or of the names alone.
+ *
+ *     static const struct { const char *name, *summary; } filters[] = {{"mean", "means of 2x2x2 voxels"}, ...};
+ *     const iso_names iso_scalar_filter_names = ISO_NAMES_OF_ROWS("scalar filter", filters);
+ *
+ * Messages, --help, `isoshade list` and doc/names.md are made from the table, so
+ * that a row is written once. */
+#ifndef ISO_NAMES_H
+#define ISO_NAMES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+typedef struct iso_names {
+    const char *what; /* what a row is, in messages: "direction code" */
+    const void *rows;
+    size_t count, stride;       /* bytes from one row to the next */
+    size_t name_at, summary_at; /* where a row holds them; ISO_NAMES_NO_SUMMARY */
+    bool by_pointer;            /* the array holds pointers to the rows */
+} iso_names;
+
+#define ISO_NAMES_NO_SUMMARY ((size_t)-1)
+#define ISO_NAMES_COUNT(array) (sizeof(array) / sizeof((array)[0]))
+#define ISO_NAMES_OF_ROWS(what, array)                                                      \
+    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), \
+     offsetof(__typeof__((array)[0]), summary), false}
+/* Of rows without a summary. */
+#define ISO_NAMES_OF_NAMES(what, array)                                                     \
+    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), ISO_NAMES_NO_SUMMARY, false}
+#define ISO_NAMES_OF_POINTERS(what, array)                                                  \
+    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__(*(array)[0]), name), \
+     offsetof(__typeof__(*(array)[0]), summary), true}
+#define ISO_NAMES_OF_STRINGS(what, array) {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), 0, ISO_NAMES_NO_SUMMARY, false}
+
+const char *iso_names_name(const iso_names *names, size_t row);
+/* NULL where the table has none. */
+const char *iso_names_summary(const iso_names *names, size_t row);
+
+/* The row that is called `name`. ISO_E_USAGE: unknown WHAT "NAME", must be one of: all names. */
+iso_status iso_names_find(const iso_names *names, const char *name, size_t *row, iso_error *err);
+
+/* "a, b or c" into text, which it returns, cut where it does not fit. last: "or"; NULL for "a, b, c". */
+char *iso_names_join(const iso_names *names, const char *last, char *text, size_t size);
+
+#endif
