@@ -6,19 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "brick/pack.h"
 
 /* Values are floats, weights and sums double: a few roundings of numbers up to 1. */
 #define CONTINUOUS 1e-12
 
-static uint64_t random_state;
-static double random_unit(void) /* splitmix64 (Steele et al. 2014) */
-{
-    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
+static iso_random random_state;
+static double random_unit(void) { return iso_random_unit(&random_state); }
 
 /* White noise: nothing is smooth, every wrong value shows. */
 static iso_node_levels noise_levels(const size_t size[3], size_t brick_voxels, size_t level_count, bool directions)
@@ -116,21 +111,21 @@ static void check_every_configuration(size_t brick_voxels, size_t level_count, i
 static void every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not(void **state)
 {
     (void)state;
-    random_state = 1;
+    random_state = (iso_random){1};
     check_every_configuration(8, 2, 60);
 }
 
 static void every_configuration_of_three_levels_is_continuous(void **state)
 {
     (void)state;
-    random_state = 2;
+    random_state = (iso_random){2};
     check_every_configuration(4, 3, 16);
 }
 
 static void random_layouts_of_four_levels_are_continuous_in_scalar_and_direction(void **state)
 {
     (void)state;
-    random_state = 3;
+    random_state = (iso_random){3};
     static const size_t size[3] = {25, 33, 18}; /* the last axis ends inside a brick */
     iso_node_levels n = noise_levels(size, 8, 4, true);
     int rejected = 0;
@@ -153,7 +148,7 @@ static void random_layouts_of_four_levels_are_continuous_in_scalar_and_direction
 static void a_face_of_own_nodes_is_found_out(void **state)
 {
     (void)state;
-    random_state = 4;
+    random_state = (iso_random){4};
     static const size_t size[3] = {17, 17, 17};
     iso_node_levels n = noise_levels(size, 8, 2, false);
     uint8_t levels[8] = {0, 1, 1, 1, 1, 1, 1, 1};
@@ -168,7 +163,7 @@ static void a_face_of_own_nodes_is_found_out(void **state)
 static void interior_of_a_fine_brick_is_the_volume_itself(void **state)
 {
     (void)state;
-    random_state = 5;
+    random_state = (iso_random){5};
     static const size_t size[3] = {17, 14, 17};
     iso_node_levels n = noise_levels(size, 8, 3, false);
     uint8_t levels[8] = {2, 1, 2, 1, 1, 2, 2, 0};
@@ -186,7 +181,7 @@ static void interior_of_a_fine_brick_is_the_volume_itself(void **state)
 static void any_layout_reproduces_a_ramp_away_from_the_continued_edge(void **state)
 {
     (void)state;
-    random_state = 6;
+    random_state = (iso_random){6};
     static const size_t size[3] = {33, 33, 33};
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .min = 0, .max = 224};
     iso_node_levels n;
@@ -245,7 +240,7 @@ static double fetch(const iso_node_levels *n, const iso_brick_pack *pack, const 
 static void packed_bricks_do_not_overlap_and_give_the_field(void **state)
 {
     (void)state;
-    random_state = 7;
+    random_state = (iso_random){7};
     static const size_t size[3] = {33, 41, 20};
     iso_node_levels n = noise_levels(size, 8, 4, false);
     size_t count = iso_brick_count(&n);
@@ -404,7 +399,7 @@ static void nodes_from_cells_are_continuous_and_linear_fields_stay_linear(void *
     assert_ok(iso_node_levels_create_from_cells(&n, &p, 8, 3, 0, &err));
     uint8_t levels[5 * 5 * 5];
     assert_int_equal(iso_brick_count(&n), 4 * 5 * 5);
-    random_state = 9;
+    random_state = (iso_random){9};
     for (size_t i = 0; i < sizeof levels; ++i)
         levels[i] = (uint8_t)(3 * random_unit());
     const iso_brick_field f = {&n, levels, ISO_FACES_BAKED}, own = {&n, levels, ISO_FACES_OWN};

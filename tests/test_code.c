@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Direction codes: errors, zero, regions; the decoder in single precision. */
+#include "base/random.h"
 #include "test.h"
 
 #include <math.h>
@@ -29,11 +30,7 @@ static inline vec3f make_vec3f(double x, double y, double z)
 static const double degree = 0.017453292519943295;
 
 static uint64_t state = 20170613; /* the seed of every random test here */
-static double uniform(void)
-{
-    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
-    return (double)(state >> 11) * 0x1p-53;
-}
+static double uniform(void) { return iso_xorshift_unit(&state); }
 
 static iso_vec3 random_direction(void)
 {

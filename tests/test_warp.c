@@ -7,20 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "brick/warp.h"
 
 /* Weights such as 1 / (1 - 2v) grow near the face, where they multiply what vanishes. */
 #define CONTINUOUS 1e-12
 #define BRICK 8
 
-static uint64_t random_state;
-static double random_unit(void) /* splitmix64 */
-{
-    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
+static iso_random random_state;
+static double random_unit(void) { return iso_random_unit(&random_state); }
 
 static float *noise(size_t count)
 {
@@ -92,7 +87,7 @@ static bool meets_by_edge_or_corner(const uint8_t levels[8])
 static void corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not(void **state)
 {
     (void)state;
-    random_state = 1;
+    random_state = (iso_random){1};
     static const size_t size[3] = {2 * BRICK, 2 * BRICK, 2 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
     iso_warp_field f;
@@ -129,7 +124,7 @@ static void corrected_transitions_are_continuous_in_every_configuration_the_writ
 static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void **state)
 {
     (void)state;
-    random_state = 2;
+    random_state = (iso_random){2};
     static const size_t size[3] = {4 * BRICK, 4 * BRICK, 3 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
     uint8_t levels[48];
@@ -150,7 +145,7 @@ static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void *
 static void corrected_transitions_are_continuous_in_random_layouts(void **state)
 {
     (void)state;
-    random_state = 3;
+    random_state = (iso_random){3};
     static const size_t size[3] = {4 * BRICK, 3 * BRICK, 3 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
     iso_warp_field f;

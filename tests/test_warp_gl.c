@@ -7,21 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "render/reference.h"
 #include "render/gl/warp_gl.h"
 #include "volume/synthetic.h"
 
 #define BRICK 8
 
-static uint64_t random_state;
+static iso_random random_state;
 
-static double random_unit(void) /* splitmix64 */
-{
-    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
+static double random_unit(void) { return iso_random_unit(&random_state); }
 
 /* Noise in 0..1 on whole bricks, as a level and a field of one channel. */
 typedef struct noise {
@@ -103,7 +98,7 @@ static double worst_jump(const noise *n, double *apart)
 static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
 {
     (void)state;
-    random_state = 1;
+    random_state = (iso_random){1};
     noise n = make_noise(2, 2, 2);
     uint8_t levels[8];
     n.field.levels = levels;
@@ -133,7 +128,7 @@ static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
 static void written_is_continuous_round_a_box_and_corrected_in_random_layouts(void **state)
 {
     (void)state;
-    random_state = 2;
+    random_state = (iso_random){2};
     noise n = make_noise(4, 4, 3);
     uint8_t levels[48];
     double apart = 0;
@@ -195,7 +190,7 @@ static void images_agree_with_the_reference_in_every_mode(void **state)
     assert_ok(iso_warp_field_of_level(&f, level, p.options.code, BRICK, &err));
     uint8_t levels[5 * 6 * 5];
     assert_int_equal(iso_warp_bricks(&f, 0) * iso_warp_bricks(&f, 1) * iso_warp_bricks(&f, 2), sizeof levels);
-    random_state = 5;
+    random_state = (iso_random){5};
     for (size_t i = 0; i < sizeof levels; ++i)
         levels[i] = random_unit() < 0.5;
     f.levels = levels;

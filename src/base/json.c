@@ -192,6 +192,6 @@ json_t *iso_json_numbers(const double *values, size_t count)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < count; ++i)
-        json_array_append_new(list, isfinite(values[i]) ? json_real(values[i]) : json_null());
+        json_array_append_new(list, iso_json_number(values[i]));
     return list;
 }

@@ -13,6 +13,7 @@
 
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "bench/bench.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
@@ -87,19 +88,14 @@ static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view
     return status;
 }
 
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *to_json(const descent *d, int steps)
 {
     json_t *list = json_array();
     for (int i = 0; i < steps; ++i)
-        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse", number(d->rmse[i]),
-                                              "max_abs", number(d->max_abs[i]), "order", number(d->order[i])));
+        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse", iso_json_number(d->rmse[i]),
+                                              "max_abs", iso_json_number(d->max_abs[i]), "order", iso_json_number(d->order[i])));
     return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit",
-                     "rmse", number(d->limit_rmse), "error_bar", number(d->error_bar), "agrees", d->agrees);
+                     "rmse", iso_json_number(d->limit_rmse), "error_bar", iso_json_number(d->error_bar), "agrees", d->agrees);
 }
 
 static void print_table(const descent *d, int steps)

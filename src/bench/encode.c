@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "base/json.h"
+#include "base/random.h"
 #include "bench/bench.h"
 #include "options/input.h"
 #include "bench/encode.h"
@@ -33,10 +34,8 @@ typedef struct timing_buffers {
 static void random_directions(float *directions, size_t count)
 {
     uint64_t state = 20170613;
-    for (size_t i = 0; i < 3 * count; ++i) {
-        state ^= state << 13, state ^= state >> 7, state ^= state << 17;
-        directions[i] = (float)((double)(state >> 11) * 0x1p-52 - 1);
-    }
+    for (size_t i = 0; i < 3 * count; ++i)
+        directions[i] = (float)(2 * iso_xorshift_unit(&state) - 1);
     for (size_t i = 0; i < count; ++i) {
         float *d = directions + 3 * i, length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         for (int a = 0; a < 3; ++a)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/json.h"
+#include "base/random.h"
 #include "bench/encode.h"
 #include "encode/code_error.h"
 #include "encode/encode_kernel.h"
@@ -30,18 +31,6 @@ static void put(const char *name, int bytes, const iso_code_error e[], bool text
     putchar('\n');
 }
 
-static double uniform(uint64_t *state)
-{
-    *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
-static iso_vec3 random_unit(uint64_t *state)
-{
-    double z = 2 * uniform(state) - 1, phi = 6.283185307179586 * uniform(state), r = sqrt(1 - z * z);
-    return iso_v3(r * cos(phi), r * sin(phi), z);
-}
-
 /* The direction by `fit` at full length, and the length in a byte of its own. */
 static iso_vec3 fitted(iso_vec3 d)
 {
@@ -60,11 +49,11 @@ static iso_code_error separate_length(double apart, size_t count, bool at_voxels
     uint64_t state = 20170613;
     iso_code_error error = {0, 0};
     for (size_t i = 0; i < count; ++i) {
-        iso_vec3 a = random_unit(&state), across = random_unit(&state);
+        iso_vec3 a = iso_random_unit_vector(&state), across = iso_random_unit_vector(&state);
         across = iso_normalize(iso_madd(across, a, -iso_dot(across, a)));
         iso_vec3 b = iso_madd(iso_scale(a, cos(apart)), across, sin(apart));
-        double t = uniform(&state), la = shortest + (1 - shortest) * uniform(&state),
-               lb = shortest + (1 - shortest) * uniform(&state);
+        double t = iso_xorshift_unit(&state), la = shortest + (1 - shortest) * iso_xorshift_unit(&state),
+               lb = shortest + (1 - shortest) * iso_xorshift_unit(&state);
         double wa = (1 - t) * (at_voxels ? rint(255 * la) : 1), wb = t * (at_voxels ? rint(255 * lb) : 1);
         iso_vec3 mixed = iso_madd(iso_scale(fitted(a), wa), fitted(b), wb);
         double off = iso_angle_deg(mixed, iso_madd(iso_scale(a, (1 - t) * la), b, t * lb));

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/json.h"
+#include "base/random.h"
 #include "bench/encode.h"
 #include "report/gnuplot.h"
 #include "encode/code_error.h"
@@ -98,25 +99,13 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
 
 /* ---- convexity ---- */
 
-static double uniform(uint64_t *state)
-{
-    *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
-static iso_vec3 random_unit(uint64_t *state)
-{
-    double z = 2 * uniform(state) - 1, phi = 6.283185307179586 * uniform(state), r = sqrt(1 - z * z);
-    return iso_v3(r * cos(phi), r * sin(phi), z);
-}
-
 /* Within `radius` of centre, uniform. */
 static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
 {
     for (;;) {
-        iso_vec3 across = random_unit(state);
+        iso_vec3 across = iso_random_unit_vector(state);
         across = iso_normalize(iso_madd(across, center, -iso_dot(across, center)));
-        double cosine = 1 - uniform(state) * (1 - cos(radius));
+        double cosine = 1 - iso_xorshift_unit(state) * (1 - cos(radius));
         if (iso_norm(across) > 0.5)
             return iso_madd(iso_scale(center, cosine), across, sqrt(1 - cosine * cosine));
     }
@@ -158,10 +147,10 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err)
     size_t outside = 0;
     double worst = 0, pair_mean = 0, pair_max = 0;
     for (int i = 0; i < TRIPLES; ++i) {
-        iso_vec3 center = random_unit(&state), corners[3], e = {0, 0, 0};
+        iso_vec3 center = iso_random_unit_vector(&state), corners[3], e = {0, 0, 0};
         double weights[3], sum = 0;
         for (int c = 0; c < 3; ++c)
-            sum += weights[c] = -log(1 - uniform(&state));
+            sum += weights[c] = -log(1 - iso_xorshift_unit(&state));
         for (int c = 0; c < 3; ++c) {
             corners[c] = random_in_cap(center, 15 * degree, &state);
             e = iso_madd(e, warp(corners[c]), weights[c] / sum);
@@ -170,10 +159,10 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err)
         outside += by > 1e-9; /* rounding of the warp and its inverse */
         worst = fmax(worst, by);
         /* and pairs 15 degrees apart */
-        iso_vec3 a = corners[0], across = random_unit(&state);
+        iso_vec3 a = corners[0], across = iso_random_unit_vector(&state);
         across = iso_normalize(iso_madd(across, a, -iso_dot(across, a)));
         iso_vec3 b = iso_madd(iso_scale(a, cos(15 * degree)), across, sin(15 * degree));
-        double t = uniform(&state);
+        double t = iso_xorshift_unit(&state);
         e = iso_madd(iso_scale(warp(a), 1 - t), warp(b), t);
         double error = iso_angle_deg(iso_decode_region48(e), iso_madd(iso_scale(a, 1 - t), b, t));
         pair_mean += error / TRIPLES;

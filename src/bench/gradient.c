@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "base/random.h"
 #include "bench/bench.h"
 #include "gradient/gradient.h"
 #include "volume/synthetic.h"
@@ -26,10 +27,8 @@ typedef struct field_errors {
 static double normal_deviate(uint64_t *state) /* the sum of 12 uniforms */
 {
     double sum = -6;
-    for (int i = 0; i < 12; ++i) {
-        *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
-        sum += (double)(*state >> 11) * 0x1p-53;
-    }
+    for (int i = 0; i < 12; ++i)
+        sum += iso_xorshift_unit(state);
     return sum;
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "validate/calibrate.h"
 #include "bench/power.h"
@@ -238,8 +239,6 @@ static void print_table(const study *s)
     }
 }
 
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 static void print_json(const study *s, const iso_cli *cli)
 {
     json_t *root = iso_cli_json(cli), *list = json_array();
@@ -250,10 +249,10 @@ static void print_json(const study *s, const iso_cli *cli)
                 continue;
             json_t *amounts = json_array();
             for (size_t i = 0; i < t->count; ++i)
-                json_array_append_new(amounts, number(t->amount[i]));
+                json_array_append_new(amounts, iso_json_number(t->amount[i]));
             json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o, s:o}", "deviation", iso_deviation_name((iso_deviation)d),
                                                   "unit", iso_deviation_unit((iso_deviation)d), "gate", s->probes[p].name,
-                                                  "smallest_rejected", number(median(t)), "of_each_scene", amounts));
+                                                  "smallest_rejected", iso_json_number(median(t)), "of_each_scene", amounts));
         }
     json_object_set_new(root, "sensitivity", list);
     iso_cli_print_json(root);

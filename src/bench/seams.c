@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* seams.c - how far neighbouring bricks of mixed resolution disagree on their faces, by scheme. */
+#include "base/random.h"
 #include "bench/bench.h"
 
 #include <math.h>
@@ -25,22 +26,14 @@ typedef struct seams {
     uint8_t levels[SIDE * SIDE * SIDE];
 } seams;
 
-static double random_unit(uint64_t *state) /* splitmix64 (Steele et al. 2014) */
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
-
-static iso_status create(seams *s, uint64_t *state, iso_error *err)
+static iso_status create(seams *s, iso_random *state, iso_error *err)
 {
     const size_t all = VOXELS + 1, size[3] = {all, all, all}, cells[3] = {VOXELS, VOXELS, VOXELS};
     *s = (seams){.noise = malloc(all * all * all * sizeof(float))};
     if (!s->noise)
         return iso_fail(err, ISO_E_MEMORY, "no memory for a volume of %d^3", VOXELS + 1);
     for (size_t i = 0; i < all * all * all; ++i)
-        s->noise[i] = (float)random_unit(state);
+        s->noise[i] = (float)iso_random_unit(state);
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = s->noise,
                        .max = 1};
     iso_status status = iso_node_levels_create(&s->nodes, &level, BRICK, 2, false, 1, err);
@@ -82,20 +75,20 @@ typedef struct result {
     double largest, part; /* of the samples that jump by more than a thousandth of the range */
 } result;
 
-static void measure(seams *s, int layouts, uint64_t *state, result results[SCHEME_COUNT])
+static void measure(seams *s, int layouts, iso_random *state, result results[SCHEME_COUNT])
 {
     enum { points = 400 };
     memset(results, 0, SCHEME_COUNT * sizeof *results);
     for (int k = 0; k < layouts; ++k) {
         for (size_t i = 0; i < sizeof s->levels; ++i)
-            s->levels[i] = random_unit(state) < 0.5;
+            s->levels[i] = iso_random_unit(state) < 0.5;
         for (int i = 0; i < points; ++i) {
-            int axis = (int)(3 * random_unit(state));
+            int axis = (int)(3 * iso_random_unit(state));
             size_t brick[3];
             double p[3];
             for (int a = 0; a < 3; ++a) {
-                brick[a] = (size_t)((SIDE - (a == axis)) * random_unit(state));
-                p[a] = BRICK * ((double)brick[a] + (a == axis ? 1 : random_unit(state)));
+                brick[a] = (size_t)((SIDE - (a == axis)) * iso_random_unit(state));
+                p[a] = BRICK * ((double)brick[a] + (a == axis ? 1 : iso_random_unit(state)));
             }
             for (int which = 0; which < SCHEME_COUNT; ++which) {
                 double d = jump(s, (scheme)which, brick, axis, p);
@@ -166,7 +159,7 @@ static iso_status bench(const iso_cli *cli, int layouts, const char *picture, is
 {
     seams s;
     result results[SCHEME_COUNT];
-    uint64_t state = 1;
+    iso_random state = {1};
     iso_status status = iso_words_check_range("--layouts", layouts, 1, 100000, err);
     if (status != ISO_OK)
         return status;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/parallel.h"
 #include "bench/bench.h"
 #include "options/input.h"
@@ -201,7 +202,7 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
     json_object_set_new(root, "cases", rows);
     json_object_set_new(root, "copy_ns_per_voxel", json_real(1e9 * copy / voxels));
     json_object_set_new(root, "threads", json_integer(iso_threads(b->cli->threads)));
-    json_object_set_new(root, "frame_seconds", isfinite(frame) ? json_real(frame) : json_null());
+    json_object_set_new(root, "frame_seconds", iso_json_number(frame));
     if (status == ISO_OK && b->cli->json)
         iso_cli_print_json(root);
     else

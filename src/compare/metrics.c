@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/json.h"
 #include "compare/flip.h"
 #include "compare/ssim.h"
 
@@ -121,16 +122,11 @@ bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *limits)
     return asked || m->max_abs == 0;
 }
 
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 json_t *iso_metrics_to_json(const iso_metrics *m)
 {
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:[I, I]}", "rmse", number(m->rmse), "max_abs",
-                     number(m->max_abs), "p99_abs", number(m->p99_abs), "psnr_db", number(m->psnr_db), "ssim",
-                     number(m->ssim), "flip_mean", number(m->flip_mean), "nonfinite_count",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:[I, I]}", "rmse", iso_json_number(m->rmse), "max_abs",
+                     iso_json_number(m->max_abs), "p99_abs", iso_json_number(m->p99_abs), "psnr_db", iso_json_number(m->psnr_db), "ssim",
+                     iso_json_number(m->ssim), "flip_mean", iso_json_number(m->flip_mean), "nonfinite_count",
                      (json_int_t)m->nonfinite_count, "worst_pixel", (json_int_t)m->worst[0], (json_int_t)m->worst[1]);
 }
 

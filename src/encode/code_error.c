@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
+
 static const double degree = 0.017453292519943295;
 
 typedef struct probe {
@@ -33,15 +35,9 @@ iso_code_error_options iso_code_error_defaults(void)
     return (iso_code_error_options){.count = 100000, .min_length = 1, .climb = true, .seed = 20170613};
 }
 
-static double uniform(uint64_t *state)
+iso_vec3 iso_random_unit_vector(uint64_t *state)
 {
-    *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
-    return (double)(*state >> 11) * 0x1p-53;
-}
-
-static iso_vec3 random_unit(uint64_t *state)
-{
-    double z = 2 * uniform(state) - 1, phi = 6.283185307179586 * uniform(state), r = sqrt(1 - z * z);
+    double z = 2 * iso_xorshift_unit(state) - 1, phi = 6.283185307179586 * iso_xorshift_unit(state), r = sqrt(1 - z * z);
     return iso_v3(r * cos(phi), r * sin(phi), z);
 }
 
@@ -54,15 +50,15 @@ static iso_vec3 turn_towards(iso_vec3 a, iso_vec3 somewhere, double apart)
 
 static probe random_probe(const iso_code_error_options *opt, uint64_t *state)
 {
-    probe p = {.a = random_unit(state)};
+    probe p = {.a = iso_random_unit_vector(state)};
     double spread = 1 - opt->min_length;
     p.b = p.a;
     if (opt->apart_deg > 0) {
-        p.b = turn_towards(p.a, random_unit(state), opt->apart_deg * degree);
-        p.t = uniform(state);
-        p.b = iso_scale(p.b, opt->min_length + spread * uniform(state));
+        p.b = turn_towards(p.a, iso_random_unit_vector(state), opt->apart_deg * degree);
+        p.t = iso_xorshift_unit(state);
+        p.b = iso_scale(p.b, opt->min_length + spread * iso_xorshift_unit(state));
     }
-    p.a = iso_scale(p.a, opt->min_length + spread * uniform(state));
+    p.a = iso_scale(p.a, opt->min_length + spread * iso_xorshift_unit(state));
     return p;
 }
 
@@ -72,12 +68,12 @@ static probe moved(const probe *p, const iso_code_error_options *opt, double rea
     probe q = *p;
     double length_a = iso_norm(p->a), length_b = iso_norm(p->b);
     iso_vec3 a = iso_scale(p->a, 1 / length_a), b = iso_scale(p->b, 1 / length_b);
-    a = iso_normalize(iso_madd(a, random_unit(state), reach * uniform(state)));
+    a = iso_normalize(iso_madd(a, iso_random_unit_vector(state), reach * iso_xorshift_unit(state)));
     q.a = q.b = iso_scale(a, length_a);
     if (opt->apart_deg > 0) {
-        b = iso_madd(b, random_unit(state), reach * uniform(state));
+        b = iso_madd(b, iso_random_unit_vector(state), reach * iso_xorshift_unit(state));
         q.b = iso_scale(turn_towards(a, b, opt->apart_deg * degree), length_b);
-        q.t = fmin(fmax(p->t + reach * (2 * uniform(state) - 1), 0), 1);
+        q.t = fmin(fmax(p->t + reach * (2 * iso_xorshift_unit(state) - 1), 0), 1);
     }
     return q;
 }

@@ -45,4 +45,7 @@ iso_status iso_code_error_measure(const iso_scheme *scheme, const iso_code_error
 /* The angle between two vectors; accurate for small ones. 0 when one is zero. */
 double iso_angle_deg(iso_vec3 a, iso_vec3 b);
 
+/* Uniform on the sphere, by iso_xorshift_unit(). */
+iso_vec3 iso_random_unit_vector(uint64_t *state);
+
 #endif

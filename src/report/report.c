@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/machine.h"
 #include "base/parallel.h"
 #include "report/report_files.h"
@@ -23,11 +24,6 @@ struct iso_report {
     double start_seconds;
     bool finished;
 };
-
-static json_t *number(double value)
-{
-    return isfinite(value) ? json_real(value) : json_null();
-}
 
 static json_t *text(const char *value)
 {
@@ -213,7 +209,7 @@ static json_t *gates_json(const iso_report_agreement *row)
     json_t *list = json_array();
     for (size_t i = 0; !row->refused && i < row->gate_count; ++i)
         json_array_append_new(list, json_pack("{s:s, s:o, s:f}", "name", row->gates[i].name, "value",
-                                              number(row->gates[i].value), "limit", row->gates[i].limit));
+                                              iso_json_number(row->gates[i].value), "limit", row->gates[i].limit));
     return list;
 }
 
@@ -279,9 +275,9 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     } else {
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));
     }
-    json_object_set_new(o, "error_bar", number(row->error_bar));
+    json_object_set_new(o, "error_bar", iso_json_number(row->error_bar));
     json_object_set_new(o, "verdict", json_string(iso_report_verdict(row)));
-    json_object_set_new(o, "severity", number(worst));
+    json_object_set_new(o, "severity", iso_json_number(worst));
     json_object_set_new(o, "limits", limits_json(&row->limits));
     json_object_set_new(o, "gates", gates_json(row));
     if (row->statistics)
@@ -312,9 +308,9 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
     json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "method",
                           text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
                           text(row->original_kept), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
-                          number(row->ssim_dissimilarity_mean), "flip_mean", number(row->flip_mean),
-                          "gradient_angle_mean_deg", number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
-                          number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
+                          iso_json_number(row->ssim_dissimilarity_mean), "flip_mean", iso_json_number(row->flip_mean),
+                          "gradient_angle_mean_deg", iso_json_number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
+                          iso_json_number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
                           text(row->reference_image));
     return json_array_append_new(json_object_get(r->root, "consistency"), o) == 0 ? ISO_OK : no_memory(err);
 }
@@ -329,7 +325,7 @@ iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibratio
 {
     bool pass = fabs(row->value) <= row->limit; /* NaN fails */
     json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
-                          text(row->check), "value", number(row->value), "limit", number(row->limit), "unit",
+                          text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit), "unit",
                           text(row->unit), "verdict", pass ? "pass" : "fail", "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/parallel.h"
 #include "validate/closed_form.h"
 #include "validate/limits.h"
@@ -250,22 +251,20 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
 
 /* ---- limits ---- */
 
-static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
-
 static json_t *limit_to_json(const iso_limit *l)
 {
     json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
-                          number(l->coarse_rmse), "rmse_at_the_step", number(l->fine_rmse), "order", number(l->order),
-                          "step_bar", number(l->step_bar), "seeds", (json_int_t)l->seeds);
+                          iso_json_number(l->coarse_rmse), "rmse_at_the_step", iso_json_number(l->fine_rmse), "order", iso_json_number(l->order),
+                          "step_bar", iso_json_number(l->step_bar), "seeds", (json_int_t)l->seeds);
     if (l->seeds < 2)
         return o;
     const iso_noise_test *n = &l->noise;
-    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar", number(l->noise_bar),
+    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar", iso_json_number(l->noise_bar),
                                         "pixels_tested", (json_int_t)n->tests, "pixels_beyond_chance",
-                                        (json_int_t)n->rejected, "smallest_p", number(n->smallest_p), "sidak_significance",
-                                        number(n->pixel_significance), "signed_bias", number(n->bias),
-                                        "standard_error_of_bias", number(n->bias_error), "mean_local_error",
-                                        number(n->mean_abs)));
+                                        (json_int_t)n->rejected, "smallest_p", iso_json_number(n->smallest_p), "sidak_significance",
+                                        iso_json_number(n->pixel_significance), "signed_bias", iso_json_number(n->bias),
+                                        "standard_error_of_bias", iso_json_number(n->bias_error), "mean_local_error",
+                                        iso_json_number(n->mean_abs)));
     return o;
 }
 

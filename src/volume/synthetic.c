@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/random.h"
 
 static const struct {
     const char *name, *summary;
@@ -100,13 +101,12 @@ static double marschner_lobb(iso_vec3 p, iso_vec3 *d)
     return scale * (1 - sin(pi * p.z / 2) + alpha * (1 + cos(inner)));
 }
 
-/* splitmix64 (Steele et al. 2014): a stream of 64-bit numbers from any seed. */
-static double uniform(uint64_t *state)
+static double uniform(uint64_t *seed)
 {
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    iso_random random = {*seed};
+    const double value = iso_random_unit(&random);
+    *seed = random.state;
+    return value;
 }
 
 #define NOISE_WAVES 24
