@@ -25,13 +25,14 @@ blender:    $shared vdb
 renderers:  $shared render vdb povray blender
 compare:    base image
 plan:       $shared render compare
+targets:    $shared render vdb povray blender compare plan
 report:     base image compare
 validate:   $shared render renderers compare report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options
 bench:      $shared render vdb povray blender renderers compare plan report validate options
-cli:        $shared render vdb povray blender renderers compare plan report validate chart options atlas bench
+cli:        $shared render vdb povray blender renderers compare plan targets report validate chart options atlas bench
 "
 allowed() { sed -n "s/^$1: *//p" <<<"$table"; } # room: what it may include
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")

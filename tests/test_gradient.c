@@ -355,9 +355,49 @@ static void names_lead_back_to_their_methods(void **state)
     assert_status(iso_gradient_from_name("best", &method, &err), ISO_E_USAGE);
 }
 
+/* x^degree along one axis, x whole numbers from the middle, so that floats hold the samples: the largest error for |x| <= 4. */
+static double polynomial_error(iso_gradient_method method, int degree, int axis)
+{
+    enum { N = 32 };
+    iso_volume v;
+    size_t size[3] = {3, 3, 3};
+    size[axis] = N;
+    const iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    assert_ok(iso_volume_create(&v, &g, ISO_F64, "polynomial", &err));
+    const size_t step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
+    for (size_t i = 0; i < 9 * N; ++i)
+        ((double *)v.data)[i] = pow((double)(i / step % N) - N / 2, degree);
+    float *out = gradients_by(&v, method, 1);
+    double largest = 0;
+    const size_t middle = axis == 0 ? 3 * N + N : axis == 1 ? 3 * N + 1 : 4; /* the middle one of the nine lines */
+    for (size_t x = N / 2 - 4; x <= N / 2 + 4; ++x) {
+        const double expected = degree * pow((double)x - N / 2, degree - 1);
+        largest = fmax(largest, fabs((double)out[3 * (middle + x * step) + (size_t)axis] - expected));
+    }
+    free(out);
+    iso_volume_destroy(&v);
+    return largest;
+}
+
+/* Exact but for the rounding of the sums, whose terms are below 8^order where weights count. Of the next degree each errs
+ * by a constant: half the second derivative (intermediate), a sixth of the third (central), 120 / 30 and 120 / 180 of x^5. */
+static void each_estimator_has_the_order_that_its_row_says(void **state)
+{
+    (void)state;
+    for (int m = 0; m < ISO_GRADIENT_COUNT; ++m)
+        for (int axis = 0; axis < 3; ++axis) {
+            const int order = iso_gradient_describe((iso_gradient_method)m)->order;
+            const double tolerance = 16 * pow(8, order) * 0x1p-24;
+            for (int degree = 1; degree <= order; ++degree)
+                assert_at_most(polynomial_error((iso_gradient_method)m, degree, axis), tolerance);
+            assert_more_than(polynomial_error((iso_gradient_method)m, order + 1, axis), 0.5);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_estimator_has_the_order_that_its_row_says),
         cmocka_unit_test(linear_field_is_exact_with_borders_in_any_geometry),
         cmocka_unit_test(an_axis_of_one_voxel_has_no_gradient_along_it),
         cmocka_unit_test(a_single_voxel_and_a_constant_have_no_gradient),

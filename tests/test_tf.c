@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "scene/scene.h"
+#include "tf/format.h"
 #include "folder.h"
 #include "test.h"
 
@@ -254,9 +255,47 @@ static void the_reference_scenes_load(void **state)
     }
 }
 
+/* What is written and read comes back as the same table: float entries, and opacities stated in 17 digits. */
+static void each_format_that_is_written_and_read_keeps_the_table(void **state)
+{
+    (void)state;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){1, 1, 1});
+    float entries[4 * 16];
+    for (int i = 0; i < 64; ++i)
+        entries[i] = (float)(i * 37 % 64) / 64;
+    const iso_tf_table table = {.count = 16, .lo = -3, .hi = 12, .entries = entries};
+    int both = 0;
+    for (size_t f = 0; iso_tf_format_at(f); ++f) {
+        const iso_tf_format *format = iso_tf_format_at(f);
+        char path[512];
+        snprintf(path, sizeof path, "%s/table%s", folder, format->suffix);
+        assert_true(format->name[0] && format->summary[0] && (format->load || format->save));
+        assert_ptr_equal(iso_tf_format_of(path), format);
+        if (!format->save)
+            continue;
+        assert_ok(format->save(&table, 1, path, &err));
+        if (!format->load)
+            continue;
+        iso_tf tf;
+        iso_tf_table back;
+        assert_ok(iso_tf_load(path, &tf, &err));
+        assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &back, &err));
+        assert_int_equal(back.count, 16);
+        for (int i = 0; i < 64; ++i)
+            assert_within(back.entries[i], entries[i], 1e-6);
+        iso_tf_table_destroy(&back);
+        iso_tf_destroy(&tf);
+        ++both;
+    }
+    assert_true(both > 0);
+    char written[64];
+    assert_string_equal(iso_tf_format_written(written, sizeof written), ".csv or .tf.json");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_format_that_is_written_and_read_keeps_the_table),
         cmocka_unit_test(opacity_becomes_extinction_over_its_unit_distance),
         cmocka_unit_test(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing),
         cmocka_unit_test(two_points_of_one_value_make_a_step),

@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "volume/stream.h"
+#include "volume/stream_kernel.h"
 
 /* A path in the test's folder; one at a time. */
 static const char *in_dir(const char *name)
@@ -125,6 +125,89 @@ static void planes_one_by_one_equal_the_whole(void **state)
         iso_source_close(source);
     }
     iso_volume_destroy(&v);
+}
+
+/* ---- a format from this file alone ---- */
+
+static int readers_closed;
+
+static bool starts_like_counting(const unsigned char *head, size_t size) { return size >= 8 && memcmp(head, "COUNTING", 8) == 0; }
+
+/* Samples that no file holds: their own number. */
+static iso_status count_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
+{
+    const size_t *n = source->header.geometry.size, plane = n[0] * n[1];
+    (void)err;
+    for (size_t i = 0; i < plane * plane_count; ++i)
+        ((uint16_t *)out)[i] = (uint16_t)(source->planes_done * plane + i);
+    return ISO_OK;
+}
+
+static void close_counting(iso_volume_source *source)
+{
+    free(source->reader);
+    ++readers_closed;
+}
+
+static iso_status open_counting(iso_volume_source *source, iso_error *err)
+{
+    source->header.type = ISO_U16;
+    source->header.geometry = iso_geometry_axis_aligned((size_t[]){5, 3, 4}, (double[]){1, 2, 3});
+    source->header.notes.scale_slope = 2;
+    source->reader = malloc(1);
+    source->read_planes = count_planes;
+    source->close_reader = close_counting;
+    return iso_geometry_check(&source->header.geometry, source->path, err);
+}
+
+static const iso_volume_format counting = {
+    .name = "counting", .title = "COUNTING", .summary = "numbers", .suffixes = ".cnt .cnt.long", .starts = "\"COUNTING\"",
+    .probe = starts_like_counting, .open = open_counting,
+};
+
+static void a_format_of_this_test_alone_is_read_skipped_and_named(void **state)
+{
+    (void)state;
+    iso_volume v;
+    iso_error why;
+    write_bytes("a.cnt", "COUNTING", 8);
+    assert_int_equal(iso_volume_load(in_dir("a.cnt"), &v, &why), ISO_E_FORMAT); /* not yet */
+    assert_null(strstr(why.text, "COUNTING ("));
+    assert_ok(iso_volume_format_add(&counting, &err));
+    assert_ok(iso_volume_load(in_dir("a.cnt"), &v, &err));
+    for (size_t i = 0; i < 60; ++i)
+        assert_int_equal(((uint16_t *)v.data)[i], i);
+    iso_volume_destroy(&v);
+    iso_volume_source *source;
+    float row[15];
+    assert_ok(iso_source_open(in_dir("a.cnt"), &source, &err));
+    iso_source_apply_scale(source);
+    assert_ok(iso_source_skip(source, 2, &err));
+    assert_ok(iso_source_read(source, 1, row, &err));
+    assert_int_equal(row[0], 2 * 30);
+    iso_source_close(source);
+    assert_int_equal(readers_closed, 2);
+    write_bytes("b.cnt", "COUNTERS", 8);
+    assert_int_equal(iso_volume_load(in_dir("b.cnt"), &v, &why), ISO_E_FORMAT);
+    assert_non_null(strstr(why.text, "COUNTING (\"COUNTING\")"));
+    assert_non_null(strstr(why.text, "NRRD (\"NRRD000N\")"));
+    assert_int_equal(iso_volume_format_suffix_bytes("a.cnt"), 4);
+    assert_int_equal(iso_volume_format_suffix_bytes("a.cnt.long"), 9);
+    assert_int_equal(iso_volume_format_suffix_bytes(".cnt"), 0);
+    assert_int_equal(iso_volume_format_suffix_bytes("a.nii.gz"), 7);
+}
+
+static void each_format_has_a_whole_row(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < iso_volume_format_names.count; ++i) {
+        const iso_volume_format *f = iso_volume_format_at(i);
+        assert_true(f->name && *f->name && f->title && *f->title && f->summary && *f->summary && f->suffixes[0] == '.');
+        assert_true(!f->probe == !f->open && !f->probe == !f->starts);
+        size_t row = 99;
+        assert_ok(iso_names_find(&iso_volume_format_names, f->name, &row, &err)); /* and its name is its own */
+        assert_int_equal(row, i);
+    }
 }
 
 static void a_sink_that_lacks_planes_leaves_no_file(void **state)
@@ -670,6 +753,8 @@ int main(void)
         cmocka_unit_test(non_finite_voxels_are_counted_and_the_first_is_named),
         cmocka_unit_test(damage_inside_compressed_samples_is_found),
         cmocka_unit_test(statistics_are_those_of_the_samples),
+        cmocka_unit_test(each_format_has_a_whole_row),
+        cmocka_unit_test(a_format_of_this_test_alone_is_read_skipped_and_named),
         cmocka_unit_test(damaged_files_never_crash_the_readers),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

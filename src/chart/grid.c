@@ -13,11 +13,20 @@ const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
 const iso_chart_words iso_chart_default_words = {.steps = "2,1,0.5,0.25,0.125",
                                                  .quadratures = "midpoint,preintegrated",
-                                                 .codes = "fit,snorm,shell,free,cube,region48,squeeze",
                                                  .filters = "moments,eq1,naive",
                                                  .estimators = "central,sobel",
                                                  .tfs = "original,adapted,tf-2d",
                                                  .plans = "16/255,4/255,1/255"};
+
+char *iso_chart_default_codes(char *text, size_t size)
+{
+    const iso_code usual = iso_pyramid_defaults().code;
+    size_t length = (size_t)snprintf(text, size, "%s", iso_code_describe(usual)->name);
+    for (int c = 0; c < ISO_CODE_COUNT && length < size; ++c)
+        if ((iso_code)c != usual && iso_code_describe((iso_code)c)->is_textured)
+            length += (size_t)snprintf(text + length, size - length, ",%s", iso_code_describe((iso_code)c)->name);
+    return text;
+}
 
 /* ---- what the user asked for ------------------------------------------------- */
 
@@ -120,11 +129,10 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
     const iso_chart_words *usual = &iso_chart_default_words;
     *g = (iso_chart_grid){.step_count = 0};
     bool quadratures[2] = {false}, tfs[3] = {false};
-    char word[64];
-    char with[256];
+    char word[64], with[256], all_codes[256];
     const char *filters = words->filters ? words->filters : usual->filters,
                *estimators = words->estimators ? words->estimators : usual->estimators,
-               *codes = words->codes ? words->codes : usual->codes,
+               *codes = words->codes ? words->codes : iso_chart_default_codes(all_codes, sizeof all_codes),
                *plans = words->plans ? words->plans : usual->plans;
     const struct {
         const char *list;

@@ -22,7 +22,9 @@ enum { ISO_CHART_BRICK_VOXELS = 16, ISO_CHART_BRICK_LEVELS = 3 };
 typedef struct iso_chart_words {
     const char *with, *steps, *quadratures, *codes, *filters, *estimators, *tfs, *plans;
 } iso_chart_words;
-extern const iso_chart_words iso_chart_default_words;
+extern const iso_chart_words iso_chart_default_words; /* of renderers and codes NULL: the functions below */
+/* All that a texture can filter, as a list, that of pyramids first; in text, which it returns. */
+char *iso_chart_default_codes(char *text, size_t size);
 const char *iso_chart_default_renderers(char *text, size_t size);
 
 /* Which values each axis of the grid has. */

@@ -11,6 +11,7 @@
 #include "options/cli.h"
 #include "options/input.h"
 #include "pyramid/pyramid_stream.h"
+#include "volume/format.h"
 
 typedef struct build_options {
     char *output, *estimator, *scalar_filter, *direction_filter, *code;
@@ -21,15 +22,8 @@ typedef struct build_options {
 /* NAME.iso in the current folder; to be freed. */
 static char *default_output(const char *input)
 {
-    static const char *const endings[] = {".nii.gz", ".nrrd", ".nhdr", ".nii", ".hdr", ".img", ".raw"};
     const char *name = iso_path_base(input);
-    size_t length = strlen(name);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
-        if (iso_path_ends_with(name, endings[i]) && length > strlen(endings[i])) {
-            length -= strlen(endings[i]);
-            break;
-        }
-    }
+    const size_t length = strlen(name) - iso_volume_format_suffix_bytes(name);
     char *path = NULL;
     return asprintf(&path, "%.*s.iso", (int)length, name) < 0 ? NULL : path;
 }
@@ -162,10 +156,10 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
-        {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "central (default), intermediate, sobel, corners, fourth, bspline", "NAME"},
-        {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "mean (default) or gauss", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "moments (default), eq1, naive or tensor", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &in.code, 0, "the directions' code: fit (default), snorm, region48, ...", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "of the list below (central)", "NAME"},
+        {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "of the list below (mean)", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "of the list below (moments)", "NAME"},
+        {"code", 0, POPT_ARG_STRING, &in.code, 0, "of the list below (fit)", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "of gauss and eq1", "VOXELS"},
@@ -221,5 +215,6 @@ const iso_command iso_command_build = {
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",
+    .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names, &iso_code_names, NULL},
     .run = run,
 };

@@ -253,7 +253,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     const iso_chart_words *usual = &iso_chart_default_words;
-    char help[8][256], renderers[256], quadratures[128], plans[200], names[100];
+    char help[8][256], codes[200], renderers[256], quadratures[128], plans[200], names[100];
     snprintf(quadratures, sizeof quadratures, "of %s", iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
     snprintf(plans, sizeof plans, "%s: bricks of mixed resolution, planned for these predicted errors; or none",
              iso_renderers_with(ISO_HAS_BRICKS, ", ", " and ", names, sizeof names));
@@ -271,7 +271,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0, with_default(help[3], sizeof *help, "of a volume's gradients; the first makes the reference's", usual->estimators), "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
         {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0, with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
-        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, with_default(help[5], sizeof *help, "of directions", usual->codes), "LIST"},
+        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, with_default(help[5], sizeof *help, "of directions", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
         {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0, with_default(help[6], sizeof *help, "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level", usual->tfs), "LIST"},
         {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans), "LIST"},
         {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0, "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
@@ -312,5 +312,6 @@ const iso_command iso_command_chart = {
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
                 "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
                 "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
+    .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names, NULL},
     .run = run,
 };

@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "volume/format.h"
 
 #define BINS 64        /* shown */
 #define FINE_BINS 16384 /* counted: percentiles are good to one of them */
@@ -178,9 +179,10 @@ const iso_command iso_command_info = {
     .name = "info",
     .summary = "show a volume's geometry, type, range and histogram",
     .usage = "VOLUME [options]",
-    .details = "Reads NRRD (.nrrd, .nhdr), NIfTI-1 (.nii, .nii.gz, .hdr with .img), and raw files by the --raw options.",
+    .details = "A file's format is known by its first bytes, whatever its name.",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
                 "  isoshade info sphere.nrrd --json\n",
+    .lists = (const iso_names *const[]){&iso_volume_format_names, NULL},
     .run = run,
 };

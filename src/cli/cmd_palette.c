@@ -477,5 +477,6 @@ const iso_command iso_command_palette = {
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"
                 "  isoshade palette --ellipsoid 5000 --method anneal --entries 510 --steps 500 -o figure9.svg\n",
+    .lists = (const iso_names *const[]){&iso_palette_method_names, NULL},
     .run = run,
 };

@@ -417,15 +417,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, of_those(&help, ISO_READS_SOURCE, "directions: codes (default), decoded, float, flipped, on-the-fly, palette or palette-nearest"), "SOURCE"},
+        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, of_those(&help, ISO_READS_SOURCE, "directions, of the list below (codes)"), "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette", "FILE.csv"},
         {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures at positions in double precision; slow, for certifying"), NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
-        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "a volume's estimator of gradients: central (default), sobel, ...", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels: moments (default), eq1, naive or tensor", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: fit (default), snorm, region48, ...", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "a volume's estimator of gradients, of the list below (central)", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels, of the list below (moments)", "NAME"},
+        {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions, of the list below (fit)", "NAME"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, of_those(&help, ISO_HAS_ISOSURFACES, "the first hit of this value, opaque"), "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, of_those(&help, ISO_READS_INTERVALS, "intervals a ray; of the reference in POV-Ray's quadrature"), "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
@@ -469,5 +469,6 @@ const iso_command iso_command_render = {
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
+    .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names, &iso_code_names, NULL},
     .run = run,
 };

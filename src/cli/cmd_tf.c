@@ -14,6 +14,7 @@
 #include "options/cli.h"
 #include "scene/subject.h"
 #include "report/gnuplot.h"
+#include "tf/format.h"
 
 typedef struct tf_arguments {
     iso_volume_input input;
@@ -147,50 +148,21 @@ static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf
     return status;
 }
 
-static void write_rows(FILE *file, const iso_tf_table *t, double unit_mm, const char *separator)
-{
-    for (size_t i = 0; i < t->count; ++i) {
-        const float *e = t->entries + 4 * i;
-        double values[] = {t->lo + (t->hi - t->lo) * (double)i / (double)(t->count - 1), e[0], e[1], e[2], e[3], -expm1(-(double)e[3] * unit_mm)};
-        for (int c = 0; c < 6; ++c)
-            fprintf(file, "%s%.9g", c ? separator : "", values[c]);
-        fputc('\n', file);
-    }
-}
-
-static iso_status save_csv(const iso_tf_table *t, double unit_mm, const char *path, iso_error *err)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *memory = open_memstream(&text, &size);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    fprintf(memory, "value,r_linear,g_linear,b_linear,extinction_per_mm,opacity_of_%.9g_mm\n", unit_mm);
-    write_rows(memory, t, unit_mm, ",");
-    fclose(memory);
-    iso_status status = iso_file_write(path, text, size, err);
-    free(text);
-    return status;
-}
-
 static iso_status convert(const tf_arguments *a, iso_error *err)
 {
-    iso_tf tf = {0}, out = {0};
+    iso_tf tf = {0};
     iso_tf_table table = {0};
     double unit_mm = 1;
+    char written[256];
     if (a->cli->argument_count != 2 || !a->output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE.tf.json -o OUT.csv|OUT.tf.json");
-    bool csv = iso_path_ends_with(a->output, ".csv");
-    if (!csv && !iso_path_ends_with(a->output, ".tf.json"))
-        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with .csv or .tf.json", a->output);
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE -o OUT, a name that ends with %s",
+                        iso_tf_format_written(written, sizeof written));
+    const iso_tf_format *format = iso_tf_format_of(a->output);
+    if (!format || !format->save)
+        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output, iso_tf_format_written(written, sizeof written));
     iso_status status = load_table(a, a->cli->arguments[1], &tf, &table, &unit_mm, err);
-    if (status == ISO_OK && csv)
-        status = save_csv(&table, unit_mm, a->output, err);
-    if (status == ISO_OK && !csv)
-        status = iso_tf_from_table(&table, &out, err);
-    if (status == ISO_OK && !csv)
-        status = iso_tf_save(&out, a->output, err);
-    iso_tf_destroy(&out);
+    if (status == ISO_OK)
+        status = format->save(&table, unit_mm, a->output, err);
     iso_tf_destroy(&tf);
     iso_tf_table_destroy(&table);
     return status;
@@ -446,10 +418,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_tf = {
     .name = "tf",
     .summary = "adapt transfer functions to levels, convert and show them",
-    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE.tf.json -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details = "adapt    writes the transfer function of each coarse level: what level 0 shows where the level has a value.\n"
                "         Joint histograms are kept in the pyramid. render and export do the same with --adapt.\n"
-               "convert  to .csv (value, linear colour, extinction, opacity) or to .tf.json with an entry a point.\n"
+               "convert  from and to the formats below, by the names' endings.\n"
                "show     a picture by gnuplot, .png or .svg, a panel a transfer function.\n"
                "triangle the error at the voxels over mixtures of Gaussian, constant and triangular weights.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
@@ -457,5 +429,6 @@ const iso_command iso_command_tf = {
                 "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
                 "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
                 "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
+    .lists = (const iso_names *const[]){&iso_tf_format_names, NULL},
     .run = run,
 };

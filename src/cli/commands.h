@@ -3,6 +3,7 @@
  * expand from it. src/cli/cmd_NAME.c defines iso_command_NAME. */
 #define ISO_COMMAND_LIST(X) \
     X(info) \
+    X(list) \
     X(make) \
     X(validate) \
     X(build) \

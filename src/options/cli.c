@@ -9,6 +9,18 @@
 #include <string.h>
 #include <unistd.h>
 
+void iso_cli_print_names(FILE *f, const iso_names *names)
+{
+    int widest = 0;
+    for (size_t i = 0; i < names->count; ++i) {
+        const int width = (int)strlen(iso_names_name(names, i));
+        widest = width > widest ? width : widest;
+    }
+    fprintf(f, "%ss:\n", names->what);
+    for (size_t i = 0; i < names->count; ++i)
+        fprintf(f, "  %-*s  %s\n", widest, iso_names_name(names, i), iso_names_summary(names, i));
+}
+
 static void print_help(const iso_command *command, poptContext context)
 {
     printf("isoshade %s - %s\n\nusage: isoshade %s %s\n", command->name, command->summary, command->name, command->usage);
@@ -25,6 +37,10 @@ static void print_help(const iso_command *command, poptContext context)
     char *table = strchr(text, '\n');
     fputs(table ? table + 1 : text, stdout);
     free(text);
+    for (const iso_names *const *list = command->lists; list && *list; ++list) {
+        putchar('\n');
+        iso_cli_print_names(stdout, *list);
+    }
     if (command->examples)
         printf("\nexamples:\n%s", command->examples);
 }

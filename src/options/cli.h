@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "base/names.h"
 #include "base/progress.h"
 #include "base/status.h"
 #include "base/version.h"
@@ -24,6 +25,7 @@ typedef struct iso_command {
     const char *summary;  /* one line, for the list of commands */
     const char *usage;    /* what follows the name: "VOLUME -o PYRAMID.iso [options]" */
     const char *details;  /* a paragraph, or NULL */
+    const iso_names *const *lists; /* what its options choose from, for --help; ends with NULL, or NULL */
     const char *examples; /* lines that run, each starting with "isoshade" */
     iso_status (*run)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
 } iso_command;
@@ -62,5 +64,8 @@ json_t *iso_cli_json(const iso_cli *cli);
 void iso_cli_print_json(json_t *root);
 /* The command line as one string, quoted for a shell; to be freed. */
 char *iso_cli_command_line(const iso_cli *cli);
+
+/* "WHATs:" and a line a row, name and summary, as --help has it. */
+void iso_cli_print_names(FILE *f, const iso_names *names);
 
 #endif

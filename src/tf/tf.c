@@ -91,18 +91,6 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     return r.status;
 }
 
-iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err)
-{
-    json_t *root;
-    *tf = (iso_tf){0};
-    iso_status status = iso_json_load(path, &root, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_tf_from_json(root, path, tf, err);
-    json_decref(root);
-    return status;
-}
-
 json_t *iso_tf_to_json(const iso_tf *tf)
 {
     json_t *points = json_array();

@@ -44,6 +44,7 @@ typedef struct iso_tf {
     size_t table_size;
 } iso_tf;
 
+/* A file of any format that is read (format.h). */
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
 /* The same from an object inside another file; `path` is the file that error messages name. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);

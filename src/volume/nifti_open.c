@@ -23,7 +23,8 @@ typedef struct nifti_header {
     double least_offset; /* of the samples in one file: behind the header and its extension flag */
 } nifti_header;
 
-bool iso_nifti_starts_like(const unsigned char *head, size_t size)
+/* NIfTI-1 or NIfTI-2 of either byte order. */
+static bool starts_like_nifti(const unsigned char *head, size_t size)
 {
     int32_t first = 0;
     if (size >= 4)
@@ -251,7 +252,7 @@ static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_
     return check_header(out, source->path, err);
 }
 
-iso_status iso_nifti_open(iso_volume_source *source, iso_error *err)
+static iso_status open_nifti(iso_volume_source *source, iso_error *err)
 {
     nifti_header h;
     iso_status status = read_header(source, &h, err);
@@ -268,3 +269,13 @@ iso_status iso_nifti_open(iso_volume_source *source, iso_error *err)
     status = iso_geometry_check(&source->header.geometry, source->path, err);
     return status == ISO_OK ? open_samples(source, &h, err) : status;
 }
+
+const iso_volume_format iso_volume_format_nifti = {
+    .name = "nifti",
+    .title = "NIfTI-1 and 2",
+    .summary = "one file or .hdr with .img, either compressed by gzip or not, plane by plane",
+    .suffixes = ".nii .nii.gz .hdr .img",
+    .starts = "348 or 540 as its first number",
+    .probe = starts_like_nifti,
+    .open = open_nifti,
+};

@@ -217,7 +217,7 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     return status;
 }
 
-iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err)
+static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
     Nrrd *nrrd = nrrdNew();
     NrrdIoState *io = nrrdIoStateNew();
@@ -239,3 +239,18 @@ iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err)
     nrrdNuke(nrrd);
     return status;
 }
+
+static bool starts_like_nrrd(const unsigned char *head, size_t size)
+{
+    return size >= 4 && memcmp(head, "NRRD", 4) == 0;
+}
+
+const iso_volume_format iso_volume_format_nrrd = {
+    .name = "nrrd",
+    .title = "NRRD",
+    .summary = "attached or detached header; raw and gzip plane by plane, other encodings at once",
+    .suffixes = ".nrrd .nhdr",
+    .starts = "\"NRRD000N\"",
+    .probe = starts_like_nrrd,
+    .open = open_nrrd,
+};

@@ -35,6 +35,15 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
                     g->size[2], iso_type_name(source->header.type), need);
 }
 
+iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err)
+{
+    struct stat st;
+    const off_t at = ftello(source->file);
+    if (at < 0 || fstat(fileno(source->file), &st) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
+    return iso_source_check_bytes(source, (double)st.st_size - (double)at, err);
+}
+
 static iso_status new_source(const char *path, iso_volume_source **source, iso_error *err)
 {
     struct stat st;
@@ -56,12 +65,12 @@ static iso_status new_source(const char *path, iso_volume_source **source, iso_e
 }
 
 /* The first bytes, unpacked where they are compressed. */
-static iso_status read_head(const char *path, unsigned char head[348], size_t *size, iso_error *err)
+static iso_status read_head(const char *path, unsigned char head[ISO_VOLUME_HEAD_BYTES], size_t *size, iso_error *err)
 {
     gzFile gz = gzopen(path, "rb");
     if (!gz)
         return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    int n = gzread(gz, head, 348);
+    int n = gzread(gz, head, ISO_VOLUME_HEAD_BYTES);
     *size = n > 0 ? (size_t)n : 0;
     gzclose(gz);
     return ISO_OK;
@@ -69,22 +78,25 @@ static iso_status read_head(const char *path, unsigned char head[348], size_t *s
 
 static iso_status open_by_content(iso_volume_source *s, iso_error *err)
 {
-    unsigned char head[348];
+    unsigned char head[ISO_VOLUME_HEAD_BYTES];
     size_t size = 0;
     iso_status status = read_head(s->path, head, &size, err);
     if (status != ISO_OK)
         return status;
     if (size == 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: is empty", s->path);
-    if (size >= 4 && memcmp(head, "NRRD", 4) == 0)
-        return iso_nrrd_open(s, err);
-    if (iso_nifti_starts_like(head, size))
-        return iso_nifti_open(s, err);
+    const iso_volume_format *f;
+    for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
+        if (f->probe && f->probe(head, size))
+            return f->open(s, err);
     char shown[9] = "";
     for (size_t i = 0; i < 8 && i < size; ++i)
         shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
-    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is neither NRRD (\"NRRD000N\") nor NIfTI (348 or 540 as its first number)",
-                    s->path, shown);
+    char known[512] = "";
+    for (size_t i = 0, length = 0; (f = iso_volume_format_at(i)) && length < sizeof known; ++i)
+        if (f->probe)
+            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s (%s)", length ? ", " : "", f->title, f->starts);
+    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s", s->path, shown, known);
 }
 
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err)
@@ -107,12 +119,11 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
     if (status != ISO_OK)
         return status;
     s->file = fopen(s->path, "rb");
-    struct stat st;
-    if (!s->file || fstat(fileno(s->file), &st) != 0)
+    if (!s->file)
         return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", s->path, strerror(errno));
-    status = iso_source_check_bytes(s, (double)st.st_size - (double)layout->skip_bytes, err);
-    if (status == ISO_OK && fseeko(s->file, (off_t)layout->skip_bytes, SEEK_SET) != 0)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", s->path, layout->skip_bytes);
+    if (fseeko(s->file, (off_t)layout->skip_bytes, SEEK_SET) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", s->path, layout->skip_bytes);
+    status = iso_source_check_rest(s, err);
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     return status;
 }
@@ -128,6 +139,13 @@ iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, i
     }
     return status;
 }
+
+const iso_volume_format iso_volume_format_raw = {
+    .name = "raw",
+    .title = "raw",
+    .summary = "a file without a header, by --raw-size and --raw-type, plane by plane",
+    .suffixes = ".raw",
+};
 
 const iso_volume *iso_source_volume(const iso_volume_source *source)
 {
@@ -224,6 +242,8 @@ static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *ou
     iso_status status = ISO_OK;
     if (s->preloaded)
         memcpy(out, s->preloaded + s->planes_done * plane, bytes);
+    else if (s->read_planes)
+        status = s->read_planes(s, plane_count, out, err);
     else if (s->gz)
         status = read_compressed(s, out, bytes, err);
     else if (!read_plain(s, out, bytes))
@@ -288,7 +308,7 @@ iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *
         return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
     if (s->file && fseeko(s->file, (off_t)(plane * plane_count), SEEK_CUR) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", s->path, strerror(errno));
-    if (!s->gz) {
+    if (!s->gz && !s->read_planes) {
         s->planes_done += plane_count;
         return ISO_OK;
     }
@@ -308,6 +328,8 @@ void iso_source_close(iso_volume_source *s)
         fclose(s->file);
     if (s->gz)
         gzclose(s->gz);
+    if (s->close_reader)
+        s->close_reader(s);
     free(s->preloaded);
     free(s->path);
     free(s);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <zlib.h>
 
-#include "volume/stream.h"
+#include "volume/format.h"
 
 struct iso_volume_source {
     char *path;       /* for error messages */
@@ -19,18 +19,17 @@ struct iso_volume_source {
     bool scaled;
     double slope, intercept;
     size_t planes_done;
+    /* Samples that are none of these: read_planes gives the next ones in the machine's byte order, and close_reader, which
+     * may be NULL, ends it. */
+    void *reader;
+    iso_status (*read_planes)(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
+    void (*close_reader)(iso_volume_source *source);
 };
-
-/* Headers are read into an empty source with its path set; on failure the
- * caller closes it. */
-iso_status iso_nrrd_open(iso_volume_source *source, iso_error *err);
-iso_status iso_nifti_open(iso_volume_source *source, iso_error *err);
-
-/* True when the first bytes are those of a NIfTI-1 or NIfTI-2 header of either byte order. */
-bool iso_nifti_starts_like(const unsigned char *head, size_t size);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
+/* The same of what the plain file holds from where it stands. */
+iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
 size_t iso_source_bytes(const iso_volume_source *source);
 
 #endif

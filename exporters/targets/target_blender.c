@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* target_blender.c - levels, or what a plan leaves, as a scene that Blender renders as it opens. */
+#include <stdlib.h>
+
+#include "blender/blender.h"
+#include "targets/targets.h"
+
+static void tell_ramp(const iso_export_job *job, const iso_tf_table *table)
+{
+    iso_color_ramp ramp;
+    iso_color_ramp_fit(table, &ramp);
+    if (job->results)
+        json_object_set_new(job->results, "color_ramp",
+                            json_pack("{sI sf sf}", "stops", (json_int_t)ramp.count, "max_color_difference",
+                                      ramp.color_loss, "max_opacity_difference", ramp.alpha_loss));
+    if (job->notes)
+        fprintf(job->notes, "colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
+                ramp.count, ramp.color_loss, ramp.alpha_loss);
+}
+
+static iso_status write_planned(const iso_export_job *job, const iso_blender_options *o, iso_error *err)
+{
+    const iso_node_levels *n = &job->planned->nodes;
+    iso_planned_lattices lattices;
+    iso_status status = iso_planned_lattices_create(job->planned, false, true, job->threads, &lattices, err);
+    if (status != ISO_OK)
+        return status;
+    uint8_t *pieces = iso_planned_pieces(job->planned, &lattices);
+    const iso_blender_plan plan = {.geometry = &n->geometry, .bricks = {n->count[0], n->count[1], n->count[2]},
+                                   .brick_voxels = n->brick_voxels, .piece = pieces, .lattices = lattices.items,
+                                   .count = lattices.count, .source = job->pyramid->source};
+    status = pieces ? iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err)
+                    : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    if (status == ISO_OK)
+        tell_ramp(job, &job->view->tf);
+    free(pieces);
+    iso_planned_lattices_destroy(&lattices);
+    return status;
+}
+
+static iso_status write_blender(const iso_export_job *job, iso_error *err)
+{
+    const size_t count = job->level_count;
+    iso_blender_options o = iso_blender_defaults();
+    o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
+    o.threads = job->threads;
+    if (job->planned)
+        return write_planned(job, &o, err);
+    iso_view *views = calloc(count, sizeof *views);
+    iso_status status = views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    for (size_t k = 0; k < count && status == ISO_OK; ++k)
+        status = job->view_of_level(job, job->level + k, &views[k], err);
+    if (status == ISO_OK)
+        status = iso_blender_export_levels(job->pyramid, job->level, count, views, job->output, &o, job->progress, err);
+    if (status == ISO_OK)
+        tell_ramp(job, &views[0].tf);
+    for (size_t k = 0; views && k < count; ++k)
+        iso_view_destroy(&views[k]);
+    free(views);
+    return status;
+}
+
+const iso_export_target iso_export_target_blender = {
+    .name = "blender",
+    .title = "Blender",
+    .summary = "a .blend that renders as it opens, and its OpenVDB grids",
+    .output = "NAME.blend",
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+    .write = write_blender,
+};

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/* targets.h - the table of programs that a volume is exported to: a row and a file each.
+ *
+ * A target's file, exporters/targets/target_NAME.c, defines iso_export_target_NAME
+ * and is listed below; doc/extending.md shows one. The row says which options
+ * have a meaning for it: others are refused, since they would change nothing. */
+#ifndef ISO_TARGETS_H
+#define ISO_TARGETS_H
+
+#include <stdio.h>
+
+#include "base/names.h"
+#include "plan/planned.h"
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+
+#define ISO_EXPORT_TARGET_LIST(X) \
+    X(vdb)                        \
+    X(blender)                    \
+    X(povray)
+
+/* enum, option that only some targets take */
+#define ISO_EXPORT_OPTION_LIST(X)             \
+    X(ISO_EXPORT_LEVELS, "--levels")          \
+    X(ISO_EXPORT_STEP, "--step")              \
+    X(ISO_EXPORT_HALF, "--half")              \
+    X(ISO_EXPORT_ISOSURFACE, "--isosurface")  \
+    X(ISO_EXPORT_SCENE, "--scene")            \
+    X(ISO_EXPORT_SIZE, "--size")              \
+    X(ISO_EXPORT_ROI, "--roi")                \
+    X(ISO_EXPORT_ADAPT, "--adapt")            \
+    X(ISO_EXPORT_GRIDS, "--grids")
+
+typedef enum iso_export_option {
+#define ISO_EXPORT_OPTION_ENUM(option, text) option,
+    ISO_EXPORT_OPTION_LIST(ISO_EXPORT_OPTION_ENUM)
+#undef ISO_EXPORT_OPTION_ENUM
+    ISO_EXPORT_OPTION_COUNT
+} iso_export_option;
+
+/* What is to be written. */
+typedef struct iso_export_job {
+    const iso_pyramid *pyramid;
+    size_t level, level_count; /* levels from `level` on */
+    const char *output;
+    iso_view *view;             /* of a target that takes a scene, and with a plan: it has the scene's own transfer function */
+    const iso_planned *planned; /* what a plan leaves, or NULL: whole levels */
+    bool merged;                /* what a plan leaves as one grid, else one a level */
+    double step_voxels;         /* 0: the scene's */
+    bool half_float;
+    bool isosurface;
+    double iso;
+    int threads;
+    const iso_progress *progress;
+    /* The view of a level, with what the user asked for in it: a copy that owns its table, to be destroyed. */
+    iso_status (*view_of_level)(const struct iso_export_job *job, size_t level, iso_view *view, iso_error *err);
+    const void *user;
+    json_t *results; /* what a target has to say, by keys, or NULL; */
+    FILE *notes;     /* or the same for people, in lines, or NULL */
+} iso_export_job;
+
+typedef struct iso_export_target {
+    const char *name;    /* "vdb" */
+    const char *title;   /* "OpenVDB" */
+    const char *summary; /* what is written */
+    const char *output;  /* what -o names: "NAME.vdb" */
+    unsigned options;    /* of ISO_EXPORT_TAKES(option) */
+    iso_status (*write)(const iso_export_job *job, iso_error *err);
+} iso_export_target;
+
+#define ISO_EXPORT_TAKES(option) (1u << (option))
+
+extern const iso_names iso_export_target_names;
+const iso_export_target *iso_export_target_at(size_t row);
+static inline bool iso_export_takes(const iso_export_target *t, iso_export_option option) { return t->options & ISO_EXPORT_TAKES(option); }
+const char *iso_export_option_text(iso_export_option option);
+
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* format.h - the table of volume formats: a row and a file each.
+ *
+ * A format's file, src/volume/NAME_open.c, defines iso_volume_format_NAME and is
+ * listed below; doc/extending.md shows one. iso_source_open() (stream.h) asks
+ * the rows in order whether a file is theirs, by its first bytes. */
+#ifndef ISO_VOLUME_FORMAT_H
+#define ISO_VOLUME_FORMAT_H
+
+#include "base/names.h"
+#include "volume/stream.h"
+
+#define ISO_VOLUME_FORMAT_LIST(X) \
+    X(nrrd)                       \
+    X(nifti)                      \
+    X(raw)
+
+enum { ISO_VOLUME_HEAD_BYTES = 348 }; /* of a file, that probe() sees: the longest header that needs them is NIfTI-1's */
+
+typedef struct iso_volume_format {
+    const char *name;    /* "nrrd" */
+    const char *title;   /* "NRRD" */
+    const char *summary; /* what of the format is read */
+    const char *suffixes; /* of its files' names, such as ".nrrd .nhdr": what a pyramid's name leaves out */
+    const char *starts;   /* how its files start, for the message about a file that is of no format; NULL where probe is */
+    /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
+     * to say so, as for raw. */
+    bool (*probe)(const unsigned char *head, size_t size);
+    /* Reads the header into an empty source whose path is set, and leaves the samples ready to be read: a file or a
+     * compressed file at the first sample, all samples in memory, or a reader of its own (stream_kernel.h). Checks the
+     * geometry and that the samples are as many as the header says. The caller closes the source on failure. */
+    iso_status (*open)(iso_volume_source *source, iso_error *err);
+} iso_volume_format;
+
+extern const iso_names iso_volume_format_names;
+/* Rows 0 .. iso_volume_format_names.count - 1, then those that were added; NULL behind the last. */
+const iso_volume_format *iso_volume_format_at(size_t row);
+
+/* One more format, such as a module's; the row must live as long as the program. ISO_E_RANGE when there is no room.
+ * Before threads open files. */
+iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err);
+
+/* The bytes of the longest suffix of any format that `name` ends with, 0: none, or nothing before it. */
+size_t iso_volume_format_suffix_bytes(const char *name);
+
+#endif

@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# What the program can read, write and choose from stands in tables; doc/names.md, --help and the documents say what the
+# tables say.
+. "$(dirname "$0")/lib.sh"
+
+check names_are_listed "$ISOSHADE" list
+"$ISOSHADE" list --markdown >names.md
+
+same_as_table() { # file: the tables' rows, no more and no fewer
+    diff <(grep -E '^## |^\| `' "$1") <(grep -E '^## |^\| `' names.md) >difference
+}
+check the_document_lists_the_tables diff "$top/doc/names.md" names.md
+
+# Planted faults: a row missing in the document, one too many, and a summary that says something else.
+grep -v '^| `squeeze`' names.md >less.md
+sed 's/^| `squeeze`.*/&\n| `pinch` | not a code |/' names.md >more.md
+sed 's/^| `squeeze` | 48 regions/| `squeeze` | 24 regions/' names.md >other.md
+for fault in less more other; do
+    if same_as_table $fault.md; then not_ok "a_document_with_${fault}_is_found" "taken for the table"; else ok "a_document_with_${fault}_is_found"; fi
+done
+
+# Each name has its line in the help of the command that takes it.
+rows() { # WHAT: the names of that table
+    "$ISOSHADE" list --json | python3 -c '
+import json, sys
+for table in json.load(sys.stdin)["lists"]:
+    if table["what"] == sys.argv[1]:
+        for row in table["rows"]: print(row["name"])' "$1"
+}
+has_rows() { # WHAT, help: each row has a line in the section of the help
+    local name section
+    section=$(sed -n "/^$1s:\$/,/^\$/p" "$2")
+    [ -n "$section" ] && [ "$(rows "$1" | wc -l)" -gt 0 ] || return 1
+    for name in $(rows "$1"); do grep -q "^  $name " <<<"$section" || return 1; done
+    [ "$(grep -c '^  ' <<<"$section")" = "$(rows "$1" | wc -l)" ]
+}
+while read -r command what; do
+    "$ISOSHADE" "$command" --help >help.txt
+    check "help_of_${command}_lists_${what// /_}s" has_rows "$what" help.txt
+    sed "/^  $(rows "$what" | sed -n 1p) /d" help.txt >less.txt
+    if has_rows "$what" less.txt; then not_ok "a_missing_${what// /_}_is_found" "taken for whole"; else ok "a_missing_${what// /_}_is_found"; fi
+done <<'END'
+info volume format
+tf transfer-function format
+build gradient method
+build direction code
+build direction filter
+build scalar filter
+render direction code
+render direction source
+palette palette method
+chart direction code
+chart gradient method
+export export target
+END
+
+# Each table has its section in doc/extending.md, which says where a row goes.
+for heading in "A renderer" "A direction code" "An estimator" "A volume format" "An export target" "A transfer-function format"; do
+    check "extending_has_${heading// /_}" grep -qx "## $heading" "$top/doc/extending.md"
+done
+while read -r name; do check "the_readme_names_$name" grep -qi "$name" "$top/README.md"; done < <(rows "volume format")
+
+# The examples of doc/extending.md compile, without a warning.
+awk '/^```c$/ {n++; out = "example" n ".c"; next} /^```$/ {out = ""} out {print > out}' "$top/doc/extending.md"
+for example in example*.c; do
+    name=$(sed -n '1,2s/^\/\* \([a-z_0-9]*\)\.c.*/\1/p' "$example")
+    check "example_${name}_compiles" gcc -std=c11 -fsyntax-only -Wall -Wextra -Wno-psabi -Werror -I"$top/src" -I"$top/exporters" -I"$top" "$example"
+    lines=$(wc -l <"$example")
+    [ "$lines" -le 60 ] && ok "example_${name}_is_short" || not_ok "example_${name}_is_short" "$lines lines"
+done
+
+# Messages list the rows, too.
+expect an_unknown_code_is_refused 2 "$ISOSHADE" build none.nrrd --code pinch -o x.iso
+check the_refusal_lists_all_codes grep -qF "$(rows "direction code" | paste -sd, | sed 's/,/, /g')" "$dir/err"
+exit $failed
