@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* shifted.c - the reference, of a volume that stands shift_voxels off: an example of a renderer. */
+/* shifted.c - the reference, of a volume that stands shift_voxels off: an example. */
 #include <stdio.h>
 
-#include "base/parallel.h"
 #include "renderers/renderers.h"
 
 static double shift_voxels = 0; /* anything else is a fault, which validation finds */
 
 static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
 {
-    (void)r, (void)err; /* a program that is not there: return iso_fail(err, ISO_E_MISSING, "...") */
+    (void)r, (void)err; /* what is not there: return iso_fail(err, ISO_E_MISSING, "...") */
     snprintf(text, size, "shifted by %g voxels", shift_voxels);
     return ISO_OK;
 }
 
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
+    (void)stats; /* the time of the call will do */
     iso_level level = q->pyramid->levels[q->level]; /* borrowed, but for where it stands */
     iso_reference_options o = iso_reference_defaults();
     level.geometry.origin_mm = iso_geometry_to_world(&level.geometry, iso_v3(shift_voxels, shift_voxels, shift_voxels));
@@ -23,29 +23,17 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.source = q->options->source;
     o.step_voxels = q->options->step_voxels;
     o.threads = q->options->threads;
-    const double start = iso_clock_seconds();
-    const iso_status status = iso_reference_render(&level, q->pyramid->options.code, q->view, &o, image, q->progress, err);
-    const double seconds = iso_clock_seconds() - start;
-    iso_render_stats_sum_up(stats, &seconds, 1);
-    return status;
+    return iso_reference_render(&level, q->pyramid->options.code, q->view, &o, image, q->progress, err);
 }
 
-/* Its samples are those of the reference's midpoint rule, in the same arithmetic: they may only differ by the rounding of
- * where the volume stands. */
+/* The reference's own midpoints, in its arithmetic: only the rounding of where the volume stands may tell them apart. */
 static const iso_lock_step lock_step = {
-    .quadrature = ISO_QUADRATURE_MIDPOINT,
-    .smooth = {.rmse = 1e-6, .max_abs = 1e-5},
-    .sharp = {.rmse = 1e-6, .max_abs = 1e-5},
-    .why = "the same samples in the same arithmetic",
+    .quadrature = ISO_QUADRATURE_MIDPOINT, .why = "the same samples in the same arithmetic",
+    .smooth = {.rmse = 1e-6, .max_abs = 1e-5}, .sharp = {.rmse = 1e-6, .max_abs = 1e-5},
 };
 
 const iso_renderer_info iso_renderer_shifted = {
-    .name = "shifted",
-    .title = "Shifted reference",
-    .color = "#cc79a7",
+    .name = "shifted", .title = "Shifted reference", .color = "#cc79a7", .relative_cost = 10,
     .traits = ISO_HAS_LIMIT | ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI | ISO_READS_SOURCE,
-    .relative_cost = 10,
-    .lock_step = &lock_step,
-    .version = version,
-    .render = render,
+    .lock_step = &lock_step, .version = version, .render = render,
 };

@@ -133,6 +133,8 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
     const double start = iso_clock_seconds();
     status = opt->renderer->render(&q, image, &stats, err);
     const double all = iso_clock_seconds() - start;
+    if (stats.count == 0)
+        iso_render_stats_sum_up(&stats, &all, 1);
     if (is_program)
         stats.setup_seconds = fmax(all - stats.seconds, 0);
     if (status == ISO_OK)

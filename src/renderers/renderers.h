@@ -131,7 +131,8 @@ struct iso_renderer_info {
 
     /* "Blender 3.4.1": what answers. ISO_E_MISSING: why nothing does. */
     iso_status (*version)(iso_renderers *r, char *text, size_t size, iso_error *err);
-    /* Creates the image. Fills stats but for setup_seconds of programs, which the caller knows. */
+    /* Creates the image. Fills stats, but for what the caller sees by itself: setup_seconds of programs, and the time where
+     * there is none but that of the call. */
     iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);
     /* `count` frames, from request->options on, by one start; all or none. NULL: one after the other. */
     iso_status (*render_several)(const iso_render_request *request, size_t count, iso_image *images, iso_error *err);
