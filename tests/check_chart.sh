@@ -22,7 +22,7 @@ check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; le
 check the_grid_is_whole test "$(wc -l <"$dir/c/pareto.csv")" = $((1 + 2 * (7 + 2 * (2 * 6 + 1) + 2)))
 check no_setting_is_there_twice test -z "$(column "$dir/c/pareto.csv" setting | sort | uniq -d)"
 check flipped_directions_are_there grep -q 'gl; level 1; flipped moments' "$dir/c/pareto.csv"
-check tables_over_two_values_are_there grep -q 'level 1 TF over deviation; snorm moments; step 0.25' "$dir/c/pareto.csv"
+check tf_2ds_are_there grep -q 'level 1 2D TF (deviation); snorm moments; step 0.25' "$dir/c/pareto.csv"
 check adapted_transfer_functions_are_there grep -q 'level 1 adapted TF; snorm moments' "$dir/c/pareto.csv"
 check the_pdf_embeds_its_fonts grep -aq FontFile "$dir/c/pareto.pdf"
 check the_text_of_the_svg_is_text grep -q '>bytes that the renderer holds<' "$dir/c/pareto.svg"

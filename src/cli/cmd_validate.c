@@ -89,9 +89,8 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
 static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, iso_error *err)
 {
     for (size_t i = 0; i < iso_renderer_count(); ++i)
-        if (v->refused[i][0])
-            return iso_fail(err, strncmp(v->refused[i], "missing", 7) == 0 ? ISO_E_MISSING : ISO_E_UNTRUSTED, "%s %s",
-                            iso_renderer_at(i)->name, v->refused[i]);
+        if (v->refused[i].status != ISO_OK)
+            return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
     return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
 }
 

@@ -121,24 +121,26 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     return status;
 }
 
-/* Why a renderer is not compared, or "": it is missing or failed its calibration, or it does not have what the scene asks
+/* Is the renderer not compared? Fills why: it is missing or failed its calibration, or does not have what the scene asks
  * for. */
-static const char *why_refused(const iso_validation *v, const iso_renderer_info *renderer, char text[600])
+static bool is_refused(const iso_validation *v, const iso_renderer_info *renderer, char why[512])
 {
+    const iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
     const char *lacks = iso_renderer_lacks(renderer, v->view, false);
-    snprintf(text, 600, "%s", v->refused[iso_renderer_index(renderer)]);
-    if (!text[0] && lacks)
-        snprintf(text, 600, "does not render %s", lacks);
-    return text;
+    if (refusal->status != ISO_OK)
+        snprintf(why, 512, "%s", refusal->why);
+    else if (lacks)
+        snprintf(why, 512, "does not render %s", lacks);
+    return refusal->status != ISO_OK || lacks;
 }
 
 static iso_status add_refusal(iso_validation *v, size_t level, const char *a, const iso_renderer_info *renderer, const char *tier,
-                              iso_error *err)
+                              const char *why, iso_error *err)
 {
-    char b_name[128], why[600];
+    char b_name[128];
     snprintf(b_name, sizeof b_name, "%s%s%s", renderer->name, v->variant[0] ? ", " : "", v->variant);
     const iso_report_agreement row = {.level = level, .order = v->order, .scene = v->scene_name, .a = a, .b = b_name,
-                                      .tier = tier, .error_bar = NAN, .refused = why_refused(v, renderer, why)};
+                                      .tier = tier, .error_bar = NAN, .refused = why};
     return iso_report_add_agreement(v->report, &row, err);
 }
 
@@ -218,13 +220,13 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     const iso_lock_step *lock = renderer->lock_step;
     const bool exported = iso_renderer_has(renderer, ISO_IS_PROGRAM);
     truth same = {.name = "reference, same samples"};
-    char what[64], reference[80], options[64] = "", why[600];
+    char what[64], reference[80], options[64] = "", why[512];
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.b = renderer->name, .tier = "lock-step", .error_bar = NAN, .why = lock->why,
                                 .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
-    if (why_refused(v, renderer, why)[0])
-        return add_refusal(v, level, same.name, renderer, row.tier, err);
+    if (is_refused(v, renderer, why))
+        return add_refusal(v, level, same.name, renderer, row.tier, why, err);
     snprintf(what, sizeof what, "%s-lockstep", renderer->name);
     begin_row(v, level, what);
     opt.threads = v->threads;
@@ -314,13 +316,13 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
 {
     const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
-    char what[64], options[64], b[64], why[600];
+    char what[64], options[64], b[64], why[512];
     iso_limit limit = {0};
     iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
                                 .why = asked->why};
     snprintf(b, sizeof b, "%s, limit", renderer->name);
-    if (why_refused(v, renderer, why)[0])
-        return add_refusal(v, level, a->name, renderer, row.tier, err);
+    if (is_refused(v, renderer, why))
+        return add_refusal(v, level, a->name, renderer, row.tier, why, err);
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
@@ -368,8 +370,8 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
                                     .error_bar = NAN, .limits = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
         if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
-        if (v->refused[i][0]) {
-            status = add_refusal(v, level, a.name, renderer, row.tier, err);
+        if (v->refused[i].status != ISO_OK) {
+            status = add_refusal(v, level, a.name, renderer, row.tier, v->refused[i].why, err);
             continue;
         }
         opt.renderer = renderer;

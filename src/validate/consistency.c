@@ -207,7 +207,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     iso_image finest[max_views] = {{0}};
     iso_status status = ISO_OK;
     const size_t usual = iso_renderer_index(iso_renderers_usual());
-    if (v->refused[usual][0] || !v->wanted[usual])
+    if (v->refused[usual].status != ISO_OK || !v->wanted[usual])
         return ISO_OK; /* all views are of one renderer */
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, false, i, &finest[i], err);

@@ -39,16 +39,19 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
 
 static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *err)
 {
-    char *refused = v->refused[iso_renderer_index(f->which)];
+    iso_refusal *refusal = &v->refused[iso_renderer_index(f->which)];
     iso_status status = ISO_OK;
-    snprintf(refused, sizeof v->refused[0], "%s", f->missing);
+    *refusal = (iso_refusal){.status = f->missing[0] ? ISO_E_MISSING : ISO_OK};
+    snprintf(refusal->why, sizeof refusal->why, "%s", f->missing);
     for (size_t i = 0; i < f->check_count && status == ISO_OK; ++i) {
         const iso_calibration *c = &f->checks[i];
         const iso_report_calibration row = {.renderer = f->which->name, .check = c->check, .value = c->value,
                                             .limit = c->limit, .unit = c->unit, .detail = c->why};
-        if (!c->passed && !refused[0])
-            snprintf(refused, sizeof v->refused[0], "failed its calibration: %s is %.3g %s, at most %g", c->check, c->value,
+        if (!c->passed && refusal->status == ISO_OK) {
+            refusal->status = ISO_E_UNTRUSTED;
+            snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s is %.3g %s, at most %g", c->check, c->value,
                      c->unit, c->limit);
+        }
         status = iso_report_add_calibration(v->report, &row, err);
     }
     const iso_report_calibration absent = {.renderer = f->which->name, .check = "answers", .value = NAN, .detail = f->missing};

@@ -23,6 +23,12 @@ typedef struct iso_level_tf {
     iso_adapt_judgment judgment; /* use_original: adapting was refused; so at level 0 */
 } iso_level_tf;
 
+/* Why a renderer is not compared. */
+typedef struct iso_refusal {
+    iso_status status; /* ISO_OK: it is compared; ISO_E_MISSING; ISO_E_UNTRUSTED: it failed its calibration */
+    char why[512];
+} iso_refusal;
+
 typedef struct iso_validation {
     const iso_pyramid *pyramid;
     const iso_scene *scene;
@@ -39,7 +45,7 @@ typedef struct iso_validation {
     size_t order;             /* of the rows among those of other parts */
     double row_start;         /* when what a row compares began */
     bool wanted[ISO_MAX_RENDERERS];
-    char refused[ISO_MAX_RENDERERS][512]; /* why a renderer is not compared; "" when it may be */
+    iso_refusal refused[ISO_MAX_RENDERERS];
     size_t consistency_size, consistency_views;
     iso_level_tf *level_tfs;  /* one a level; by iso_validate_adapt() */
     int threads;
