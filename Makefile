@@ -3,6 +3,7 @@
 #
 #   config=release (default) | debug | sanitize      objects under build/$(config)
 #   WERROR=-Werror      warnings stop the build, as in our own checks (make check)
+#   PREFIX=/usr/local   where make install puts things; DESTDIR= is put before it, for packagers
 #   SETUP=no            make demo and make check install nothing: what they need is there
 
 config ?= release
@@ -13,7 +14,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin \
-	blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
+	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -25,13 +26,15 @@ flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=unde
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-pkgs := jansson popt libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
+library_pkgs := jansson libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
+pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 missing = $(error Debian packages are missing that isoshade is built with: `make setup` installs them)
 CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
-LDLIBS = -lteem -lniftiio -lznz -lopenvdb $(pkg_libs) -lstdc++ -lm
+unpackaged_libs := -lteem -lniftiio -lznz -lopenvdb
+LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms of the command line stand above it, in an archive of their own.
@@ -64,7 +67,7 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 .DEFAULT_GOAL := all
 
 all: $(program) $(shared) $(mpi_library) ## build the program for $(config)
-	@ln -sfn $(program) isoshade
+	@[ "$$(readlink isoshade)" = $(program) ] || ln -sfn $(program) isoshade
 
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -96,6 +99,34 @@ tests: $(tests) ## build the test programs
 .PHONY: tests
 test: all tests ## build and run the tests of this config only
 	@bash tests/run.sh $(build)
+
+# ---- install ---------------------------------------------------------------
+PREFIX ?= /usr/local
+to := $(DESTDIR)$(PREFIX)
+installed := bin/isoshade lib/isoshade/isoshade_mpi.so include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
+	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
+	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE
+
+install: all ## install program, library, manual page and completions under PREFIX
+	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
+	install -m 755 $(program) $(to)/bin/isoshade
+	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
+	install -m 644 src/isoshade.h $(to)/include/
+	install -m 644 $(lib) $(to)/lib/
+	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
+	ln -sf libisoshade.so.$(version) $(to)/lib/$(soname)
+	ln -sf $(soname) $(to)/lib/libisoshade.so
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' -e 's|@PKGS@|$(library_pkgs)|' -e 's|@LIBS@|$(unpackaged_libs)|' \
+		src/isoshade.pc.in >$(to)/lib/pkgconfig/isoshade.pc
+	$(program) help --man >$(to)/share/man/man1/isoshade.1
+	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
+	$(program) completion zsh >$(to)/share/zsh/site-functions/_isoshade
+	install -m 644 LICENSE $(to)/share/doc/isoshade/
+
+uninstall: ## remove what make install put there
+	rm -f $(addprefix $(to)/,$(installed))
+	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade 2>/dev/null || true
+.PHONY: install uninstall
 
 clean: ## remove what was built
 	rm -rf build/release build/debug build/sanitize isoshade

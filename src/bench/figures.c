@@ -21,7 +21,7 @@ static const char *text_of(const json_t *c, const char *key)
 
 static bool is_like(const json_t *c, const char *key, const char *value)
 {
-    return !value || strcmp(text_of(c, key), value) == 0;
+    return strcmp(text_of(c, key), value) == 0;
 }
 
 static int level_of(const json_t *c)

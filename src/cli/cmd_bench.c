@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_bench.c - hands on to the benchmarks. */
 #include "bench/bench.h"
+#include "cli/commands.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +11,7 @@ ISO_BENCH_LIST(ISO_BENCH_EXTERN)
 #undef ISO_BENCH_EXTERN
 
 #define ISO_BENCH_ENTRY(name) &iso_bench_##name,
-static const iso_command *const benchmarks[] = {ISO_BENCH_LIST(ISO_BENCH_ENTRY) NULL};
+const iso_command *const iso_benchmarks[] = {ISO_BENCH_LIST(ISO_BENCH_ENTRY) NULL};
 #undef ISO_BENCH_ENTRY
 
 static const char *short_name(const iso_command *benchmark)
@@ -22,7 +23,7 @@ static void print_list(const iso_command *self)
 {
     printf("isoshade %s - %s\n\nusage: isoshade %s %s\n\n%s\n\nbenchmarks:\n", self->name, self->summary, self->name,
            self->usage, self->details);
-    for (const iso_command *const *b = benchmarks; *b; ++b)
+    for (const iso_command *const *b = iso_benchmarks; *b; ++b)
         printf("  %-12s %s\n", short_name(*b), (*b)->summary);
     printf("\nisoshade bench NAME --help shows its options.\n\nexamples:\n%s", self->examples);
 }
@@ -35,7 +36,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         print_list(self);
         return ISO_OK;
     }
-    for (const iso_command *const *b = benchmarks; *b; ++b)
+    for (const iso_command *const *b = iso_benchmarks; *b; ++b)
         if (strcmp(short_name(*b), argv[1]) == 0)
             return (*b)->run(*b, argc - 1, argv + 1, err);
     return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);

@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* commands.h - the one list of commands; the table and its order in --help
  * expand from it. src/cli/cmd_NAME.c defines iso_command_NAME. */
+#ifndef ISO_CLI_COMMANDS_H
+#define ISO_CLI_COMMANDS_H
+
+#include "options/cli.h"
+
 #define ISO_COMMAND_LIST(X) \
     X(info) \
     X(list) \
@@ -18,3 +23,8 @@
     X(baseline) \
     X(atlas) \
     X(bench)
+
+/* "bench NAME" each, by src/bench/bench.h. */
+extern const iso_command *const iso_benchmarks[]; /* ends with NULL */
+
+#endif

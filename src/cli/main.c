@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "options/cli.h"
 #include "cli/commands.h"
+#include "cli/manual.h"
 
 #define ISO_COMMAND_EXTERN(name) extern const iso_command iso_command_##name;
 ISO_COMMAND_LIST(ISO_COMMAND_EXTERN)
@@ -20,10 +21,20 @@ static void print_overview(FILE *file)
                   "usage: isoshade COMMAND [options]\n\ncommands:\n", ISO_VERSION);
     for (const iso_command *const *c = iso_commands; *c; ++c)
         fprintf(file, "  %-10s %s\n", (*c)->name, (*c)->summary);
-    fprintf(file, "\nisoshade COMMAND --help shows its options, with examples.\n\nexit codes:\n");
+    fprintf(file, "\nisoshade COMMAND --help shows its options, with examples.\nisoshade help --man prints the manual page; isoshade completion bash or zsh what completes words in these shells."
+                  "\n\nexit codes:\n");
 #define ISO_STATUS_LINE(name, code, text) fprintf(file, "  %d  %s\n", code, text);
     ISO_STATUS_LIST(ISO_STATUS_LINE)
 #undef ISO_STATUS_LINE
+}
+
+static int print_completion(const char *shell)
+{
+    iso_error err = {""};
+    iso_status status = iso_manual_print_completion(stdout, shell, &err);
+    if (status != ISO_OK)
+        fprintf(stderr, "isoshade completion: %s\n", err.text);
+    return status;
 }
 
 int main(int argc, const char **argv)
@@ -32,6 +43,12 @@ int main(int argc, const char **argv)
         print_overview(stderr);
         return ISO_E_USAGE;
     }
+    if (argc == 3 && strcmp(argv[1], "help") == 0 && strcmp(argv[2], "--man") == 0) {
+        iso_manual_print_page(stdout);
+        return ISO_OK;
+    }
+    if (strcmp(argv[1], "completion") == 0)
+        return print_completion(argc == 3 ? argv[2] : "");
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(stdout);
         return ISO_OK;

@@ -112,6 +112,31 @@ static iso_status refuse_renamed(int argc, const char **argv, iso_error *err)
     return ISO_OK;
 }
 
+/* While options are visited: commands keep their tables on the stack of run(), so iso_cli_parse() shows them from there. */
+static struct {
+    iso_cli_option_visitor visit;
+    void *user;
+} visiting;
+
+static void visit_table(const struct poptOption *o, bool is_common)
+{
+    for (; o->longName || o->shortName || o->arg; ++o)
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
+            visit_table(o->arg, is_common);
+        else if (o->longName)
+            visiting.visit(visiting.user, o, is_common);
+}
+
+void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user)
+{
+    const char *const argv[] = {command->name, NULL};
+    iso_error err = {""};
+    visiting.visit = visit;
+    visiting.user = user;
+    command->run(command, 1, (const char **)argv, &err);
+    visiting.visit = NULL;
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
                          iso_error *err)
@@ -131,6 +156,12 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         {NULL, 0, POPT_ARG_INCLUDE_TABLE, common, 0, NULL, NULL},
         POPT_TABLEEND,
     };
+    if (visiting.visit) {
+        visit_table(options, false);
+        visit_table(common, true);
+        *next = ISO_CLI_STOP;
+        return ISO_OK;
+    }
     iso_status status = refuse_empty_numbers(table, argc, argv, err);
     if (status == ISO_OK)
         status = refuse_renamed(argc, argv, err);

@@ -55,6 +55,11 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
                          iso_error *err);
 void iso_cli_end(iso_cli *cli);
 
+/* Calls `visit` for each option of the command, in the order of its --help; the command itself does not run. common: one
+ * that every command has. For one thread at a time. */
+typedef void (*iso_cli_option_visitor)(void *user, const struct poptOption *option, bool is_common);
+void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user);
+
 /* The progress bar on stderr: drawn when that is a terminal, else a line a stage; silent with --quiet. */
 iso_progress iso_cli_progress(const iso_cli *cli);
 
