@@ -14,7 +14,7 @@ check vdb_of_halves "$ISOSHADE" export v.nrrd --to vdb --levels 3 --half -q -o h
     grep -q '"max_color_difference"' two.json && [ -e two_level_0.vdb ] && [ -e two_level_1.vdb ] && [ ! -e two_level_2.vdb ] &&
     ok blend_of_two_levels_tells_the_loss_of_its_ramp || not_ok blend_of_two_levels_tells_the_loss_of_its_ramp "$(cat err)"
 check blend_of_one_level "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --level 1 -q -o one.blend
-[ -e one.vdb ] && ok the_grid_has_the_name_of_the_blend || not_ok the_grid_has_the_name_of_the_blend "$(ls)"
+has_cycles && { [ -e one.vdb ] && ok the_grid_has_the_name_of_the_blend || not_ok the_grid_has_the_name_of_the_blend "$(ls)"; }
 
 refuse no_blend_ending 2 ".blend" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o scene.bld
 refuse a_name_that_is_not_utf8 2 "UTF-8" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o "$(printf 'a\351b.blend')"
@@ -23,6 +23,23 @@ refuse no_folder 3 "nowhere" "$ISOSHADE" export v.nrrd --to blender --scene "$sc
 refuse no_such_level 5 "levels 0 to" "$ISOSHADE" export v.nrrd --to vdb --level 9 -q -o x.vdb
 refuse no_blender 7 "blender" env ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o x.blend
 refuse a_blender_that_fails 8 "exit code 1" env ISOSHADE_BLENDER=/bin/false "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o x.blend
+# A Blender that shows no volumes says so from inside; this one only says it.
+cat >blender-5.2 <<'END'
+#!/bin/sh
+echo "Blender 5.2.2 LTS"
+[ "$1" = --version ] && exit
+echo "isoshade: shows no volumes: Blender 5.2 of this system is built without NanoVDB: Cycles shows no volumes"
+exit 8
+END
+chmod +x blender-5.2
+without=(env ISOSHADE_BLENDER="$dir/blender-5.2" "$ISOSHADE")
+refuse a_blender_without_nanovdb_exports_nothing 7 "Blender 5.2 of this system is built without NanoVDB: Cycles shows no volumes" \
+    "${without[@]}" export v.nrrd --to blender --scene "$scene" -q -o x.blend
+refuse nor_does_it_render 7 "Blender 5.2 of this system is built without NanoVDB" "${without[@]}" render v.nrrd --scene "$scene" --with cycles --size 8 -q -o x.exr
+expect the_chart_leaves_it_out 0 env ISOSHADE_POVRAY=/nowhere "${without[@]}" chart v.nrrd --scene "$scene" --size 8 --levels 1 --steps 1 --budget 5 -q -o "$dir/charted"
+check by_name grep -q 'left out: cycles: Blender 5.2 of this system is built without NanoVDB' out
+expect the_report_calls_it_missing 7 "${without[@]}" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with gl,cycles -q -o "$dir/validated"
+check with_that_reason grep -q 'missing: Blender 5.2 of this system is built without NanoVDB' validated/report.json
 refuse halves_for_blender 2 "--half" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --half -q -o x.blend
 refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -q -o x.vdb
 refuse adapted_vdb 2 "--adapt" "$ISOSHADE" export v.nrrd --to vdb --adapt -q -o x.vdb

@@ -10,12 +10,22 @@ trap 'rm -rf "$work"' EXIT
 mkdir "$work/bin" && ln -s "$program" "$work/bin/isoshade"
 export PATH=$work/bin:$PATH
 bad=0
+# A line that needs what this system's Blender lacks, which the program says by name, is skipped.
+fail() { # name, output
+    local lack
+    if lack=$(grep -om1 'Blender [0-9.]* of this system is built without NanoVDB.*' <<<"$2"); then
+        echo "ok $1 # SKIP $lack"
+    else
+        echo "not ok $1: $(tail -n 2 <<<"$2")"
+        bad=1
+    fi
+}
 run_lines() { # name; lines on stdin, in the current folder
     local name=$1 line output count=0
     while IFS= read -r line; do
         [ -n "$line" ] || continue
         case $line in make\ demo* | make\ check*) continue ;; esac
-        output=$(bash -c "$line" 2>&1 </dev/null) || { echo "not ok $name: $line: $(tail -n 2 <<<"$output")"; bad=1; }
+        output=$(bash -c "$line" 2>&1 </dev/null) || fail "$name: $line" "$output"
         count=$((count + 1))
     done
     [ $bad = 0 ] && echo "ok $name: $count lines"

@@ -12,7 +12,11 @@ trap 'rm -rf "$dir" "$HOME"' EXIT
 cd "$dir" || exit 1
 failed=0
 ok() { echo "ok $1"; }
-not_ok() { echo "not ok $1: $2"; failed=1; }
+skip() { echo "ok $1 # SKIP $2"; }
+# A case that fails because the program says by name what this system's Blender lacks is skipped with that sentence.
+not_ok() {
+    if [[ $2 == *"built without NanoVDB"* ]] && ! has_cycles; then skip "$1" "$lack"; else echo "not ok $1: $2"; failed=1; fi
+}
 
 # check NAME COMMAND: it has to succeed
 check() {
@@ -45,4 +49,19 @@ refuse() {
     elif [ -s "$dir/out" ]; then not_ok "$name" "wrote on stdout: $(head -n 1 "$dir/out")"
     elif [ "$before" != "$after" ]; then not_ok "$name" "files were left: $(diff <(echo "$before") <(echo "$after"))"
     else ok "$name"; fi
+}
+
+# has_cycles: whether Cycles of this Blender shows volumes, for cases that follow from a picture of it; $lack says why not.
+# Only Blender 5 and later can be built without. A Blender that is missing is a failure of the tests.
+has_cycles() {
+    if [ -z "${lack+known}" ]; then
+        lack=
+        if [ "$(blender --version 2>/dev/null | sed -n 's/^Blender \([0-9]*\)\..*/\1/p')" -ge 5 ] 2>/dev/null; then
+            "$ISOSHADE" make shells --size 4 -q -o lack.nrrd
+            lack=$("$ISOSHADE" render lack.nrrd --scene "$top/refscenes/shells.scene.json" --with cycles --size 4 -q -o lack.exr 2>&1 |
+                grep -o 'Blender [0-9.]* of this system is built without NanoVDB.*')
+            rm -f lack.nrrd lack.exr
+        fi
+    fi
+    [ -z "$lack" ]
 }

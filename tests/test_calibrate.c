@@ -4,6 +4,7 @@
 
 #include "validate/calibrate.h"
 #include "test.h"
+#include "cycles.h"
 
 static iso_renderers renderers;
 
@@ -53,6 +54,7 @@ static void povray_passes_its_calibration(void **state)
 static void cycles_passes_its_calibration(void **state)
 {
     (void)state;
+    need_cycles();
     expect_trust(&iso_renderer_cycles);
 }
 

@@ -5,6 +5,7 @@
 
 #include "bench/power.h"
 #include "test.h"
+#include "cycles.h"
 
 static iso_renderers renderers;
 
@@ -175,8 +176,9 @@ static void a_pixel_that_is_no_number_is_rejected(void **state)
     (void)state;
     const iso_planted nan_pixel = {.deviation = ISO_DEVIATION_PIXEL, .amount = NAN};
     const iso_renderer_info *const renderer[] = {&iso_renderer_gl, &iso_renderer_cycles};
+    const int count = cycles_shows_volumes() ? 2 : 1;
     iso_power_case c = open_case(500);
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < count; ++i) {
         bool rejected;
         assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LIMIT, renderer[i], &nan_pixel, &rejected, &err));
         assert_true(rejected);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A region of interest: no seam, measured, with a hard edge and a foreign TF planted; and one definition in every renderer. */
 #include "test.h"
+#include "cycles.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -308,6 +309,7 @@ static void povray_blends_as_the_reference(void **state)
 static void cycles_blends_as_the_reference(void **state)
 {
     (void)state;
+    need_cycles();
     enum { seeds = 8 };
     subject s = open_subject();
     iso_render_options reference = iso_render_defaults(&iso_renderer_reference);

@@ -2,6 +2,7 @@
 /* 2D transfer functions: what the second value is, and that every renderer looks up one definition. Sizes and
  * spacings are unequal, the grid is rotated. */
 #include "test.h"
+#include "cycles.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -165,6 +166,7 @@ static void povray_looks_up_the_same_tables(void **state)
 static void cycles_looks_up_the_same_tables(void **state)
 {
     (void)state;
+    need_cycles();
     iso_render_options cycles = iso_render_defaults(&iso_renderer_cycles), reference = iso_render_defaults(&iso_renderer_reference);
     cycles.step_voxels = 0.125;
     check_renderer(&cycles, &reference, 1, CYCLES_RMSE);

@@ -44,6 +44,10 @@ iso_blender_options iso_blender_defaults(void);
 /* Version of the program found, such as "3.4.1". ISO_E_MISSING. */
 iso_status iso_blender_version(char *version, size_t size, iso_error *err);
 
+/* The same, when Cycles of this Blender shows volumes: ISO_E_MISSING with the reason when it does not. Blender 5 needs
+ * NanoVDB for it, which a build may lack: there a tiny volume is rendered to see. */
+iso_status iso_cycles_version(char *version, size_t size, iso_error *err);
+
 /* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved. A
  * Blender unit is a millimetre, or a power of ten of it where the volume is
  * smaller than 1 mm or larger than 10 m; the VDB is in the same unit.

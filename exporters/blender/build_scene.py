@@ -81,6 +81,8 @@ def main():
         about = json.load(file)
     print("isoshade: progress 0.1 Blender", flush=True)
     shift = calibrate(about["calibration"])
+    if "probe" in about:
+        return
     print("isoshade: progress 0.3 Blender", flush=True)
     scene = build(about, shift)
     if "frames" in about:

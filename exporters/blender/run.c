@@ -66,6 +66,7 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
 typedef struct listener {
     const iso_progress *progress;
     char refusal[256]; /* why calibration failed */
+    char lack[256];    /* what this Blender is built without */
     char failure[256]; /* why the script did */
     iso_cycles_stats *stats;
 } listener;
@@ -102,6 +103,7 @@ static void take_line(void *user, const char *line)
     if (l->stats)
         take_stats(l->stats, line);
     sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
+    sscanf(line, "isoshade: shows no volumes: %255[^\n]", l->lack);
     sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
 }
 
@@ -146,7 +148,9 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
         listener l = {.progress = progress, .stats = opt->stats};
         iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
         status = iso_process_run(argv, &options, err);
-        if (status != ISO_OK && l.refusal[0])
+        if (status != ISO_OK && l.lack[0])
+            status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
+        else if (status != ISO_OK && l.refusal[0])
             status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
         else if (status != ISO_OK && l.failure[0])
             status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", blender, l.failure);
@@ -156,6 +160,21 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
     free(description);
     free(script);
     free(blender);
+    return status;
+}
+
+iso_status iso_cycles_version(char *version, size_t size, iso_error *err)
+{
+    const iso_blender_options options = iso_blender_defaults();
+    iso_status status = iso_blender_version(version, size, err);
+    if (status != ISO_OK || atoi(version) < 5)
+        return status;
+    char *folder = iso_make_temp_dir();
+    if (!folder)
+        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    status = iso_blender_run(json_pack("{sb}", "probe", true), folder, &options, NULL, err);
+    iso_remove_tree(folder);
+    free(folder);
     return status;
 }
 

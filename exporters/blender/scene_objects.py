@@ -135,6 +135,17 @@ def refuse(why):
     sys.exit(8)
 
 
+def refuse_black():
+    """The volume's picture is black. Blender 5 gives grids to Cycles through NanoVDB alone, and no option of a build tells
+    whether that is there: this picture does."""
+    if bpy.app.version >= (5, 0, 0):
+        version = ".".join(str(number) for number in bpy.app.version[:2])
+        print(f"isoshade: shows no volumes: Blender {version} of this system is built without NanoVDB: Cycles shows no volumes",
+              flush=True)
+        sys.exit(8)
+    refuse("Cycles renders nothing of a known volume")
+
+
 def emission_centroid(path):
     """Centroid of the red channel, in fractions of the picture from its middle."""
     image = bpy.data.images.load(path)
@@ -143,7 +154,7 @@ def emission_centroid(path):
     bpy.data.images.remove(image)
     total = pixels.sum()
     if not total > 0:
-        refuse("Cycles renders nothing of a known volume")
+        refuse_black()
     x = (pixels.sum(0) * (numpy.arange(width) + 0.5)).sum() / total / width - 0.5
     y = (pixels.sum(1) * (numpy.arange(height) + 0.5)).sum() / total / height - 0.5
     return x, y

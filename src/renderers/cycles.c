@@ -11,7 +11,7 @@ static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *
 {
     (void)r;
     char found[128] = "";
-    const iso_status status = iso_blender_version(found, sizeof found, err);
+    const iso_status status = iso_cycles_version(found, sizeof found, err);
     if (status == ISO_OK)
         snprintf(text, size, "Blender %s", found);
     return status;

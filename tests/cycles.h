@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* cycles.h - for tests of Cycles: a Blender that is built without volumes for it is no fault of ours. */
+#ifndef ISO_TEST_CYCLES_H
+#define ISO_TEST_CYCLES_H
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "blender/blender.h"
+#include "test.h"
+
+/* False where the Blender found has no NanoVDB. One that is missing is a failure: the tests need one. */
+static inline bool cycles_shows_volumes(void)
+{
+    char version[64];
+    iso_error err = {""};
+    if (iso_cycles_version(version, sizeof version, &err) != ISO_E_MISSING || !strstr(err.text, "built without NanoVDB"))
+        return true;
+    print_message("%s\n", err.text);
+    return false;
+}
+
+/* Skips the test that calls it, with the reason. Call it before anything is allocated. */
+static inline void need_cycles(void)
+{
+    if (!cycles_shows_volumes())
+        skip();
+}
+
+#endif
