@@ -128,6 +128,11 @@ uninstall: ## remove what make install put there
 	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade 2>/dev/null || true
 .PHONY: install uninstall
 
+format: ## lay out the C and C++ files by .clang-format
+	@command -v clang-format >/dev/null || { echo "clang-format is missing; it is a Debian package" >&2; exit 1; }
+	clang-format -i $(wildcard $(foreach suffix,c h cc,$(addsuffix .$(suffix),src/* src/*/* src/*/*/* exporters/*/* tests/*)))
+.PHONY: format
+
 clean: ## remove what was built
 	rm -rf build/release build/debug build/sanitize isoshade
 
