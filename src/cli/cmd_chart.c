@@ -130,18 +130,29 @@ static iso_status time_again(chart_run *run, double end_seconds, iso_error *err)
     return status;
 }
 
+/* Of the time for settings, with those from `first` on as they are foreseen, or what the budget leaves. */
+static double part_done(const chart_run *run, size_t first, double start_seconds, double end_seconds)
+{
+    const double now = iso_clock_seconds(), spent = now - start_seconds;
+    double left = 0;
+    for (size_t i = first; i < run->result.count; ++i)
+        left += run->grid.with[iso_renderer_index(run->result.cases[i].renderer)] ? iso_chart_bench_foresee(&run->bench, &run->result.cases[i]) : 0;
+    left = fmin(left, fmax(end_seconds - now, 0));
+    return spent + left > 0 ? spent / (spent + left) : 1;
+}
+
 /* In their order, those that fit into what is left of the budget; the first in any case. */
 static iso_status measure_all(chart_run *run, double end_seconds, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(run->cli);
     iso_chart_result *result = &run->result;
-    const double all_seconds = fmax(end_seconds - iso_clock_seconds(), 1e-3);
+    const double start_seconds = iso_clock_seconds();
     iso_status status = ISO_OK;
     for (size_t i = 0; i < result->count && status == ISO_OK; ++i) {
         iso_chart_case *c = &result->cases[i];
         iso_error why = {""};
         const double left_seconds = end_seconds - iso_clock_seconds();
-        iso_progress_report(&progress, "settings", fmax((double)i / (double)result->count, 1 - left_seconds / all_seconds));
+        iso_progress_report(&progress, "settings", part_done(run, i, start_seconds, end_seconds));
         if (!run->grid.with[iso_renderer_index(c->renderer)] || (result->done_count > 0 && iso_chart_bench_foresee(&run->bench, c) > left_seconds))
             continue;
         const iso_status one = iso_chart_bench_measure(&run->bench, c, &why);
@@ -162,9 +173,12 @@ static iso_status finish(chart_run *run, iso_error *err)
     if (status != ISO_OK)
         return status;
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
+    const iso_progress progress = iso_cli_progress(run->cli);
+    iso_progress_report(&progress, "drawing", 0);
     json_t *json = iso_chart_result_json(result);
     status = iso_chart_result_write(result, json, err);
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
+    iso_progress_line_hide(run->cli->progress);
     if (status == ISO_OK && !run->cli->json)
         iso_chart_result_print(result);
     if (status == ISO_OK && run->cli->json)
@@ -192,6 +206,9 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     *result = (iso_chart_result){.command_line = line ? line : "", .bench = &run->bench, .metric = a->metric, .bytes = a->bytes, .want = a->want,
                                  .budget_seconds = a->budget_seconds, .scene = a->scene, .size = a->size, .output = a->output,
                                  .style = a->style};
+    const iso_cli_stage stages[] = {{"pyramid", 1}, {"reference", 4}, {"settings", a->budget_seconds > 0 ? a->budget_seconds : 60},
+                                    {"the best again", 5}, {"drawing", 2}};
+    iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
     if (status == ISO_OK)
         status = iso_chart_bench_open(&run->bench, cli->arguments[0], &a->input, a->scene, a->size, (size_t)a->level_count, &run->grid,

@@ -110,6 +110,7 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     size_t slab = SLAB_BYTES / plane > 0 ? SLAB_BYTES / plane : 1;
     slab = slab < n[2] ? slab : n[2];
     iso_progress progress = iso_cli_progress(cli);
+    iso_cli_expect(cli, &(iso_cli_stage){"make", 1}, 1);
     void *planes = malloc(slab * plane);
     iso_status status = planes ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
     for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {

@@ -366,8 +366,10 @@ static void report(const palette_args *a, const iso_palette_options *opt, const 
 static iso_status make_one(const palette_args *a, const iso_palette_options *opt, const iso_pyramid *p, long level,
                            json_t *palettes, iso_error *err)
 {
+    const iso_cli_stage stages[] = {{"directions", 1}, {opt->method == ISO_PALETTE_ANNEAL ? "annealing" : "palette", 3}};
     fitted f = {.level = level};
     double start = iso_clock_seconds();
+    iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
     iso_status status;
     if (a->ellipsoid)
         status = ellipsoid_set(a, &f.set, err);

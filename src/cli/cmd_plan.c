@@ -188,7 +188,9 @@ static iso_status check(const plan_arguments *a, iso_error *err)
 
 static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *err)
 {
+    const iso_cli_stage stages[] = {{"pyramid", 1}, {"plan", 3}, {"verify", 3}};
     iso_progress progress = iso_cli_progress(cli);
+    iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid pyramid = {0};
     iso_node_levels nodes = {0};

@@ -66,6 +66,7 @@ static void describe_options(const validate_arguments *a, const iso_validation *
 static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *), iso_error *err)
 {
     double start = iso_clock_seconds();
+    iso_progress_line_begin_phase(v->line, name);
     iso_status status = run(v, err);
     iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
     return status;
@@ -108,10 +109,12 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
 static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     iso_report_summary summary = iso_report_summarise(v->report);
+    iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
     if (status == ISO_OK && a->junit)
         status = iso_report_write_junit(v->report, a->junit, err);
+    iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;
     print_result(a, cli, v, &summary);
@@ -125,7 +128,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_volume_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
                         .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick,
-                        .seeds = seeds_of(a), .threads = cli->threads, .progress = &progress};
+                        .seeds = seeds_of(a), .threads = cli->threads, .line = cli->progress, .progress = &progress};
     const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
                                     .volume = cli->arguments[0], .scene = a->scene};
     scale_down(&v, scene, a->size);
@@ -136,6 +139,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
+        iso_validate_forecast(&v);
         status = run_stages(&v, err);
     }
     if (status == ISO_OK)
@@ -199,7 +203,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     enum { quick_pixels = 48 };
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
-    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .progress = &progress};
+    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
     iso_suite_options suite = {.folder = a->suite, .make_volume = make_volume, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
                                .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
@@ -212,6 +216,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
+        iso_validate_suite_forecast(&v, suite.folder);
         status = run_stage(&v, "calibration", iso_validate_renderers, err);
     }
     if (status == ISO_OK)

@@ -181,6 +181,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
+    if (!cli->quiet)
+        cli->progress = iso_progress_line_create(command->name);
     cli->arguments = poptGetArgs(cli->context);
     while (cli->arguments && cli->arguments[cli->argument_count])
         ++cli->argument_count;
@@ -192,37 +194,20 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
 
 void iso_cli_end(iso_cli *cli)
 {
+    iso_progress_line_destroy(cli->progress);
     if (cli->context)
         poptFreeContext(cli->context);
     *cli = (iso_cli){0};
 }
 
-/* One bar at a time; the library reports from one thread at a time. */
-static void draw_bar(void *user, const char *stage, double fraction)
-{
-    static char shown_stage[64];
-    static int shown_percent = -1;
-    (void)user;
-    int percent = (int)(100 * fmin(fmax(fraction, 0), 1));
-    bool new_stage = strncmp(stage, shown_stage, sizeof shown_stage - 1) != 0;
-    if (!new_stage && percent == shown_percent)
-        return;
-    snprintf(shown_stage, sizeof shown_stage, "%s", stage);
-    shown_percent = percent;
-    if (isatty(STDERR_FILENO)) {
-        static const char full[] = "##############################";
-        int filled = percent * 30 / 100;
-        fprintf(stderr, "\r\033[K%-32s [%.*s%*s] %3d %%%s", stage, filled, full, 30 - filled, "", percent,
-                percent == 100 ? "\n" : "");
-    } else if (new_stage) {
-        fprintf(stderr, "%s\n", stage);
-    }
-    fflush(stderr);
-}
+iso_progress iso_cli_progress(const iso_cli *cli) { return iso_progress_of_line(cli->progress); }
 
-iso_progress iso_cli_progress(const iso_cli *cli)
+void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count)
 {
-    return (iso_progress){.report = cli->quiet ? NULL : draw_bar};
+    iso_job *job = iso_progress_line_lock(cli->progress);
+    for (size_t i = 0; job && i < count; ++i)
+        iso_job_add_part(job, stages[i].name, stages[i].name, stages[i].seconds);
+    iso_progress_line_unlock(cli->progress);
 }
 
 char *iso_cli_command_line(const iso_cli *cli)

@@ -15,7 +15,7 @@
 #include <stdio.h>
 
 #include "base/names.h"
-#include "base/progress.h"
+#include "base/progress_line.h"
 #include "base/status.h"
 #include "base/version.h"
 #include "base/words.h"
@@ -42,6 +42,7 @@ typedef struct iso_cli {
     int argc;
     const char **argv;
     const iso_command *command;
+    iso_progress_line *progress; /* NULL: none */
 } iso_cli;
 
 typedef enum iso_cli_next { ISO_CLI_RUN, ISO_CLI_STOP } iso_cli_next;
@@ -60,8 +61,16 @@ void iso_cli_end(iso_cli *cli);
 typedef void (*iso_cli_option_visitor)(void *user, const struct poptOption *option, bool is_common);
 void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user);
 
-/* The progress bar on stderr: drawn when that is a terminal, else a line a stage; silent with --quiet. */
+/* The line on stderr that says how far the command is (base/progress_line.h); silent with --quiet. */
 iso_progress iso_cli_progress(const iso_cli *cli);
+
+/* What will be reported, in its order, and about how long each takes: only how they compare matters. Without it the line
+ * has the stage that runs, and no time. */
+typedef struct iso_cli_stage {
+    const char *name; /* as the stage is reported */
+    double seconds;
+} iso_cli_stage;
+void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count);
 
 /* {"schema": "isoshade.COMMAND/1", "command": the command line, "options": {}}; add results, then print. */
 json_t *iso_cli_json(const iso_cli *cli);

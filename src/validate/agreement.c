@@ -77,7 +77,7 @@ static iso_status add_image(iso_validation *v, const char *name, const iso_image
 static void begin_row(iso_validation *v, size_t level, const char *what)
 {
     char stage[160];
-    snprintf(stage, sizeof stage, "%s%slevel %zu: %s", v->variant, v->variant[0] ? ", " : "", level, what);
+    iso_validate_name_row(stage, sizeof stage, v->variant, level, what);
     iso_progress_report(v->progress, stage, 0);
     v->row_start = iso_clock_seconds();
 }

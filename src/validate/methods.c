@@ -10,16 +10,14 @@
 
 #include "validate/validate.h"
 
-enum { most_pixels = 64 }; /* there are many, and what they would show is arithmetic */
-
 /* The view with fewer pixels; borrowed, so not to be destroyed. */
 static iso_view small_view(const iso_view *view)
 {
     size_t larger = view->width > view->height ? view->width : view->height;
     iso_view out = *view;
-    if (larger > most_pixels) {
-        out.width = (view->width * most_pixels + larger - 1) / larger;
-        out.height = (view->height * most_pixels + larger - 1) / larger;
+    if (larger > ISO_VALIDATE_METHOD_PIXELS) {
+        out.width = (view->width * ISO_VALIDATE_METHOD_PIXELS + larger - 1) / larger;
+        out.height = (view->height * ISO_VALIDATE_METHOD_PIXELS + larger - 1) / larger;
     }
     return out;
 }
@@ -28,6 +26,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
     iso_status status = ISO_OK;
+    iso_progress_report(v->progress, "adaptation", 0);
     opt.threads = v->threads;
     opt.fall_back = true;
     v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
@@ -124,6 +123,7 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
         const iso_method *m = &iso_methods[i];
         iso_pyramid own = {0};
         const iso_pyramid *p = v->pyramid;
+        iso_progress_line_begin_phase(v->line, m->name);
         if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
             status = iso_validate_build_with(v, m->filter, &own, err);
             p = &own;

@@ -91,16 +91,43 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
     return status;
 }
 
+/* As a scene is reported. */
+static void name_stage(char stage[100], const struct dirent *entry)
+{
+    snprintf(stage, 100, "scene %.*s", (int)(strlen(entry->d_name) - strlen(".scene.json")), entry->d_name);
+}
+
 static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
 {
     const suite_run *run = user;
-    const char *name = run->entries[i]->d_name;
+    iso_progress_line *line = mine->line;
     char stage[100];
-    snprintf(stage, sizeof stage, "scene %.*s", (int)(strlen(name) - strlen(".scene.json")), name);
+    name_stage(stage, run->entries[i]);
     iso_progress_report(mine->progress, stage, 0);
-    mine->progress = NULL; /* one line a scene is enough */
+    mine->progress = NULL; /* a scene is one part of the whole */
+    mine->line = NULL;
     mine->order = i * most_levels;
-    return load_and_validate(mine, run, i, err);
+    iso_status status = load_and_validate(mine, run, i, err);
+    mine->line = line;
+    return status;
+}
+
+void iso_validate_suite_forecast(const iso_validation *v, const char *folder)
+{
+    struct dirent **entries;
+    const int count = scandir(folder, &entries, is_scene, alphasort);
+    if (count < 0)
+        return; /* said by the run */
+    char (*stages)[100] = calloc((size_t)count + 1, sizeof *stages);
+    for (int i = 0; i < count; ++i) {
+        if (stages)
+            name_stage(stages[i], entries[i]);
+        free(entries[i]);
+    }
+    if (stages)
+        iso_validate_forecast_scenes(v, stages, (size_t)count);
+    free(stages);
+    free(entries);
 }
 
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
@@ -116,6 +143,7 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
         status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    iso_progress_line_begin_phase(v->line, "scenes");
     if (status == ISO_OK)
         status = iso_validate_each(v, (size_t)count, one_scene, &run, err);
     for (int i = 0; i < count; ++i)

@@ -1,41 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* team.c - independent parts of a validation side by side. */
-#include <stdio.h>
-
 #include "base/parallel.h"
 #include "validate/validate.h"
 
 /* What the workers share; what is in a critical section alone touches what changes. */
 typedef struct team {
-    const iso_progress *outer;
-    iso_progress progress; /* of every worker */
-    size_t count, done;
-    double start;
-    iso_status status;     /* the first failure: nothing more is begun */
+    iso_progress_line *line;
+    size_t count;
+    iso_status status; /* the first failure: nothing more is begun */
     iso_error error;
 } team;
-
-/* Adds how many parts are done and, at the pace so far, the time that is left. */
-static void report(void *user, const char *stage, double fraction)
-{
-    team *t = user;
-    char text[240];
-    (void)fraction; /* of one part among several */
-    #pragma omp critical (iso_validate_progress)
-    {
-        const double elapsed = iso_clock_seconds() - t->start;
-        const double left = elapsed / (double)t->done * (double)(t->count - t->done);
-        int n = snprintf(text, sizeof text, "%.120s", stage);
-        if (t->count > 1)
-            n += snprintf(text + n, sizeof text - (size_t)n, " (%zu of %zu done", t->done, t->count);
-        if (t->count > 1 && t->done > 0)
-            n += snprintf(text + n, sizeof text - (size_t)n, left < 90 ? ", about %.0f s left" : ", about %.1f min left",
-                          left < 90 ? left : left / 60);
-        if (t->count > 1)
-            snprintf(text + n, sizeof text - (size_t)n, ")");
-        iso_progress_report(t->outer, text, (double)t->done / (double)t->count);
-    }
-}
 
 static bool may_begin(const team *t)
 {
@@ -49,7 +23,6 @@ static void end_part(team *t, iso_status status, const iso_error *err)
 {
     #pragma omp critical (iso_validate_progress)
     {
-        t->done++;
         if (status != ISO_OK && t->status == ISO_OK)
             t->status = status, t->error = *err;
     }
@@ -59,9 +32,13 @@ static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_
 {
     iso_error err = {""};
     mine->order = first + i;
-    mine->progress = t->outer ? &t->progress : NULL;
+    iso_progress_lane lane = {.line = t->line, .number = i};
+    const iso_progress progress = iso_progress_of_lane(&lane);
+    mine->progress = &progress;
     if (may_begin(t))
         end_part(t, part(mine, i, user, &err), &err);
+    mine->progress = NULL;
+    iso_progress_lane_end(&lane);
 }
 
 /* A share of the parts, one after the other. A context of OpenGL belongs to a thread, so each has its own. */
@@ -76,14 +53,21 @@ static void work(team *t, const iso_validation *v, int threads, iso_validation_p
     iso_renderers_end(&mine.renderers);
 }
 
-iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err)
+size_t iso_validate_workers(const iso_validation *v, size_t count)
 {
     enum { most_workers = 16 }; /* each may hold a volume in a program of its own */
     /* POV-Ray sleeps half a second a run, Blender waits for files: twice as many workers as cores. */
     const size_t cores = (size_t)iso_threads(v->threads), wanted = cores > 1 ? 2 * cores : 1;
-    const size_t most = wanted < most_workers ? wanted : most_workers, workers = count < most ? count : most;
+    const size_t most = wanted < most_workers ? wanted : most_workers;
+    return count < most ? count : most;
+}
+
+iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err)
+{
+    const size_t cores = (size_t)iso_threads(v->threads), workers = iso_validate_workers(v, count);
+    const iso_progress *outer = v->progress;
     const size_t first = v->order;
-    team t = {.outer = v->progress, .progress = {report, &t}, .count = count, .start = iso_clock_seconds()};
+    team t = {.line = v->line, .count = count};
     if (workers > 1 && !iso_is_in_parallel()) {
         /* When one worker is left, its programs are not held to a single core. */
         const int threads = (int)(4 * cores / workers < cores ? 4 * cores / workers : cores);
@@ -92,7 +76,7 @@ iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_par
     } else {
         for (size_t i = 0; i < count; ++i)
             run_part(&t, v, first, i, part, user);
-        v->progress = t.outer;
+        v->progress = outer;
     }
     v->order = first + count;
     return t.status == ISO_OK ? ISO_OK : iso_fail(err, t.status, "%s", t.error.text);

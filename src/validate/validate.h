@@ -13,6 +13,7 @@
 #define ISO_VALIDATE_H
 
 #include "validate/limits.h"
+#include "base/progress_line.h"
 #include "renderers/renderers.h"
 #include "report/report.h"
 #include "tf/adapt.h"
@@ -51,7 +52,8 @@ typedef struct iso_validation {
     int threads;
     iso_renderers renderers;
     iso_report *report;
-    const iso_progress *progress;
+    iso_progress_line *line;      /* what a person sees of the whole; NULL: nothing */
+    const iso_progress *progress; /* of the part that runs */
 } iso_validation;
 
 /* Versions and calibration of the wanted renderers; fills refused. A missing
@@ -63,6 +65,7 @@ iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 /* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
  * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows in
  * the order of the parts. The first failure ends the run. */
+size_t iso_validate_workers(const iso_validation *v, size_t count); /* how many at a time */
 typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
 
@@ -85,6 +88,9 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
 void iso_validate_forget_tfs(iso_validation *v);
 
 /* Both need level_tfs. */
+/* Images of other directions and transfer functions are that large at most: there are many, and what they would show is
+ * arithmetic. */
+enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
@@ -105,6 +111,13 @@ double iso_validate_error_bar(const iso_scene_agreement *asked);
 /* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
  * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
+
+/* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
+void iso_validate_forecast(const iso_validation *v);
+void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count);
+void iso_validate_suite_forecast(const iso_validation *v, const char *folder);
+/* How a row is reported. */
+void iso_validate_name_row(char *text, size_t size, const char *variant, size_t level, const char *what);
 
 /* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
 typedef struct iso_suite_options {

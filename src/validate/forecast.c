@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+/* forecast.c - what a validation will do and about how long it takes: the layout of its job (base/job.h).
+ *
+ * Costs are processor seconds on the machine that they were measured on (a brain of 181 x 217 x 181 voxels at 96 x 96
+ * pixels), so that they compare; how fast this machine is, and how far each renderer is from its cost, is learned as rows
+ * end. A row that is refused, or that nobody foresaw, changes nothing but the estimate. */
+#include <math.h>
+#include <stdio.h>
+
+#include "validate/validate.h"
+
+/* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
+static const double REFERENCE_SAMPLE_SECONDS = 4e-7, SAMPLE_SECONDS = 2e-8;
+
+static double start_seconds(const iso_renderer_info *r) { return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.1; }
+
+/* Voxels along the longest axis of a level. */
+static double voxels_across(const iso_validation *v, size_t level)
+{
+    const size_t *n = v->pyramid->levels[level].geometry.size;
+    return fmax((double)n[0], fmax((double)n[1], (double)n[2]));
+}
+
+static double image_seconds(const iso_renderer_info *r, double pixels, double across, double step_voxels)
+{
+    return start_seconds(r) + pixels * across / step_voxels * SAMPLE_SECONDS * r->relative_cost;
+}
+
+/* Without a step: 13.7 s of level 0 and 8.6 s of level 2. */
+static double truth_seconds(double pixels, double across) { return pixels * (7.2e-4 + 3.4e-6 * across); }
+
+static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, double pixels, double across)
+{
+    return pixels * across / v->view->step_voxels * REFERENCE_SAMPLE_SECONDS + image_seconds(r, pixels, across, v->view->step_voxels);
+}
+
+/* The step is halved until its error is small, which the coarser levels, less smooth from voxel to voxel, want once more;
+ * all steps together have twice the samples of the last. */
+static double limit_seconds(const iso_validation *v, const iso_renderer_info *r, size_t level, double pixels)
+{
+    const double last_step = v->scene->agreement.sharp ? 1.0 / 32 : level == 0 ? 1.0 / 8 : 1.0 / 16;
+    return 3 * start_seconds(r) + image_seconds(r, pixels, voxels_across(v, level), last_step / 2);
+}
+
+void iso_validate_name_row(char *text, size_t size, const char *variant, size_t level, const char *what)
+{
+    snprintf(text, size, "%s%slevel %zu: %s", variant, variant[0] ? ", " : "", level, what);
+}
+
+static void add_row(iso_job *job, const char *variant, size_t level, const char *what, const char *kind, double seconds)
+{
+    char name[160];
+    iso_validate_name_row(name, sizeof name, variant, level, what);
+    iso_job_add_part(job, name, kind, seconds);
+}
+
+/* Rows of a renderer and what they are of, as agreement.c calls them. */
+static void add_lock_step(const iso_validation *v, iso_job *job, const char *variant, size_t level, const iso_renderer_info *r, double pixels)
+{
+    char what[64];
+    snprintf(what, sizeof what, "%s-lockstep", r->name);
+    add_row(job, variant, level, what, what, lock_step_seconds(v, r, pixels, voxels_across(v, level)));
+}
+
+static void add_limit(const iso_validation *v, iso_job *job, const char *variant, size_t level, const iso_renderer_info *r, double pixels)
+{
+    char what[64];
+    snprintf(what, sizeof what, "%s-limit", r->name);
+    add_row(job, variant, level, what, what, limit_seconds(v, r, level, pixels));
+}
+
+static void add_calibrations(const iso_validation *v, iso_job *job)
+{
+    char name[64];
+    size_t count = 0;
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        count += v->wanted[i];
+    iso_job_add_phase(job, "calibration", iso_validate_workers(v, count));
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        if (!v->wanted[i])
+            continue;
+        snprintf(name, sizeof name, "calibration: %s", r->name);
+        iso_job_add_lane(job);
+        iso_job_add_part(job, name, r->name, 4 * start_seconds(r) + 0.5);
+    }
+}
+
+static void add_agreement(const iso_validation *v, iso_job *job)
+{
+    const double pixels = (double)(v->view->width * v->view->height);
+    iso_job_add_phase(job, "agreement", iso_validate_workers(v, v->pyramid->level_count));
+    for (size_t level = 0; level < v->pyramid->level_count; ++level) {
+        const double across = voxels_across(v, level);
+        iso_job_add_lane(job);
+        if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT) {
+            add_row(job, "", level, "reference, first hit", "truth", truth_seconds(pixels, across));
+            continue;
+        }
+        const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
+        add_row(job, "", level, formula ? "closed form" : "reference", "truth", truth_seconds(pixels, across));
+        for (size_t i = 0; i < iso_renderer_count(); ++i)
+            if (v->wanted[i] && iso_renderer_at(i)->lock_step)
+                add_lock_step(v, job, "", level, iso_renderer_at(i), pixels);
+        for (size_t i = 0; i < iso_renderer_count(); ++i)
+            if (v->wanted[i] && iso_renderer_has(iso_renderer_at(i), ISO_HAS_LIMIT))
+                add_limit(v, job, "", level, iso_renderer_at(i), pixels);
+    }
+}
+
+/* One transfer function of one method at a level: iso_validate_variant() has the same conditions. */
+static void add_variant(const iso_validation *v, iso_job *job, const char *variant, size_t level, bool programs)
+{
+    const double pixels = ISO_VALIDATE_METHOD_PIXELS * ISO_VALIDATE_METHOD_PIXELS;
+    bool has_truth = false;
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        if (v->wanted[i] && r->lock_step && (programs || !iso_renderer_has(r, ISO_IS_PROGRAM)))
+            add_lock_step(v, job, variant, level, r, pixels);
+    }
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        if (!v->wanted[i] || r->lock_step || !iso_renderer_has(r, ISO_HAS_LIMIT) || (!programs && iso_renderer_has(r, ISO_IS_PROGRAM)))
+            continue;
+        if (!has_truth)
+            add_row(job, variant, level, "reference", "truth", truth_seconds(pixels, voxels_across(v, level)));
+        has_truth = true;
+        add_limit(v, job, variant, level, r, pixels);
+    }
+}
+
+static void add_method(const iso_validation *v, iso_job *job, const iso_method *m)
+{
+    iso_job_add_phase(job, m->name, iso_validate_workers(v, v->pyramid->level_count));
+    for (size_t level = 0; level < v->pyramid->level_count; ++level) {
+        iso_job_add_lane(job);
+        for (int adapted = 0; adapted < (level > 0 ? 2 : 1); ++adapted) {
+            char variant[64];
+            snprintf(variant, sizeof variant, "%s%s", m->name, adapted ? ", adapted TF" : "");
+            add_variant(v, job, variant, level, m->source == ISO_FROM_CODES && level > 0 && !v->quick);
+        }
+    }
+}
+
+static void add_consistency(const iso_validation *v, iso_job *job)
+{
+    const double pixels = (double)(v->consistency_size * v->consistency_size * v->consistency_views);
+    iso_job_add_phase(job, "consistency", 1);
+    iso_job_add_lane(job);
+    for (size_t i = 0; i < iso_method_count; ++i)
+        for (size_t level = 1; level < v->pyramid->level_count; ++level) {
+            char name[64];
+            snprintf(name, sizeof name, "consistency: %s, level %zu", iso_methods[i].name, level);
+            iso_job_add_part(job, name, "consistency", 1e-5 * pixels);
+        }
+}
+
+static void add_report(iso_job *job)
+{
+    iso_job_add_phase(job, "report", 1);
+    iso_job_add_part(job, "report", "report", 0.5);
+}
+
+void iso_validate_forecast(const iso_validation *v)
+{
+    iso_job *job = iso_progress_line_lock(v->line);
+    if (job) {
+        add_calibrations(v, job);
+        add_agreement(v, job);
+        iso_job_add_phase(job, "adaptation", 1);
+        iso_job_add_part(job, "adaptation", "adaptation", 0.1);
+        for (size_t i = 0; i < iso_method_count; ++i)
+            add_method(v, job, &iso_methods[i]);
+        add_consistency(v, job);
+        add_report(job);
+    }
+    iso_progress_line_unlock(v->line);
+}
+
+void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count)
+{
+    iso_job *job = iso_progress_line_lock(v->line);
+    if (job) {
+        add_calibrations(v, job);
+        iso_job_add_phase(job, "scenes", iso_validate_workers(v, count));
+        for (size_t i = 0; i < count; ++i) {
+            double seconds = 1;
+            for (size_t r = 0; r < iso_renderer_count(); ++r)
+                seconds += v->wanted[r] ? 4 * start_seconds(iso_renderer_at(r)) : 0;
+            iso_job_add_lane(job);
+            iso_job_add_part(job, stages[i], "scene", seconds);
+        }
+        add_report(job);
+    }
+    iso_progress_line_unlock(v->line);
+}
