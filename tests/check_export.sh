@@ -42,5 +42,7 @@ expect the_report_calls_it_missing 7 "${without[@]}" validate v.nrrd --scene "$s
 check with_that_reason grep -q 'missing: Blender 5.2 of this system is built without NanoVDB' validated/report.json
 refuse halves_for_blender 2 "--half" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --half -q -o x.blend
 refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -q -o x.vdb
+refuse grids_for_blender 2 "--grids" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --grids levels -q -o x.blend
+refuse an_unknown_target 2 "wanted vdb, blender or povray" "$ISOSHADE" export v.nrrd --to maya -q -o x
 refuse adapted_vdb 2 "--adapt" "$ISOSHADE" export v.nrrd --to vdb --adapt -q -o x.vdb
 exit $failed

@@ -7,6 +7,7 @@
 #include "options/cli.h"
 #include "palette/palette.h"
 #include "pyramid/pyramid.h"
+#include "renderers/renderers.h"
 #include "scene/field.h"
 #include "targets/targets.h"
 #include "tf/format.h"
@@ -18,7 +19,20 @@ static const iso_names *const lists[] = {
     &iso_scalar_filter_names,   &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
     &iso_field_names,           &iso_export_target_names,
 };
-enum { LIST_COUNT = sizeof lists / sizeof *lists };
+enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, whose table may grow at run time */
+
+static const iso_names *list_at(size_t i)
+{
+    static const iso_renderer_info *renderers[ISO_MAX_RENDERERS];
+    static iso_names names = {"renderer", renderers, 0, sizeof renderers[0], offsetof(iso_renderer_info, name),
+                              offsetof(iso_renderer_info, title), true};
+    if (i + 1 < LIST_COUNT)
+        return lists[i];
+    names.count = iso_renderer_count();
+    for (size_t r = 0; r < names.count; ++r)
+        renderers[r] = iso_renderer_at(r);
+    return &names;
+}
 
 static json_t *to_json(const iso_names *names)
 {
@@ -43,15 +57,15 @@ static iso_status list(const iso_cli *cli, bool markdown)
                "from the program's tables; [extending.md](extending.md) shows how a row is added.\n\n");
     for (size_t i = 0; i < LIST_COUNT; ++i) {
         if (cli->json) {
-            json_array_append_new(all, to_json(lists[i]));
+            json_array_append_new(all, to_json(list_at(i)));
             continue;
         }
         if (i > 0)
             putchar('\n');
         if (markdown)
-            print_markdown(lists[i]);
+            print_markdown(list_at(i));
         else
-            iso_cli_print_names(stdout, lists[i]);
+            iso_cli_print_names(stdout, list_at(i));
     }
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
