@@ -97,6 +97,11 @@ check: $(needs_setup) ## build and run all tests, under the sanitizers too
 
 tests: $(tests) ## build the test programs
 .PHONY: tests
+# FIGURES="hero roi" draws these alone; refscenes/figures.sh has the names, those that take longer among them.
+figures: $(needs_setup) ## draw the pictures of the documentation again
+	@$(again) all
+	@sh refscenes/figures.sh $(FIGURES)
+.PHONY: figures
 test: all tests ## build and run the tests of this config only
 	@bash tests/run.sh $(build)
 

@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Draws the pictures of doc/ again, into doc/figures.
+#   sh refscenes/figures.sh              those that take minutes: hero report levels roi adaptive-tf seams failures palettes
+#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine
+# On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
+set -eu
+cd "$(dirname "$0")/.."
+isoshade=${ISOSHADE:-$PWD/isoshade}
+templates=/usr/share/mricron/templates
+[ -r $templates/ch2bet.nii.gz ] || { echo "figures: $templates is missing; it comes with the Debian package mricron-data" >&2; exit 3; }
+work=$PWD/build/figures
+out=$PWD/doc/figures
+mkdir -p "$work"
+
+screenshot() { # page, picture, width, height
+    chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=0.75 --window-size="$3,$4" \
+        --user-data-dir="$work/browser" --virtual-time-budget=20000 --screenshot="$2" "file://$1" 2>/dev/null
+}
+
+hero() { sh refscenes/hero.sh "$out/hero.jpg"; } # README.md
+report() { # doc/method/comparison.md
+    "$isoshade" validate $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --quick --with gl --levels 2 --size 256 \
+        -q -o "$work/report"
+    screenshot "$work/report/index.html" "$out/report.png" 1300 1680
+}
+levels() { # doc/blender.md
+    "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --levels 3 --adapt \
+        -q -o "$work/brain.blend"
+    blender -b "$work/brain.blend" -P refscenes/levels.py >/dev/null
+    cp "$work/brain_level_0.png" "$work/brain_level_1.png" "$work/brain_level_2.png" "$out"
+}
+roi() { # doc/results/adaptive-tf.md
+    region="--scene refscenes/hero.scene.json --size 480x392 --level 3 --roi 0,90,60,90,180,150 -q -o $work/roi.exr"
+    "$isoshade" render $templates/ch2bet.nii.gz $region --adapt --png "$out/roi_blended.png"
+    "$isoshade" render $templates/ch2bet.nii.gz $region --adapt --roi-band 0 --png "$out/roi_hard.png"
+    "$isoshade" render $templates/ch2bet.nii.gz $region --roi-band 0 --png "$out/roi_hard_original.png"
+}
+adaptive_tf() { # doc/method/adaptive-tf.md
+    "$isoshade" tf adapt $templates/ch2.nii.gz --tf refscenes/brain.tf.json -o "$work/ch2"
+    "$isoshade" tf show refscenes/brain.tf.json "$work/ch2_level_1.tf.json" "$work/ch2_level_2.tf.json" \
+        "$work/ch2_level_3.tf.json" --volume $templates/ch2.nii.gz -o "$out/adaptive-tf.png"
+}
+seams() { "$isoshade" bench seams -o "$out/mixed-resolution-seams.png"; } # doc/method/mixed-resolution.md
+failures() { # doc/results/failures.md
+    "$isoshade" atlas --case vanishing-gradients,sharp-tf,code-poles -q -o "$work/atlas"
+    screenshot "$work/atlas/index.html" "$out/failures.png" 1150 2720
+}
+palettes() { # doc/results/palettes.md
+    "$isoshade" palette --ellipsoid 5000 --method anneal --entries 510 --steps 2000 -q -o "$out/palettes-figure9.svg"
+}
+
+# Longer ones.
+codes() { # doc/results/direction-codes.md
+    "$isoshade" bench encode --chart "$work"
+    cp "$work/figure10.svg" "$out/gradients-figure10.svg"
+}
+gradients() { # doc/results/gradients.md
+    "$isoshade" bench consistency --filters --holes -q -o "$work/gradients"
+    cp "$work/gradients/filters.svg" "$out/gradients-filters.svg"
+    cp "$work/gradients/holes.svg" "$out/gradients-holes.svg"
+}
+sensitivity() { # doc/results/validation.md
+    "$isoshade" bench power --sensitivity -q -o "$work/sensitivity"
+    cp "$work/sensitivity/sensitivity.svg" "$out/validation-sensitivity.svg"
+}
+chart() { # doc/results/chart.md
+    "$isoshade" chart $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --size 128 --codes fit --filters moments \
+        --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
+    cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
+}
+
+[ $# -gt 0 ] || set -- hero report levels roi adaptive-tf seams failures palettes
+for name in "$@"; do
+    case $name in
+        hero | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart) ;;
+        *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
+    esac
+    echo "figures: $name"
+    $(echo "$name" | tr - _)
+done
