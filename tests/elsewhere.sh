@@ -117,7 +117,7 @@ prepare() { # what the chroot needs of the host: names, the way to the mirror, t
     [ -z "$mirror" ] || echo "deb $mirror $suite main" >"$root/etc/apt/sources.list"
     rm -rf --one-file-system "$root/root/isoshade"
     git clone --quiet --no-hardlinks "$top" "$root/root/isoshade" &&
-        git -C "$root/root/isoshade" checkout --quiet --detach "$(git -C "$top" rev-parse HEAD)"
+        git -C "$root/root/isoshade" checkout --quiet --detach "$commit"
 }
 
 log=$top/build/elsewhere-$suite.log
@@ -125,6 +125,7 @@ mkdir -p "$top/build"
 apart() { unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$@"; }
 
 start=$SECONDS
+commit=$(git -C "$top" rev-parse HEAD) || die "the checkout has no commit"
 {
     # debootstrap wants an empty folder, so the rest is prepared between the two.
     if [ ! -e "$root/etc/debian_version" ]; then
@@ -141,5 +142,5 @@ versions=$(sed -n 's/^elsewhere: \(gcc .*\)/\1/p' "$log" | tail -n 1)
 [ "$warnings" = 0 ] || [ "$code" != 0 ] || code=1
 verdict=$([ "$code" = 0 ] && echo passed || echo FAILED)
 echo "elsewhere $suite: make $target $verdict${tests:+: $tests}, $warnings warnings, $(((SECONDS - start + 30) / 60)) min" \
-    "(${versions:-log: $log}; $(git -C "$top" rev-parse --short HEAD))"
+    "(${versions:-log: $log}; ${commit:0:7})"
 [ "$code" = 0 ]
