@@ -7,7 +7,7 @@ with() { sed "s|\"lights\"|\"clip_planes\": [$1], \"lights\"|" "$top/refscenes/m
 with '{"normal": [0, 1, 0.3], "at": 0.4}, {"normal": [-1, 0.2, 0], "point_mm": [5, 0, 0]}' >cut.scene.json
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 2x2x2.4 -o v.nrrd >/dev/null 2>&1
 
-image() { "$ISOSHADE" render v.nrrd --scene cut.scene.json --size 40 "$@" >/dev/null 2>&1; }
+image() { "$ISOSHADE" render v.nrrd --scene cut.scene.json --size 40 "$@" >/dev/null; }
 check gl image --with gl -o gl.exr
 check reference image --with reference --quadrature midpoint -o midpoint.exr
 check gl_agrees "$ISOSHADE" compare gl.exr midpoint.exr --max-abs 2e-5 --max-rmse 1e-6

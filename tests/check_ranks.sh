@@ -8,7 +8,7 @@ export OMP_NUM_THREADS=1
 # MPI keeps what it allocates at start until the end, and the leak checker is for our own.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
 command -v mpirun >/dev/null || { not_ok mpirun "not found: install openmpi-bin"; exit 1; }
-ranks() { patiently mpirun -q -n "$1" --oversubscribe "$ISOSHADE" build "${@:2}"; }
+ranks() { patiently mpirun -n "$1" --oversubscribe "$ISOSHADE" build "${@:2}"; }
 same() { diff -rq "$1" "$2"; }
 # The one message of the program's own; mpirun adds its own lines.
 one_message() { [ "$(grep -c '^isoshade build:' err)" = 1 ]; }

@@ -44,9 +44,9 @@ inside() { # ROOT TARGET
             apt-get install -y -qq --no-install-recommends make git >/dev/null
             cd /root/isoshade
             make $1
-            echo "elsewhere: gcc $(gcc -dumpfullversion), OpenVDB $(dpkg-query -W -f "\${source:Upstream-Version}" libopenvdb-dev)," \
-                "OpenEXR $(dpkg-query -W -f "\${source:Upstream-Version}" libopenexr-dev)," \
-                "Blender $(dpkg-query -W -f "\${source:Upstream-Version}" blender 2>/dev/null || echo none)"
+            version() { dpkg-query -W -f "\${source:Upstream-Version}" "$1" 2>/dev/null || echo none; }
+            echo "elsewhere: gcc $(gcc -dumpfullversion 2>/dev/null || echo none), OpenVDB $(version libopenvdb-dev)," \
+                "OpenEXR $(version libopenexr-dev), Blender $(version blender)"
         ' sh "$target"
 }
 
