@@ -41,7 +41,10 @@ report one 1 "" gl
 # What a word processor's checks would look at.
 millimetres() { pdfinfo "$1" | awk '/Page size/ {printf "%.0f %.0f", $3 / 72 * 25.4, $5 / 72 * 25.4}'; }
 fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
-dense_enough() { pdfimages -list "$1" | awk 'NR > 2 {++n; if ($13 < 300 || $14 < 300) bad = 1} END {exit !(n > 0 && !bad)}'; }
+# gnuplot 6 draws the colour legend as an image one pixel wide, which has no resolution across.
+dense_enough() {
+    pdfimages -list "$1" | awk 'NR > 2 {++n; if (($4 > 1 && $13 < 300) || ($5 > 1 && $14 < 300)) bad = 1} END {exit !(n > 0 && !bad)}'
+}
 # Words may touch no other word, and lie on the page.
 words_are_apart() {
     pdftotext -bbox "$1" - | tr -d '\r' | awk -F'"' '/<page/ {w = $2; h = $4}
