@@ -88,7 +88,7 @@ static const char *judge(const subject *s, const iso_image *truth, const iso_ren
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 1.0 / 16;
     opt.factor = sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
-    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, which, &opt, &limit, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, which, &opt, &limit, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     gate[0] = 0;
@@ -197,7 +197,7 @@ static const char *judge_from_afar(const subject *s, const iso_image *truth, boo
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 0.25;
     opt.hopeless = hopeless;
-    assert_ok(iso_limit_find(&renderers, &s->pyramid, 0, &s->view, truth, &iso_renderer_gl, &opt, &limit, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, &iso_renderer_gl, &opt, &limit, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     *step = limit.step_voxels;
@@ -241,7 +241,7 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     iso_limit limit;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = opt.finest_voxels = 0.5;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &limit, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &limit, &err));
     iso_report_agreement row = {.a = "a", .b = "b"};
     assert_ok(iso_metrics_measure(&truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
@@ -260,16 +260,16 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     iso_limit coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &coarse, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &coarse, &err));
     assert_within(coarse.step_voxels, 1, 0);
     opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = coarse.step_bar / 10;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &fine, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &fine, &err));
     assert_at_most(fine.step_voxels, 0.5);
     assert_at_most(fine.bar, opt.wanted_bar);
     opt.seeds = 1;
     iso_limit none;
-    assert_status(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &none, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &none, &err), ISO_E_RANGE);
     iso_limit_destroy(&coarse);
     iso_limit_destroy(&fine);
     iso_image_destroy(&truth);
@@ -286,10 +286,10 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     iso_limit blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &blind, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &blind, &err));
     opt.wanted_ssim_dissimilarity = blind.ssim_dissimilarity / 20;
     opt.wanted_flip = blind.flip_mean / 4;
-    assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, &iso_renderer_gl, &opt, &seeing, NULL, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &seeing, &err));
     assert_within(blind.step_voxels, 1, 0);
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
@@ -333,14 +333,14 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
         iso_image again, other;
         iso_limit_options opt = iso_limit_defaults();
         opt.step_voxels = 1, opt.finest_voxels = 0.5, opt.wanted_bar = 0; /* halved once */
-        assert_ok(iso_limit_find(&renderers, &s.pyramid, 0, &s.view, &truth, which[i], &opt, &found, NULL, &err));
+        assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, which[i], &opt, &found, &err));
         assert_within(found.step_voxels, 0.5, 0);
         opt = iso_limit_defaults();
         opt.step_voxels = found.step_voxels, opt.planes = found.planes, opt.intervals = found.intervals;
-        assert_ok(iso_limit_render(&renderers, &s.pyramid, 0, &s.view, which[i], &opt, &again, NULL, &err));
+        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i], &opt, &again, &err));
         assert_within(largest_difference(&found.image, &again), 0, 0);
         opt.step_voxels /= 2, opt.intervals = 2 * ((opt.intervals + 2) / 3);
-        assert_ok(iso_limit_render(&renderers, &s.pyramid, 0, &s.view, which[i], &opt, &other, NULL, &err));
+        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i], &opt, &other, &err));
         assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
         iso_image_destroy(&again);
         iso_image_destroy(&other);

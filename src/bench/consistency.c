@@ -111,8 +111,24 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
-static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, const iso_tf_table *table,
-                         iso_tf_2d *tf_2d, iso_image *image, iso_error *err)
+/* A table, or the rows of a 2D one, that a level is shown by. */
+typedef struct shown_by {
+    const iso_tf_table *table;
+    iso_tf_2d *tf_2d; /* lent; or NULL */
+} shown_by;
+
+/* A volume under one transfer function. */
+typedef struct bench_case {
+    int block;
+    const char *volume;
+    const iso_pyramid *pyramid;
+    const bench_tf *tf;
+    iso_view *views;
+    const iso_image *finest; /* a view each, of level 0 */
+} bench_case;
+
+static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by, iso_image *image,
+                         iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(run->renderer);
     iso_tf_table own = view->tf;
@@ -121,8 +137,8 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     opt.source = run->paper_setup ? ISO_FROM_ON_THE_FLY : opt.source;
     opt.step_voxels = run->step_voxels;
     opt.threads = run->cli->threads;
-    view->tf = *table;
-    view->tf_2d = tf_2d; /* lent */
+    view->tf = *by.table;
+    view->tf_2d = by.tf_2d;
     iso_status status = iso_render_with(&run->renderers, p, level, view, &opt, image, NULL, &progress, err);
     view->tf = own;
     view->tf_2d = NULL;
@@ -130,17 +146,16 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
 }
 
 /* All views of one level with one table. */
-static iso_status measure(bench_run *run, const iso_pyramid *p, size_t level, iso_view *views, const iso_image *finest,
-                          const iso_tf_table *table, iso_tf_2d *tf_2d, case_result *r, iso_error *err)
+static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         iso_image image;
         iso_metrics m;
-        status = render(run, p, level, &views[i], table, tf_2d, &image, err);
+        status = render(run, c->pyramid, level, &c->views[i], by, &image, err);
         if (status != ISO_OK)
             break;
-        status = iso_metrics_measure(&finest[i], &image, &m, err);
+        status = iso_metrics_measure(&c->finest[i], &image, &m, err);
         r->ssim_dissimilarity += (1 - m.ssim) / run->views;
         r->flip += m.flip_mean / run->views;
         r->rmse += m.rmse / run->views;
@@ -188,9 +203,10 @@ static void note_case(bench_run *run, int block, const char *volume, const char 
     fflush(stdout);
 }
 
-static iso_status run_level(bench_run *run, int block, const char *volume, const iso_pyramid *p, size_t level, const bench_tf *tf,
-                            iso_view *views, const iso_image *finest, iso_error *err)
+static iso_status run_level(bench_run *run, const bench_case *c, size_t level, iso_error *err)
 {
+    const iso_pyramid *p = c->pyramid;
+    const iso_view *views = c->views;
     case_result results[METHOD_COUNT] = {{0}};
     iso_status status = ISO_OK;
     for (int m = 0; m < METHOD_COUNT && status == ISO_OK; ++m) {
@@ -204,12 +220,12 @@ static iso_status run_level(bench_run *run, int block, const char *volume, const
         if (status == ISO_OK && all_methods[m].tf_2d)
             status = iso_adapt_tf_2d(p, NULL, level, all_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
         if (status == ISO_OK)
-            status = measure(run, p, level, views, finest, &table, all_methods[m].tf_2d ? &tf_2d : NULL, &results[m], err);
+            status = measure(run, c, level, (shown_by){&table, all_methods[m].tf_2d ? &tf_2d : NULL}, &results[m], err);
         iso_tf_2d_destroy(&tf_2d);
         iso_tf_table_destroy(&table);
     }
     if (status == ISO_OK)
-        note_case(run, block, volume, tf->name, level, results);
+        note_case(run, c->block, c->volume, c->tf->name, level, results);
     return status;
 }
 
@@ -223,11 +239,11 @@ static iso_status run_tf(bench_run *run, int block, const char *volume, const is
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         status = make_view(run, p, &own, i, &views[i], err);
         if (status == ISO_OK)
-            status = render(run, p, 0, &views[i], &views[i].tf, NULL, &finest[i], err);
+            status = render(run, p, 0, &views[i], (shown_by){&views[i].tf, NULL}, &finest[i], err);
     }
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
         if (run->level == 0 || (size_t)run->level == level)
-            status = run_level(run, block, volume, p, level, tf, views, finest, err);
+            status = run_level(run, &(bench_case){block, volume, p, tf, views, finest}, level, err);
     for (int i = 0; i < run->views; ++i) {
         iso_view_destroy(&views[i]);
         iso_image_destroy(&finest[i]);

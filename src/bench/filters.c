@@ -108,7 +108,7 @@ static iso_status run_scene(filters_run *run, size_t at, iso_error *err)
         iso_progress_report(&progress, s->name, (double)m / METHOD_COUNT);
         status = iso_shading_build(&methods[m], &v, s->name, LEVELS, run->cli->threads, &p, err);
         for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
-            status = iso_shading_measure(&subject, &p.levels[k], k, p.options.code, methods[m].source, NULL, &run->error[at][m][k], err);
+            status = iso_shading_measure(&subject, &(iso_shading_shown){&p.levels[k], k, p.options.code, methods[m].source, NULL, 0}, &run->error[at][m][k], err);
         iso_pyramid_destroy(&p);
     }
     iso_progress_report(&progress, s->name, 1);
@@ -249,9 +249,9 @@ static iso_status measure_holes(const filters_run *run, const iso_shading_subjec
     iso_status status = iso_shading_build(m, v, holes_scene.name, HOLES_LEVEL + 1, run->cli->threads, &p, err);
     const iso_level *l = status == ISO_OK ? &p.levels[HOLES_LEVEL] : NULL;
     if (status == ISO_OK)
-        status = iso_shading_measure(s, l, HOLES_LEVEL, p.options.code, m->source, NULL, &e, err);
+        status = iso_shading_measure(s, &(iso_shading_shown){l, HOLES_LEVEL, p.options.code, m->source, NULL, 0}, &e, err);
     if (status == ISO_OK)
-        status = iso_shading_render(s, 0, l, p.options.code, m->source, NULL, 0, &image, err);
+        status = iso_shading_render(s, 0, &(iso_shading_shown){l, 0, p.options.code, m->source, NULL, 0}, &image, err);
     if (status == ISO_OK) {
         *h = (holes){.fraction = hole_fraction(&s->finest[0], &image), .dssim = e.dssim_mean};
         if (dir)

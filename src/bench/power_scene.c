@@ -247,7 +247,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
-        status = iso_render_several(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, 1, &image, NULL, err);
+        status = iso_render_several(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, NULL}, 1, &image, err);
     r->after = (iso_image_hook){0};
     clear_scene(&s);
     if (status == ISO_OK)
@@ -269,8 +269,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
-        status = iso_limit_find(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &c->converged, renderer, &opt, &limit,
-                                NULL, err);
+        status = iso_limit_find(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, NULL, NULL}, &c->converged, renderer, &opt, &limit, err);
     r->after = (iso_image_hook){0};
     if (status == ISO_OK)
         status = iso_metrics_measure(&c->converged, &limit.image, &row.metrics, err);
@@ -385,7 +384,7 @@ iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const
         frames[i].threads = c->threads;
     }
     if (status == ISO_OK)
-        status = iso_render_several(r, &s.pyramid, 0, &s.view, frames, count, images, NULL, err);
+        status = iso_render_several(&(iso_render_request){r, &s.pyramid, 0, &s.view, frames, NULL}, count, images, err);
     if (status == ISO_OK)
         status = test_groups(c, groups, opt.factor, images, limits, out, err);
     for (size_t i = 0; images && limits && i < count; ++i) {

@@ -181,10 +181,23 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
 typedef enum level_kind { LEVEL_CELLS, LEVEL_SMOOTH, LEVEL_SHARP, LEVEL_FROM_CELLS, LEVEL_KINDS } level_kind;
 static const char *const level_kind_names[LEVEL_KINDS] = {"cells", "nodes-smooth", "nodes-sharp", "nodes-from-cells"};
 
+/* What is compared, and a byte a brick for its level. */
+typedef struct level_comparison {
+    const iso_cli *cli;
+    iso_gl *gl;
+    const iso_pyramid *pyramid;
+    const bench_render_options *opt;
+    uint8_t *levels;
+} level_comparison;
+
 /* An image of a whole level, at the same step in mm. */
-static iso_status draw_level(iso_gl *gl, const iso_pyramid *p, const iso_node_levels *n, const iso_view *view, size_t k,
-                             double step_voxels, uint8_t *levels, iso_image *image, iso_error *err)
+static iso_status draw_level(const level_comparison *c, const iso_node_levels *n, const iso_view *view, size_t k,
+                             iso_image *image, iso_error *err)
 {
+    iso_gl *gl = c->gl;
+    const iso_pyramid *p = c->pyramid;
+    const double step_voxels = c->opt->step_voxels;
+    uint8_t *levels = c->levels;
     if (!n) {
         iso_gl_options options = iso_gl_defaults();
         options.step_voxels = ldexp(step_voxels, -(int)k);
@@ -212,39 +225,40 @@ static void report_level(const iso_cli *cli, bench_tf tf, size_t k, const iso_me
 }
 
 /* RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
-static iso_status compare_levels(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
-                                 const iso_node_levels *const nodes[LEVEL_KINDS], const bench_render_options *opt,
-                                 bench_tf tf, uint8_t *levels, json_t *cases, iso_error *err)
+static iso_status compare_levels(const level_comparison *c, const iso_node_levels *const nodes[LEVEL_KINDS], bench_tf tf,
+                                 json_t *cases, iso_error *err)
 {
-    iso_scene scene = iso_bench_scene(opt, tf, GRADIENTS_CODES);
+    const iso_pyramid *p = c->pyramid;
+    iso_scene scene = iso_bench_scene(c->opt, tf, GRADIENTS_CODES);
     const iso_level *level = &p->levels[0];
     iso_view view;
     iso_image exact = {0};
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
     if (status != ISO_OK)
         return status;
-    status = draw_level(gl, p, NULL, &view, 0, opt->step_voxels, levels, &exact, err);
+    status = draw_level(c, NULL, &view, 0, &exact, err);
     for (size_t k = 1; k < p->level_count && k < nodes[LEVEL_SHARP]->level_count && status == ISO_OK; ++k) {
         iso_metrics m[LEVEL_KINDS];
         for (int i = 0; i < LEVEL_KINDS && status == ISO_OK; ++i) {
             iso_image image = {0};
-            status = draw_level(gl, p, nodes[i], &view, k, opt->step_voxels, levels, &image, err);
+            status = draw_level(c, nodes[i], &view, k, &image, err);
             if (status == ISO_OK)
                 status = iso_metrics_measure(&image, &exact, &m[i], err);
             iso_image_destroy(&image);
         }
         if (status == ISO_OK)
-            report_level(cli, tf, k, m, cases);
+            report_level(c->cli, tf, k, m, cases);
     }
     iso_image_destroy(&exact);
     iso_view_destroy(&view);
     return status;
 }
 
-static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
-                                           const iso_node_levels *sharp, const bench_render_options *opt, uint8_t *levels,
-                                           json_t *root, iso_error *err)
+static iso_status compare_nodes_with_cells(const level_comparison *c, const iso_node_levels *sharp, json_t *root,
+                                           iso_error *err)
 {
+    const iso_cli *cli = c->cli;
+    const iso_pyramid *p = c->pyramid;
     json_t *cases = json_array();
     iso_node_levels smooth = {0}, from_cells = {0};
     const iso_node_levels *const nodes[LEVEL_KINDS] = {NULL, &smooth, sharp, &from_cells};
@@ -260,7 +274,7 @@ static iso_status compare_nodes_with_cells(const iso_cli *cli, iso_gl *gl, const
         printf("\n");
     }
     for (int tf = 0; tf < TF_COUNT && status == ISO_OK; ++tf)
-        status = compare_levels(cli, gl, p, nodes, opt, (bench_tf)tf, levels, cases, err);
+        status = compare_levels(c, nodes, (bench_tf)tf, cases, err);
     json_object_set_new(root, "accuracy", cases);
     iso_node_levels_destroy(&smooth);
     iso_node_levels_destroy(&from_cells);
@@ -306,7 +320,7 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
         json_t *root = iso_cli_json(cli);
         status = run_brick_cases(cli, gl, &fields, transition, opt, root, err);
         if (status == ISO_OK && !opt->transition)
-            status = compare_nodes_with_cells(cli, gl, p, &n, opt, levels, root, err);
+            status = compare_nodes_with_cells(&(level_comparison){cli, gl, p, opt, levels}, &n, root, err);
         if (cli->json && status == ISO_OK)
             iso_cli_print_json(root);
         else

@@ -106,8 +106,7 @@ static iso_status measure_level(const shading_run *run, const iso_shading_subjec
     if (methods[m].adapted)
         status = iso_adapt_level(p, NULL, k, &s->views[0].tf, &opt, &table, NULL, err);
     if (status == ISO_OK)
-        status = iso_shading_measure(s, &p->levels[k], k, p->options.code, methods[m].source, methods[m].adapted ? &table : NULL,
-                                     &r->error[m], err);
+        status = iso_shading_measure(s, &(iso_shading_shown){&p->levels[k], k, p->options.code, methods[m].source, methods[m].adapted ? &table : NULL, 0}, &r->error[m], err);
     iso_tf_table_destroy(&table);
     return status;
 }

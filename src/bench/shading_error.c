@@ -58,17 +58,16 @@ static iso_status make_view(const iso_level *level0, const iso_tf *tf, int i, si
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
-iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_level *level, iso_code code,
-                              iso_direction_source source, const iso_tf_table *tf, double step_voxels, iso_image *image,
+iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_shading_shown *shown, iso_image *image,
                               iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
-    opt.source = source;
-    opt.step_voxels = step_voxels;
+    opt.source = shown->source;
+    opt.step_voxels = shown->step_voxels;
     iso_view own = s->views[view]; /* the same view, with the other table */
-    if (tf)
-        own.tf = *tf;
-    return iso_gl_render(s->gl, level, code, &own, &opt, image, NULL, err);
+    if (shown->tf)
+        own.tf = *shown->tf;
+    return iso_gl_render(s->gl, shown->level, shown->code, &own, &opt, image, NULL, err);
 }
 
 /* ---- the surface ---- */
@@ -137,7 +136,7 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
         status = make_view(level0, &tf, i, look->image_size, &s->views[i], err);
         if (status == ISO_OK)
-            status = iso_shading_render(s, i, level0, code, ISO_FROM_CODES, NULL, step_of_views, &s->finest[i], err);
+            status = iso_shading_render(s, i, &(iso_shading_shown){level0, 0, code, ISO_FROM_CODES, NULL, step_of_views}, &s->finest[i], err);
     }
     if (status == ISO_OK)
         status = find_surface(s, level0, code, field, err);
@@ -211,15 +210,15 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
     return status;
 }
 
-static iso_status measure_images(const iso_shading_subject *s, const iso_level *level, iso_code code, iso_direction_source source,
-                                 const iso_tf_table *tf, double step_voxels, iso_shading_error *e, iso_error *err)
+static iso_status measure_images(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
+                                 iso_error *err)
 {
     iso_status status = ISO_OK;
     e->dssim_mean = 0;
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
         iso_image image = {0};
         double ssim = 0;
-        status = iso_shading_render(s, i, level, code, source, tf, step_voxels, &image, err);
+        status = iso_shading_render(s, i, shown, &image, err);
         if (status == ISO_OK)
             status = iso_ssim_foreground(&s->finest[i], &image, &ssim, err);
         e->dssim[i] = (1 - ssim) / 2;
@@ -229,11 +228,13 @@ static iso_status measure_images(const iso_shading_subject *s, const iso_level *
     return status;
 }
 
-iso_status iso_shading_measure(const iso_shading_subject *s, const iso_level *level, size_t k, iso_code code,
-                               iso_direction_source source, const iso_tf_table *tf, iso_shading_error *e, iso_error *err)
+iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
+                               iso_error *err)
 {
-    iso_status status = measure_images(s, level, code, source, tf, step_of_views, e, err);
-    return status == ISO_OK ? measure_angles(s, level, k, code, source, e, err) : status;
+    iso_shading_shown own = *shown;
+    own.step_voxels = step_of_views;
+    iso_status status = measure_images(s, &own, e, err);
+    return status == ISO_OK ? measure_angles(s, shown->level, shown->k, shown->code, shown->source, e, err) : status;
 }
 
 /* The level's scalar on the grid of level 0, so that one texture coordinate serves both: at fine centres it is exact, and
@@ -257,7 +258,7 @@ iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *leve
             mixed.scalar[i] = (float)iso_sample_scalar(&sampler, iso_scale(at, scale));
         }
         *e = (iso_shading_error){.angle_mean_deg = 0, .angle_p95_deg = 0, .truth_mean_deg = NAN};
-        status = measure_images(s, &mixed, code, ISO_FROM_CODES, NULL, ldexp(step_of_views, (int)k), e, err);
+        status = measure_images(s, &(iso_shading_shown){&mixed, k, code, ISO_FROM_CODES, NULL, ldexp(step_of_views, (int)k)}, e, err);
     }
     iso_sampler_destroy(&sampler);
     free(mixed.scalar);

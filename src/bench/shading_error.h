@@ -61,17 +61,26 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
                              const iso_shading_look *look, iso_error *err);
 void iso_shading_end(iso_shading_subject *s);
 
+/* A level, and how it is shown. */
+typedef struct iso_shading_shown {
+    const iso_level *level;
+    size_t k; /* the level's number */
+    iso_code code;
+    iso_direction_source source;
+    const iso_tf_table *tf; /* instead of the view's; or NULL */
+    double step_voxels;     /* 0: the view's; not looked at by iso_shading_measure() */
+} iso_shading_shown;
+
 /* k: the level's number. tf: instead of the views' own, or NULL. */
-iso_status iso_shading_measure(const iso_shading_subject *s, const iso_level *level, size_t k, iso_code code,
-                               iso_direction_source source, const iso_tf_table *tf, iso_shading_error *e, iso_error *err);
+iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
+                               iso_error *err);
 
 /* What is left when directions are level 0's and the scalar alone is level k's: DSSIM only. */
 iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k, iso_code code,
                              iso_shading_error *e, iso_error *err);
 
 /* One view of a level, as measured. */
-iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_level *level, iso_code code,
-                              iso_direction_source source, const iso_tf_table *tf, double step_voxels, iso_image *image,
+iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_shading_shown *shown, iso_image *image,
                               iso_error *err);
 
 #endif

@@ -279,8 +279,8 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 }
 
 /* By bricks, in a cache of so many bytes. */
-static iso_status render_cached(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
-                                const iso_view *view, iso_image *image, double *seconds, const iso_progress *progress, iso_error *err)
+static iso_status render_cached(const render_arguments *a, const iso_cli *cli, const iso_render_request *q, iso_image *image,
+                                double *seconds, iso_error *err)
 {
     iso_cached_report r = {0};
     const iso_cached_options o = {.cache_bytes = a->cache_bytes,
@@ -292,9 +292,9 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, i
                                   .threads = cli->threads,
                                   .report = &r};
     iso_gl *gl;
-    iso_status status = iso_renderers_need_gl(renderers, &gl, err);
+    iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
     if (status == ISO_OK)
-        status = iso_cached_render(gl, &p->levels[0], view, &o, image, progress, err);
+        status = iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err);
     *seconds = r.seconds;
     if (status == ISO_OK)
         report_cache(&r, cli);
@@ -302,9 +302,8 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, i
 }
 
 /* Extrapolated from the step and its double; of Cycles the mean over seeds. */
-static iso_status render_limit(const render_arguments *a, const iso_cli *cli, iso_renderers *renderers, const iso_pyramid *p,
-                               const iso_view *view, const iso_renderer_info *which, iso_image *image, double *seconds,
-                               const iso_progress *progress, iso_error *err)
+static iso_status render_limit(const render_arguments *a, const iso_cli *cli, const iso_render_request *q, iso_image *image,
+                               double *seconds, iso_error *err)
 {
     iso_limit_options o = iso_limit_defaults();
     const double start = iso_clock_seconds();
@@ -314,9 +313,9 @@ static iso_status render_limit(const render_arguments *a, const iso_cli *cli, is
     o.planes = (size_t)a->planes;
     o.intervals = (size_t)a->intervals;
     o.threads = cli->threads;
-    if ((size_t)a->level >= p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
-    iso_status status = iso_limit_render(renderers, p, (size_t)a->level, view, which, &o, image, progress, err);
+    if (q->level >= q->pyramid->level_count)
+        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level, q->pyramid->level_count - 1);
+    iso_status status = iso_limit_render(q, q->options->renderer, &o, image, err);
     *seconds = iso_clock_seconds() - start;
     return status;
 }
@@ -333,6 +332,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     iso_image image = {0};
     char version[320] = "";
     double seconds = 0;
+    const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
     iso_status status = take_options(a, cli, &opt, err);
     build.threads = cli->threads;
     build.level_count = (size_t)a->level + 1;
@@ -356,9 +356,9 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = opt.renderer->version(&renderers, version, sizeof version, err);
     if (status == ISO_OK && is_in_bricks(a))
-        status = render_cached(a, cli, &renderers, &pyramid, &view, &image, &seconds, &progress, err);
+        status = render_cached(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK && a->limit)
-        status = render_limit(a, cli, &renderers, &pyramid, &view, opt.renderer, &image, &seconds, &progress, err);
+        status = render_limit(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK)
         status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
     if (status == ISO_OK)

@@ -56,10 +56,11 @@ typedef struct target {
 
 /* The decoded vector moves by dU, dV, dW along (1,0,0), (1,1,0), (1,1,1), with
  *     dU = -fu ry + L ry^2, dV = fv (ry - rz) + L (ry - rz)^2, dW = fw rz + L rz^2.
- * u, v, w: what unit changes of U, V, W do across the direction (component k of
- * the tangent plane); the same along it divides, to first order. */
-ISO_INLINE void expand(target *t, int k, v8f u, v8f v, v8f w, v8f fu, v8f fv, v8f fw, v8f along_y, v8f along_z)
+ * across: what unit changes of U, V, W do across the direction (component k of
+ * the tangent plane); the same along it (y, z) divides, to first order. */
+ISO_INLINE void expand(target *t, int k, const v8f across[3], const v8f f[3], const v8f along[2])
 {
+    v8f u = across[0], v = across[1], w = across[2], fu = f[0], fv = f[1], fw = f[2], along_y = along[0], along_z = along[1];
     v8f y = v * fv - u * fu, z = w * fw - v * fv;
     t->y[k] = y;
     t->z[k] = z;
@@ -83,8 +84,9 @@ ISO_INLINE target prepare(v8f high, v8f middle, v8f low)
     v8f u_along = high * unit, v_along = (high + middle) * unit, w_along = (high + middle + low) * unit;
     v8f along_y = v_along * fv - u_along * fu, along_z = w_along * fw - v_along * fv;
     v8f v0 = (high - middle) * per_q, v1 = -low * (high + middle) * per_q;
-    expand(&t, 0, -middle * per_q, v0, v0, fu, fv, fw, along_y, along_z);
-    expand(&t, 1, -low * high * per_q, v1, v1 + q * unit, fu, fv, fw, along_y, along_z);
+    const v8f f[3] = {fu, fv, fw}, along[2] = {along_y, along_z};
+    expand(&t, 0, (const v8f[3]){-middle * per_q, v0, v0}, f, along);
+    expand(&t, 1, (const v8f[3]){-low * high * per_q, v1, v1 + q * unit}, f, along);
     return t;
 }
 

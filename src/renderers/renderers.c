@@ -148,23 +148,22 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
 
 /* ---- several images ---- */
 
-static iso_status render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                                 const iso_render_options *frames, size_t count, iso_image *images,
-                                 const iso_progress *progress, iso_error *err)
+static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
-    const iso_render_request q = {r, p, level, view, frames, progress};
+    const iso_renderers *r = q->renderers;
+    const iso_render_options *frames = q->options;
     iso_status status = ISO_OK;
     memset(images, 0, count * sizeof *images);
     if (count > 0 && frames[0].renderer->render_several) {
-        status = check(&q, err);
+        status = check(q, err);
         if (status == ISO_OK)
-            status = frames[0].renderer->render_several(&q, count, images, err);
+            status = frames[0].renderer->render_several(q, count, images, err);
         for (size_t i = 0; i < count && status == ISO_OK; ++i)
             apply_hook(r, &images[i]);
         return status;
     }
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = iso_render_with(r, p, level, view, &frames[i], &images[i], NULL, progress, err);
+        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &images[i], NULL, q->progress, err);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     return status;
@@ -209,18 +208,20 @@ static iso_status grow_cache(iso_frame_cache *cache, size_t more, iso_error *err
 }
 
 /* Renders what the cache lacks, and copies all. */
-static iso_status render_cached(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                                const iso_render_options *frames, size_t count, iso_image *images,
-                                const iso_progress *progress, iso_error *err)
+static iso_status render_cached(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
-    iso_frame_cache *cache = r->cache;
+    const iso_render_options *frames = q->options;
+    iso_frame_cache *cache = q->renderers->cache;
     size_t lacking = 0;
     iso_status status = grow_cache(cache, count, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         if (!find_frame(cache, &frames[i]))
             cache->frames[cache->count + lacking++] = frames[i];
-    if (status == ISO_OK && lacking > 0)
-        status = render_several(r, p, level, view, cache->frames + cache->count, lacking, cache->images + cache->count, progress, err);
+    if (status == ISO_OK && lacking > 0) {
+        iso_render_request rest = *q;
+        rest.options = cache->frames + cache->count;
+        status = render_several(&rest, lacking, cache->images + cache->count, err);
+    }
     cache->count += status == ISO_OK ? lacking : 0;
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         const iso_image *there = find_frame(cache, &frames[i]);
@@ -233,11 +234,9 @@ static iso_status render_cached(iso_renderers *r, const iso_pyramid *p, size_t l
     return status;
 }
 
-iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                              const iso_render_options *frames, size_t count, iso_image *images,
-                              const iso_progress *progress, iso_error *err)
+iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err)
 {
     memset(images, 0, count * sizeof *images);
-    return r->cache ? render_cached(r, p, level, view, frames, count, images, progress, err)
-                    : render_several(r, p, level, view, frames, count, images, progress, err);
+    return frames->renderers->cache ? render_cached(frames, count, images, err)
+                                    : render_several(frames, count, images, err);
 }

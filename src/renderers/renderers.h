@@ -225,11 +225,9 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
                            const iso_render_options *opt, iso_image *image, double *seconds,
                            const iso_progress *progress, iso_error *err);
 
-/* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of frames[i].
- * All or none are created. */
-iso_status iso_render_several(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                              const iso_render_options *frames, size_t count, iso_image *images,
-                              const iso_progress *progress, iso_error *err);
+/* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of
+ * frames->options[i]. All or none are created. */
+iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err);
 
 /* As if the frames of both had been drawn at once; beyond ISO_RENDER_MAX_FRAMES the slowest are forgotten. */
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);

@@ -326,8 +326,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
-    iso_status status = iso_limit_find(&v->renderers, v->pyramid, level, v->view, &a->image, renderer, &opt, &limit,
-                                       v->progress, err);
+    iso_status status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL, v->progress}, &a->image, renderer, &opt, &limit, err);
     if (status == ISO_OK) {
         if (limit.intervals)
             snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);

@@ -216,17 +216,19 @@ static iso_status check_seeds(const iso_limit_options *opt, iso_error *err)
     return ISO_OK;
 }
 
-iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, const iso_renderer_info *which,
-                            const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
+iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
+                            iso_image *image, iso_error *err)
 {
+    iso_render_request q = *what;
     step_pair pair;
     iso_image coarse = {0}, fine = {0};
     iso_extrapolation unused;
     iso_status status = check_seeds(opt, err);
     if (status != ISO_OK)
         return status;
-    first_pair(&pair, &p->levels[level], which, opt);
-    status = iso_render_several(r, p, level, view, pair.frames, 2 * pair.seeds, pair.images, progress, err);
+    first_pair(&pair, &q.pyramid->levels[q.level], which, opt);
+    q.options = pair.frames;
+    status = iso_render_several(&q, 2 * pair.seeds, pair.images, err);
     if (status == ISO_OK)
         status = mean_pair(pair.images, pair.seeds, &coarse, &fine, err);
     if (status == ISO_OK)
@@ -252,29 +254,29 @@ static bool is_hopeless(const iso_limit *limit, const iso_limit_options *opt)
     return limit->rmse > opt->hopeless * limit->allowed && iso_limit_left(limit) > 0.9;
 }
 
-iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                          const iso_image *reference, const iso_renderer_info *which, const iso_limit_options *opt, iso_limit *out,
-                          const iso_progress *progress, iso_error *err)
+iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
+                          const iso_limit_options *opt, iso_limit *out, iso_error *err)
 {
+    iso_render_request q = *what;
     step_pair pair;
     iso_status status = check_seeds(opt, err);
     *out = (iso_limit){0};
     if (status != ISO_OK)
         return status;
-    first_pair(&pair, &p->levels[level], which, opt);
+    first_pair(&pair, &q.pyramid->levels[q.level], which, opt);
     size_t first = 0;
     for (double step = opt->step_voxels; status == ISO_OK;) {
         iso_limit_destroy(out);
         *out = (iso_limit){.step_voxels = step, .seeds = pair.seeds, .planes = pair.frames[pair.seeds].planes,
                            .intervals = pair.frames[pair.seeds].intervals};
-        status = iso_render_several(r, p, level, view, pair.frames + first, 2 * pair.seeds - first, pair.images + first,
-                                    progress, err);
+        q.options = pair.frames + first;
+        status = iso_render_several(&q, 2 * pair.seeds - first, pair.images + first, err);
         if (status == ISO_OK)
             status = iso_limit_extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
         step /= 2;
         if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= opt->finest_voxels))
             break;
-        halve(&pair, &p->levels[level], step, opt->finest_voxels, &first);
+        halve(&pair, &q.pyramid->levels[q.level], step, opt->finest_voxels, &first);
     }
     destroy_pair(&pair);
     if (status != ISO_OK)

@@ -65,11 +65,11 @@ typedef struct iso_limit {
 /* Of all pixels and channels of an image together, and of its bias. */
 #define ISO_LIMIT_SIGNIFICANCE 1e-3
 
-/* Pixels that are not finite make the bar infinite, and all pixels of a random renderer beyond chance: a limit that fails its gates.
+/* what: a level and a view; its options are chosen here, and may be NULL.
+ * Pixels that are not finite make the bar infinite, and all pixels of a random renderer beyond chance: a limit that fails its gates.
  * Release with iso_limit_destroy(), which accepts a zeroed one. */
-iso_status iso_limit_find(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                          const iso_image *reference, const iso_renderer_info *which, const iso_limit_options *opt, iso_limit *out,
-                          const iso_progress *progress, iso_error *err);
+iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
+                          const iso_limit_options *opt, iso_limit *out, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
 
 /* The limit of images that are there: `seeds` of the double step, then `seeds` of the step, at most 32. Fills *out but for
@@ -79,8 +79,8 @@ iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const is
 
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals of
  * a limit that was found, it is that limit's image. */
-iso_status iso_limit_render(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view, const iso_renderer_info *which,
-                            const iso_limit_options *opt, iso_image *image, const iso_progress *progress, iso_error *err);
+iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
+                            iso_image *image, iso_error *err);
 
 /* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing is
  * left to shrink. */
