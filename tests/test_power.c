@@ -158,7 +158,9 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
                 bool there;
                 const bool here = is_rejected(&c, (iso_power_gate)g, &planted);
                 renderers.cache = &cache;
-                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl, asked[d], planted.amount, &there, &err));
+                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl,
+                                                  &(iso_planted){.deviation = asked[d], .amount = planted.amount},
+                                                  &there, &err));
                 renderers.cache = NULL;
                 assert_int_equal(here, there);
                 answers[here] += 1;

@@ -48,10 +48,11 @@ static const double expected_order = 2; /* of all renderers that have a limit */
  * phase: independent errors e and 4 e of the two finest leave 1.9 e in the limit, at a bar of 1.4 e. */
 static const double bars_allowed = 2;
 
-static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view *view, const convergence_options *o,
-                          const iso_image *reference, const iso_cli *cli, descent *d, iso_error *err)
+/* q: without options, which are chosen here. */
+static iso_status descend(const iso_render_request *q, const convergence_options *o, const iso_image *reference,
+                          int threads, descent *d, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(cli);
+    const iso_level *level = &q->pyramid->levels[q->level];
     iso_image image = {0}, coarser = {0}, limit = {0};
     iso_metrics m = {0};
     iso_extrapolation extrapolation = {0};
@@ -59,15 +60,16 @@ static iso_status descend(iso_renderers *r, const iso_pyramid *p, const iso_view
     iso_render_options frames[most_steps];
     for (int i = 0; i < o->steps; ++i) {
         frames[i] = iso_render_defaults(d->renderer);
-        frames[i].threads = cli->threads;
+        frames[i].threads = threads;
     }
-    iso_render_ask_steps(d->renderer, &p->levels[o->level], o->finest, (size_t)o->steps, 1, frames);
+    iso_render_ask_steps(d->renderer, level, o->finest, (size_t)o->steps, 1, frames);
     for (int i = 0; i < o->steps && status == ISO_OK; ++i) {
-        d->step[i] = iso_render_step_voxels(&p->levels[o->level], &frames[i]);
+        d->step[i] = iso_render_step_voxels(level, &frames[i]);
         iso_image_destroy(&coarser);
         coarser = image;
         image = (iso_image){0};
-        status = iso_render_with(r, p, (size_t)o->level, view, &frames[i], &image, NULL, &progress, err);
+        status =
+            iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &image, NULL, q->progress, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&image, reference, &m, err);
         d->rmse[i] = m.rmse;
@@ -194,7 +196,8 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     if (status == ISO_OK)
         status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &exact, &reference, NULL, &progress, err);
     for (size_t r = 0; r < count && status == ISO_OK; ++r) {
-        status = descend(&renderers, &p, &view, o, &reference, cli, &d[r], err);
+        status = descend(&(iso_render_request){&renderers, &p, (size_t)o->level, &view, NULL, &progress}, o, &reference,
+                         cli->threads, &d[r], err);
         if (status == ISO_OK && !cli->json)
             print_table(&d[r], o->steps);
     }

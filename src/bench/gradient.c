@@ -74,12 +74,19 @@ static field_errors measure(const iso_field *field, const float *g, size_t n)
     return e;
 }
 
-static iso_status test_field(iso_field_kind kind, size_t n, double noise, iso_gradient_method method, int threads,
-                             field_errors *e, double *seconds, iso_error *err)
+typedef struct field_case {
+    iso_field_kind kind;
+    size_t n;
+    double noise;
+} field_case;
+
+static iso_status test_field(field_case f, iso_gradient_method method, int threads, field_errors *e, double *seconds,
+                             iso_error *err)
 {
+    const size_t n = f.n;
     iso_field field;
     iso_volume v;
-    iso_status status = sample(kind, n, noise, &field, &v, err);
+    iso_status status = sample(f.kind, n, f.noise, &field, &v, err);
     if (status != ISO_OK)
         return status;
     float *g = malloc(3 * n * n * n * sizeof *g);
@@ -104,15 +111,15 @@ static iso_status measure_method(iso_gradient_method method, size_t n, double no
 {
     field_errors coarse, fine, lobb, sphere, noisy;
     double seconds;
-    iso_status status = test_field(ISO_FIELD_NOISE, n, 0, method, threads, &coarse, &seconds, err);
+    iso_status status = test_field((field_case){ISO_FIELD_NOISE, n, 0}, method, threads, &coarse, &seconds, err);
     if (status == ISO_OK)
-        status = test_field(ISO_FIELD_MARSCHNER_LOBB, n, 0, method, threads, &lobb, &seconds, err);
+        status = test_field((field_case){ISO_FIELD_MARSCHNER_LOBB, n, 0}, method, threads, &lobb, &seconds, err);
     if (status == ISO_OK)
-        status = test_field(ISO_FIELD_SPHERE, n, 0, method, threads, &sphere, &seconds, err);
+        status = test_field((field_case){ISO_FIELD_SPHERE, n, 0}, method, threads, &sphere, &seconds, err);
     if (status == ISO_OK)
-        status = test_field(ISO_FIELD_SPHERE, n, noise, method, threads, &noisy, &seconds, err);
+        status = test_field((field_case){ISO_FIELD_SPHERE, n, noise}, method, threads, &noisy, &seconds, err);
     if (status == ISO_OK)
-        status = test_field(ISO_FIELD_NOISE, 2 * n, 0, method, threads, &fine, &seconds, err);
+        status = test_field((field_case){ISO_FIELD_NOISE, 2 * n, 0}, method, threads, &fine, &seconds, err);
     if (status == ISO_OK)
         *r = (gradient_result){log2(coarse.rms / fine.rms), lobb.mean_deg, lobb.max_deg, sphere.mean_deg, sphere.max_deg,
                                noisy.mean_deg, 1e9 * seconds / (8 * (double)(n * n * n))};

@@ -65,10 +65,17 @@ static const size_t *sizes_of(iso_palette_method m)
     return m == ISO_PALETTE_FACES ? regular_sizes : m == ISO_PALETTE_VERTICES ? vertex_sizes : table_sizes;
 }
 
-/* One line of the table: a method at its three sizes, on the mean of `count` sets. */
-static iso_status table_line(const palette_bench *b, const iso_direction_set *fitted_to, const iso_direction_set *sets,
-                             size_t count, iso_palette_method method, json_t *rows, const char *what, iso_error *err)
+typedef struct fitted_sets {
+    const iso_direction_set *fitted_to, *measured_on;
+    size_t count;
+    const char *name;
+} fitted_sets;
+
+/* One line of the table: a method at its three sizes, on the mean of the sets. */
+static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_palette_method method, json_t *rows,
+                             iso_error *err)
 {
+    const size_t count = s->count;
     const char *name = iso_palette_method_name(method);
     if (!b->cli->json)
         printf("  %-10s", name);
@@ -80,7 +87,7 @@ static iso_status table_line(const palette_bench *b, const iso_direction_set *fi
         for (size_t i = 0; i < count; ++i) {
             iso_palette_error e;
             double once;
-            iso_status status = fit_and_measure(&fitted_to[i], &sets[i], &opt, &entries, &e, &once, err);
+            iso_status status = fit_and_measure(&s->fitted_to[i], &s->measured_on[i], &opt, &entries, &e, &once, err);
             if (status != ISO_OK)
                 return status;
             mean.norm1 += e.norm1 / (double)count;
@@ -91,7 +98,7 @@ static iso_status table_line(const palette_bench *b, const iso_direction_set *fi
         mean.norm2 = sqrt(2 * mean.norm1);
         mean.norm2_printed = sqrt(0.5 * mean.norm1);
         json_t *row = error_row(name, entries, &mean, seconds);
-        json_object_set_new(row, "data", json_string(what));
+        json_object_set_new(row, "data", json_string(s->name));
         json_array_append_new(rows, row);
         if (!b->cli->json)
             printf("  %5zu %10.5g %8.4g %8.4g %7.3f s", entries, mean.norm1, mean.norm2, mean.norm2_printed, seconds);
@@ -137,8 +144,8 @@ iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso
         status = ellipsoid_sets(b, on_surface, sets, err);
         table_head(b, title);
         for (int m = 0; m < ISO_PALETTE_METHOD_COUNT && status == ISO_OK; ++m)
-            status = table_line(b, sets, sets, (size_t)b->seeds, (iso_palette_method)m, rows,
-                                on_surface ? "surface" : "ball", err);
+            status = table_line(b, &(fitted_sets){sets, sets, (size_t)b->seeds, on_surface ? "surface" : "ball"},
+                                (iso_palette_method)m, rows, err);
         for (int i = 0; i < b->seeds; ++i)
             iso_direction_set_destroy(&sets[i]);
     }
@@ -183,9 +190,17 @@ static double block_seconds(const iso_palette_lookup *lookup, const float *v, ui
     return least;
 }
 
-static iso_status assign_case(const palette_bench *b, const iso_direction_set *set, const char *what, const float *v,
-                              uint16_t *index, size_t directions, json_t *rows, iso_error *err)
+/* Vectors to be assigned, and room for their entries. */
+typedef struct assigned {
+    const char *name;
+    const float *vectors;
+    uint16_t *index;
+} assigned;
+
+static iso_status assign_case(const palette_bench *b, const iso_direction_set *set, const assigned *to,
+                              size_t directions, json_t *rows, iso_error *err)
 {
+    const char *what = to->name;
     iso_palette_options opt = method_options(b, ISO_PALETTE_KMEANSPP, directions);
     iso_palette p;
     iso_palette_lookup *lookup;
@@ -196,8 +211,8 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
     status = iso_palette_lookup_create(&p, &lookup, err);
     double build = iso_clock_seconds() - start;
     if (status == ISO_OK) {
-        double rate = 1e-6 * ASSIGN_BLOCK / block_seconds(lookup, v, index);
-        size_t wrong = count_wrong(&p, v, index);
+        double rate = 1e-6 * ASSIGN_BLOCK / block_seconds(lookup, to->vectors, to->index);
+        size_t wrong = count_wrong(&p, to->vectors, to->index);
         json_array_append_new(rows, json_pack("{s:s, s:I, s:f, s:f, s:I, s:I}", "data", what, "entries",
                                               (json_int_t)directions, "million_per_second", rate, "lookup_seconds", build,
                                               "lookup_bytes", (json_int_t)iso_palette_lookup_bytes(lookup), "wrong_count",
@@ -231,7 +246,8 @@ iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_er
         }
         status = iso_direction_set_create(&set, v, NULL, ELLIPSOID_POINTS, err);
         for (int k = 0; k < 3 && status == ISO_OK; ++k)
-            status = assign_case(b, &set, uniform ? "uniform" : "ellipsoid", v, index, table_sizes[k], rows, err);
+            status = assign_case(b, &set, &(assigned){uniform ? "uniform" : "ellipsoid", v, index}, table_sizes[k],
+                                 rows, err);
         iso_direction_set_destroy(&set);
     }
     free(v);
@@ -283,7 +299,8 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
     snprintf(title, sizeof title, "\n%s: %zu bundles of gradients, read and pooled in %.3f s", name, set.count, seconds);
     table_head(b, title);
     for (size_t m = 0; m < sizeof methods / sizeof *methods && status == ISO_OK; ++m)
-        status = table_line(b, methods[m] == ISO_PALETTE_ANNEAL ? &coarse : &set, &set, 1, methods[m], rows, name, err);
+        status = table_line(b, &(fitted_sets){methods[m] == ISO_PALETTE_ANNEAL ? &coarse : &set, &set, 1, name},
+                            methods[m], rows, err);
     json_t *first = json_array_get(rows, json_array_size(rows) - 3 * sizeof methods / sizeof *methods);
     if (status == ISO_OK && first)
         json_object_set_new(first, "read_seconds", json_real(seconds));

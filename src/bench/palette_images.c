@@ -55,23 +55,29 @@ static iso_status default_view(stage *s, iso_error *err)
     return iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &s->view, err);
 }
 
-static iso_status render(stage *s, const iso_level *level, iso_code code, iso_direction_source source, bool shade_table,
-                         iso_image *image, double *seconds, iso_error *err)
+/* How directions come to the shader. */
+typedef struct directions_by {
+    iso_code code;
+    iso_direction_source source;
+    bool shade_table;
+} directions_by;
+
+static iso_status render(stage *s, const iso_level *level, directions_by by, iso_image *image, double *seconds,
+                         iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
-    opt.source = source;
-    opt.shade_table = shade_table;
+    opt.source = by.source;
+    opt.shade_table = by.shade_table;
     opt.repeats = 4; /* the first one compiles */
-    return iso_gl_render(s->gl, level, code, &s->view, &opt, image, seconds, err);
+    return iso_gl_render(s->gl, level, by.code, &s->view, &opt, image, seconds, err);
 }
 
-static iso_status add_row(stage *s, const iso_level *level, iso_code code, iso_direction_source source,
-                          bool shade_table, const method *m, iso_error *err)
+static iso_status add_row(stage *s, const iso_level *level, directions_by by, const method *m, iso_error *err)
 {
     iso_image image;
     iso_metrics metrics;
     double seconds;
-    iso_status status = render(s, level, code, source, shade_table, &image, &seconds, err);
+    iso_status status = render(s, level, by, &image, &seconds, err);
     if (status != ISO_OK)
         return status;
     status = iso_metrics_measure(&s->wanted, &image, &metrics, err);
@@ -128,7 +134,7 @@ static iso_status code_row(stage *s, iso_code code, iso_error *err)
         iso_code_decode_all(code, bytes, decoded, count);
         m.rms_deg = rms_angle_deg(level.directions, decoded, count);
         level.codes = bytes;
-        status = add_row(s, &level, code, ISO_FROM_CODES, false, &m, err);
+        status = add_row(s, &level, (directions_by){code, ISO_FROM_CODES, false}, &m, err);
     }
     free(bytes);
     free(decoded);
@@ -185,18 +191,18 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
              directions, weighted ? " for the scene" : "");
     method m = {name, iso_palette_bits(&palette) > 8 ? 2 : 1, seconds, e.rms_deg};
     if (status == ISO_OK)
-        status = add_row(s, &level, s->pyramid.options.code, ISO_FROM_PALETTE, false, &m, err);
+        status = add_row(s, &level, (directions_by){s->pyramid.options.code, ISO_FROM_PALETTE, false}, &m, err);
     if (variants && status == ISO_OK) {
         snprintf(name, sizeof name, "palette-%zu shades", directions);
-        status = add_row(s, &level, s->pyramid.options.code, ISO_FROM_PALETTE, true, &m, err);
+        status = add_row(s, &level, (directions_by){s->pyramid.options.code, ISO_FROM_PALETTE, true}, &m, err);
     }
     if (variants && status == ISO_OK) {
         snprintf(name, sizeof name, "palette-%zu nearest", directions);
-        status = add_row(s, &level, s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, false, &m, err);
+        status = add_row(s, &level, (directions_by){s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, false}, &m, err);
     }
     if (variants && status == ISO_OK) {
         snprintf(name, sizeof name, "palette-%zu near. shades", directions);
-        status = add_row(s, &level, s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, true, &m, err);
+        status = add_row(s, &level, (directions_by){s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, true}, &m, err);
     }
     iso_level_detach_palette(&level);
     iso_palette_destroy(&palette);
@@ -207,13 +213,14 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
 static iso_status all_rows(stage *s, iso_error *err)
 {
     const iso_level *level = &s->pyramid.levels[0];
-    iso_status status = render(s, level, s->pyramid.options.code, ISO_FROM_FLOAT, false, &s->wanted, NULL, err);
+    iso_status status =
+        render(s, level, (directions_by){s->pyramid.options.code, ISO_FROM_FLOAT, false}, &s->wanted, NULL, err);
     const method floats = {"float", 12, 0, 0};
     if (!s->bench->cli->json)
         printf("  %-24s %5s %11s %8s %10s %9s %9s %9s %8s\n", "gradients", "bytes", "encode", "rms deg", "rmse", "max abs",
                "ssim", "flip", "GL ms");
     if (status == ISO_OK)
-        status = add_row(s, level, s->pyramid.options.code, ISO_FROM_FLOAT, false, &floats, err);
+        status = add_row(s, level, (directions_by){s->pyramid.options.code, ISO_FROM_FLOAT, false}, &floats, err);
     for (int code = 0; code < ISO_CODE_COUNT && status == ISO_OK; ++code)
         if (iso_code_describe((iso_code)code)->is_textured)
             status = code_row(s, (iso_code)code, err);

@@ -52,8 +52,9 @@ iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_ga
 
 /* The same for a deviation, whose renderer has the clean scene while the reference's deviates the other way: with a cache
  * in r the images of the renderer are made once for all amounts. */
-iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
-                                   iso_deviation deviation, double amount, bool *rejected, iso_error *err);
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                                   const iso_renderer_info *renderer, const iso_planted *deviation, bool *rejected,
+                                   iso_error *err);
 
 /* Is the noise of a random renderer what the test of its pixels takes it to be? `groups` groups of c->seeds seeds each, at the
  * first pair of steps: how many of them are flagged by chance, and how far the noise is from normal, by testing each

@@ -288,10 +288,11 @@ iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_ga
                                        : ask_limit(r, c, renderer, planted, rejected, err);
 }
 
-iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
-                                   iso_deviation deviation, double amount, bool *rejected, iso_error *err)
+iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                                   const iso_renderer_info *renderer, const iso_planted *deviation, bool *rejected,
+                                   iso_error *err)
 {
-    const iso_planted inverse = iso_planted_inverse(&(iso_planted){.deviation = deviation, .amount = amount});
+    const iso_planted inverse = iso_planted_inverse(deviation);
     const iso_render_options opt = truth_options(c, gate, renderer);
     iso_image truth;
     iso_power_case other = *c; /* borrows what it does not replace */

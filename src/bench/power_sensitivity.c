@@ -78,7 +78,8 @@ static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_dev
     if (!p->is_calibration && renders_each_amount(p))
         return iso_power_ask(s->renderers, c, p->gate, p->renderer, &planted, rejected, err);
     if (!p->is_calibration)
-        return iso_power_ask_deviation(s->renderers, c, p->gate, p->renderer, d, amount, rejected, err);
+        return iso_power_ask_deviation(s->renderers, c, p->gate, p->renderer,
+                                       &(iso_planted){.deviation = d, .amount = amount}, rejected, err);
     iso_status status = iso_calibrate_check(s->renderers, p->renderer, &planted,
                                             iso_calibration_number(iso_deviation_check(d)), &result, err);
     *rejected = status == ISO_OK && !result.passed;

@@ -35,14 +35,14 @@ iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gr
                        .step_voxels = opt->step_voxels, .tf = make_tf(tf)};
 }
 
-iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_tf tf,
-                             bench_gradients gradients, bench_loop loop, double *seconds, iso_error *err)
+iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
+                             double *seconds, iso_error *err)
 {
     const iso_level *level = &p->levels[0];
-    iso_scene scene = iso_bench_scene(opt, tf, gradients);
+    iso_scene scene = iso_bench_scene(opt, what.tf, what.gradients);
     iso_gl_options options = iso_gl_defaults();
-    options.source = gradients == GRADIENTS_ON_THE_FLY ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES;
-    options.skip = loop_skips[loop];
+    options.source = what.gradients == GRADIENTS_ON_THE_FLY ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES;
+    options.skip = loop_skips[what.loop];
     options.repeats = (size_t)opt->runs + 1; /* the first one compiles */
     iso_view view;
     iso_image image;
@@ -74,7 +74,9 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
         for (int g = 0; g < GRADIENTS_COUNT && status == ISO_OK; ++g) {
             double seconds[LOOP_COUNT] = {0};
             for (int loop = 0; loop < LOOP_COUNT && status == ISO_OK; ++loop) {
-                status = iso_bench_measure(gl, p, opt, (bench_tf)tf, (bench_gradients)g, (bench_loop)loop, &seconds[loop], err);
+                status = iso_bench_measure(gl, p, opt,
+                                           (bench_render_case){(bench_tf)tf, (bench_gradients)g, (bench_loop)loop},
+                                           &seconds[loop], err);
                 json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "size",
                                                        size_text, "tf", iso_bench_tf_names[tf], "gradients", iso_bench_gradients_names[g],
                                                        "loop", loop_names[loop], "step_voxels", opt->step_voxels,

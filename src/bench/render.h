@@ -28,8 +28,13 @@ typedef enum bench_loop { LOOP_PLAIN, LOOP_SKIPPING, LOOP_AUTO, LOOP_COUNT } ben
 iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients);
 
 /* Level 0 as one texture: the fastest of opt->runs draws. */
-iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_tf tf,
-                             bench_gradients gradients, bench_loop loop, double *seconds, iso_error *err);
+typedef struct bench_render_case {
+    bench_tf tf;
+    bench_gradients gradients;
+    bench_loop loop;
+} bench_render_case;
+iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
+                             double *seconds, iso_error *err);
 
 /* --bricks (render_bricks.c). */
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,

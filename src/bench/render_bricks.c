@@ -88,7 +88,8 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
     iso_image image = {0};
     const bench_render_options once = {.image = opt->image, .step_voxels = opt->step_voxels, .runs = 1};
     if (texture == TEXTURE_UNIFORM)
-        return iso_bench_measure(gl, fields->pyramid, &once, TF_DENSE, gradients, LOOP_PLAIN, seconds, err);
+        return iso_bench_measure(gl, fields->pyramid, &once, (bench_render_case){TF_DENSE, gradients, LOOP_PLAIN},
+                                 seconds, err);
     const iso_level *level = &fields->pyramid->levels[0];
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
     if (status != ISO_OK)

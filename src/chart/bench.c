@@ -21,25 +21,39 @@ static const double MOST_KEPT_BYTES = 600e6, MOST_OTHERS_BYTES = 1500e6;
 
 /* ---- what the chart stands on ------------------------------------------------------ */
 
-static iso_status load(const iso_chart_bench *b, iso_gradient_method estimator, iso_direction_filter filter, size_t level_count,
-                       iso_code code, const iso_progress *progress, iso_pyramid *p, iso_error *err)
+/* How a pyramid of the chart is built. */
+typedef struct chart_build {
+    iso_gradient_method estimator;
+    iso_direction_filter filter;
+    size_t level_count;
+    iso_code code;
+} chart_build;
+
+static iso_status load(const iso_chart_bench *b, const chart_build *build, const iso_progress *progress, iso_pyramid *p,
+                       iso_error *err)
 {
     iso_pyramid_options opt = iso_pyramid_defaults();
-    opt.gradient.method = estimator;
-    opt.direction_filter = filter;
-    opt.level_count = level_count;
-    opt.code = code;
+    opt.gradient.method = build->estimator;
+    opt.direction_filter = build->filter;
+    opt.level_count = build->level_count;
+    opt.code = build->code;
     opt.keep_float = true;
     opt.threads = opt.gradient.threads = b->threads;
     return iso_subject_load_pyramid(b->path, b->input, &opt, progress, p, err);
 }
 
-iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_volume_input *input, const char *scene, const char *size,
-                                size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err)
+iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, const iso_chart_grid *grid, int threads,
+                                const iso_progress *progress, iso_error *err)
 {
-    *b = (iso_chart_bench){.path = path, .input = input, .threads = threads, .progress = *progress, .is_volume = !iso_pyramid_is_one(path)};
-    iso_status status = load(b, grid->first_estimator, grid->first_filter, level_count, grid->first_code, progress, &b->first, err);
-    return status == ISO_OK ? iso_subject_load_view(scene, &b->first, size, &b->view, err) : status;
+    *b = (iso_chart_bench){.path = s->path,
+                           .input = s->input,
+                           .threads = threads,
+                           .progress = *progress,
+                           .is_volume = !iso_pyramid_is_one(s->path)};
+    iso_status status =
+        load(b, &(chart_build){grid->first_estimator, grid->first_filter, s->level_count, grid->first_code}, progress,
+             &b->first, err);
+    return status == ISO_OK ? iso_subject_load_view(s->scene, &b->first, s->size, &b->view, err) : status;
 }
 
 void iso_chart_bench_close(iso_chart_bench *b)
@@ -103,7 +117,8 @@ static iso_status need_pyramid(iso_chart_bench *b, const iso_chart_case *c, iso_
     iso_pyramid *p = &b->others[b->other_count < most ? b->other_count : b->replaced++ % most];
     iso_pyramid_destroy(p);
     *p = (iso_pyramid){0};
-    iso_status status = load(b, c->estimator, c->filter, b->first.level_count, b->first.options.code, &silent, p, err);
+    iso_status status =
+        load(b, &(chart_build){c->estimator, c->filter, b->first.level_count, b->first.options.code}, &silent, p, err);
     b->other_count += status == ISO_OK && p == &b->others[b->other_count];
     return status;
 }

@@ -52,10 +52,18 @@ typedef struct iso_chart_bench {
     iso_chart_pace pace[ISO_MAX_RENDERERS];
 } iso_chart_bench;
 
+/* What a chart is of: a volume or pyramid, and a scene; size: of the image, "512x512", or NULL. */
+typedef struct iso_chart_subject {
+    const char *path;
+    const iso_volume_input *input;
+    const char *scene, *size;
+    size_t level_count;
+} iso_chart_subject;
+
 /* Loads the scene and the first pyramid, which is built by the options of `grid` if the path is a volume. Keeps the
  * pointers. */
-iso_status iso_chart_bench_open(iso_chart_bench *b, const char *path, const iso_volume_input *input, const char *scene, const char *size,
-                                size_t level_count, const iso_chart_grid *grid, int threads, const iso_progress *progress, iso_error *err);
+iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *subject, const iso_chart_grid *grid,
+                                int threads, const iso_progress *progress, iso_error *err);
 void iso_chart_bench_close(iso_chart_bench *b); /* accepts empty */
 
 /* The reference image: level 0 of the first pyramid, the scene's own transfer function, no step left, directions as

@@ -30,16 +30,27 @@ char *iso_chart_default_codes(char *text, size_t size)
 
 /* ---- what the user asked for ------------------------------------------------- */
 
-/* "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients of lo to hi. */
-static iso_status parse_numbers(const char *option, const char *text, double lo, double hi, const char *wanted, double *values,
-                                size_t *count, iso_error *err)
+/* An option that lists numbers of lo to hi. */
+typedef struct number_list {
+    const char *option, *wanted; /* what an error says */
+    double lo, hi;
+} number_list;
+
+static const number_list steps = {"--steps", "steps of 0.001 to 100 voxels, such as 2,1,0.5", 1e-3, 100};
+static const number_list errors = {"--plans", "errors of 1e-6 to 1, such as 4/255,1/255, or none", 1e-6, 1};
+
+/* "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients. */
+static iso_status parse_numbers(const number_list *list, const char *text, double *values, size_t *count,
+                                iso_error *err)
 {
     *count = 0;
     for (const char *at = text;; ++at) {
         char *end;
         double value = iso_words_read_quotient(at, &end);
-        if (end == at || !(value >= lo && value <= hi) || *count == ISO_CHART_MAX_LIST || (*end && *end != ','))
-            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", option, text, ISO_CHART_MAX_LIST, wanted);
+        if (end == at || !(value >= list->lo && value <= list->hi) || *count == ISO_CHART_MAX_LIST ||
+            (*end && *end != ','))
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", list->option, text,
+                            ISO_CHART_MAX_LIST, list->wanted);
         values[(*count)++] = value;
         if (!*end)
             return ISO_OK;
@@ -154,11 +165,9 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
     if (status == ISO_OK)
         status = iso_code_from_name(first_word(codes, word), &g->first_code, err);
     if (status == ISO_OK)
-        status = parse_numbers("--steps", words->steps ? words->steps : usual->steps, 1e-3, 100,
-                               "steps of 0.001 to 100 voxels, such as 2,1,0.5", g->steps, &g->step_count, err);
+        status = parse_numbers(&steps, words->steps ? words->steps : usual->steps, g->steps, &g->step_count, err);
     if (status == ISO_OK && strcmp(plans, "none") != 0)
-        status = parse_numbers("--plans", plans, 1e-6, 1, "errors of 1e-6 to 1, such as 4/255,1/255, or none", g->plans,
-                               &g->plan_count, err);
+        status = parse_numbers(&errors, plans, g->plans, &g->plan_count, err);
     for (size_t r = 0; r < iso_renderer_count() && !words->with; ++r)
         g->optional[r] = g->with[r];
     g->midpoint = quadratures[0];

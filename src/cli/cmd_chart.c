@@ -211,8 +211,9 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
     if (status == ISO_OK)
-        status = iso_chart_bench_open(&run->bench, cli->arguments[0], &a->input, a->scene, a->size, (size_t)a->level_count, &run->grid,
-                                      cli->threads, &progress, err);
+        status = iso_chart_bench_open(
+            &run->bench, &(iso_chart_subject){cli->arguments[0], &a->input, a->scene, a->size, (size_t)a->level_count},
+            &run->grid, cli->threads, &progress, err);
     run->bench.processor_time = a->processor_time;
     if (status == ISO_OK)
         status = find_renderers(run, err);

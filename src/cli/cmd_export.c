@@ -37,7 +37,7 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     /* levels that are no coarser than the region of interest need none */
     iso_status status = a->roi.box && a->roi.level >= 0 && k <= (size_t)a->roi.level && k < (size_t)(a->level + a->level_count - 1)
                             ? ISO_OK
-                            : iso_cli_roi_view(&a->roi, &a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
+                            : iso_cli_roi_view(&a->roi, &(iso_cli_roi_place){&a->adapted, a->cli->arguments[0], job->pyramid, k, a->cli->threads}, view, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
     if (status != ISO_OK)

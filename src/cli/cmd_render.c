@@ -350,7 +350,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
-        status = iso_cli_roi_view(&a->roi, &a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
+        status = iso_cli_roi_view(&a->roi, &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, cli->threads}, &view, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
     if (status == ISO_OK)

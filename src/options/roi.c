@@ -24,19 +24,21 @@ static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_er
 }
 
 /* The scene's table, or the adapted one of the level inside. */
-static iso_status roi_tf(const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p, size_t level,
-                              const iso_tf_table *tf, int threads, iso_tf_table *table, iso_error *err)
+static iso_status roi_tf(const iso_cli_roi_place *at, size_t level, const iso_tf_table *tf, iso_tf_table *table,
+                         iso_error *err)
 {
     iso_adapt_options opt;
-    if (!adapted->wanted)
+    if (!at->adapted->wanted)
         level = 0; /* a copy */
-    iso_status status = iso_cli_adapt_options(adapted, threads, &opt, err);
-    return status == ISO_OK ? iso_adapt_level(p, iso_pyramid_is_one(path) ? path : NULL, level, tf, &opt, table, NULL, err) : status;
+    iso_status status = iso_cli_adapt_options(at->adapted, at->threads, &opt, err);
+    return status == ISO_OK ? iso_adapt_level(at->pyramid, iso_pyramid_is_one(at->path) ? at->path : NULL, level, tf,
+                                              &opt, table, NULL, err)
+                            : status;
 }
 
-iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p,
-                            size_t level, iso_view *view, int threads, iso_error *err)
+iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, iso_view *view, iso_error *err)
 {
+    const size_t level = at->level;
     iso_roi_options opt = iso_roi_defaults();
     iso_tf_table table = {0};
     if (!r->box && (r->level != 0 || r->band != opt.band))
@@ -53,11 +55,11 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted
     opt.level = (size_t)r->level;
     opt.band = r->band;
     if (status == ISO_OK)
-        status = roi_tf(adapted, path, p, opt.level, &view->tf, threads, &table, err);
+        status = roi_tf(at, opt.level, &view->tf, &table, err);
     if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
         status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
     if (status == ISO_OK)
-        status = iso_roi_create(p, level, &table, &opt, view->roi, err);
+        status = iso_roi_create(at->pyramid, level, &table, &opt, view->roi, err);
     iso_tf_table_destroy(&table);
     return status;
 }

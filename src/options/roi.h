@@ -22,9 +22,17 @@ typedef struct iso_cli_roi {
 
 void iso_cli_roi_defaults(iso_cli_roi *r);
 
+/* The level around a region of interest. */
+typedef struct iso_cli_roi_place {
+    const iso_cli_adapted *adapted;
+    const char *path; /* of the pyramid, or of its volume */
+    const iso_pyramid *pyramid;
+    size_t level;
+    int threads;
+} iso_cli_roi_place;
+
 /* Sets view->roi when a box is given. To be called while view->tf is still the scene's: the
  * level inside gets a 1D transfer function of its own, adapted as `adapted` says. ISO_E_USAGE. */
-iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_adapted *adapted, const char *path, const iso_pyramid *p,
-                            size_t level, iso_view *view, int threads, iso_error *err);
+iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, iso_view *view, iso_error *err);
 
 #endif

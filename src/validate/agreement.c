@@ -90,12 +90,21 @@ static bool shows_nothing(const iso_image *image)
     return true;
 }
 
+/* An image that is compared with a truth, and what made it. */
+typedef struct compared {
+    const char *what; /* in the image's name */
+    const iso_image *image;
+    const iso_renderer_info *renderer;
+    const char *options; /* of the command that makes it again */
+} compared;
+
 /* A row, its image b and what they have in common; *row has names, limits and gates. */
-static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a, const char *what,
-                          const iso_image *b, const iso_renderer_info *renderer, const char *options, iso_error *err)
+static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a,
+                          const compared *with, iso_error *err)
 {
+    const iso_image *b = with->image;
     char name[96], b_name[128];
-    name_image(v, level, what, name);
+    name_image(v, level, with->what, name);
     snprintf(b_name, sizeof b_name, "%s%s%s", row->b, v->variant[0] ? ", " : "", v->variant);
     row->b = b_name;
     row->level = level;
@@ -112,7 +121,7 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
         row->informative = true;
         row->why = "the transfer function shows nothing of this level";
     }
-    char *command = iso_validate_reproduce(v, level, renderer, options, a->image_name, &row->limits);
+    char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->limits);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
     if (status == ISO_OK)
@@ -166,7 +175,7 @@ static iso_status check_reference(iso_validation *v, size_t level, const truth *
                                 .limits = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
     iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, formula, "reference", &image, iso_renderers_truth(), "", err);
+        status = add_row(v, level, &row, formula, &(compared){"reference", &image, iso_renderers_truth(), ""}, err);
     iso_image_destroy(&image);
     return status;
 }
@@ -210,7 +219,7 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *
     opt.exact_lookups = true;
     iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, same, what, &image, renderer, " --exact-lookups", err);
+        status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups"}, err);
     iso_image_destroy(&image);
     return status;
 }
@@ -243,7 +252,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     if (status == ISO_OK)
         status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, &same, what, &image, renderer, options, err);
+        status = add_row(v, level, &row, &same, &(compared){what, &image, renderer, options}, err);
     if (status == ISO_OK && lock->exact.max_abs > 0 && v->scene->agreement.sharp)
         status = exact_lock_step(v, level, &same, opt, err);
     iso_image_destroy(&same.image);
@@ -336,7 +345,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
             snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
         iso_validate_limit_row(asked, &limit, &row);
         row.statistics = limit_to_json(&limit);
-        status = add_row(v, level, &row, a, what, &limit.image, renderer, options, err);
+        status = add_row(v, level, &row, a, &(compared){what, &limit.image, renderer, options}, err);
     }
     json_decref(row.statistics);
     iso_limit_destroy(&limit);
@@ -377,7 +386,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         begin_row(v, level, row.b);
         status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
         if (status == ISO_OK)
-            status = add_row(v, level, &row, &a, row.b, &image, renderer, options, err);
+            status = add_row(v, level, &row, &a, &(compared){row.b, &image, renderer, options}, err);
         iso_image_destroy(&image);
     }
     iso_image_destroy(&a.image);

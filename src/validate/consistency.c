@@ -30,19 +30,25 @@ static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, i
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
-/* adapted: under the level's own TF. */
-static iso_status render_view(iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source, bool adapted,
-                              size_t i, iso_image *image, iso_error *err)
+/* A level as a method shows it; adapted: under the level's own TF. */
+typedef struct level_shown {
+    const iso_pyramid *pyramid;
+    size_t level;
+    iso_direction_source source;
+    bool adapted;
+} level_shown;
+
+static iso_status render_view(iso_validation *v, const level_shown *s, size_t i, iso_image *image, iso_error *err)
 {
     iso_view view = {0};
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
-    opt.source = source;
+    opt.source = s->source;
     iso_status status = make_view(v, i, &view, err);
     iso_view shown = view; /* borrowed */
-    if (adapted)
-        shown.tf = v->level_tfs[level].table;
+    if (s->adapted)
+        shown.tf = v->level_tfs[s->level].table;
     if (status == ISO_OK)
-        status = iso_render_with(&v->renderers, p, level, &shown, &opt, image, NULL, NULL, err);
+        status = iso_render_with(&v->renderers, s->pyramid, s->level, &shown, &opt, image, NULL, NULL, err);
     iso_view_destroy(&view);
     return status;
 }
@@ -118,7 +124,7 @@ static iso_status measure_images(iso_validation *v, const iso_pyramid *p, const 
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
         iso_image image = {0};
         iso_metrics metrics;
-        status = render_view(v, p, row->level, m->source, row->adapted, i, &image, err);
+        status = render_view(v, &(level_shown){p, row->level, m->source, row->adapted}, i, &image, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&finest[i], &image, &metrics, err);
         if (status == ISO_OK && i == 0)
@@ -210,7 +216,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     if (v->refused[usual].status != ISO_OK || !v->wanted[usual])
         return ISO_OK; /* all views are of one renderer */
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = render_view(v, v->pyramid, 0, ISO_FROM_CODES, false, i, &finest[i], err);
+        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &finest[i], err);
     if (status == ISO_OK)
         status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
     for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
