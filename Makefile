@@ -37,8 +37,8 @@ unpackaged_libs := -lteem -lniftiio -lznz -lopenvdb
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
-# The library is what others link with; the rooms of the command line stand above it, in an archive of their own.
-command_rooms := atlas bench cli options
+# The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
+command_rooms := atlas bench chart cli options report validate
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
 lib_c := $(filter-out $(commands_c),$(all_c))

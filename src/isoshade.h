@@ -1,22 +1,344 @@
 /* SPDX-License-Identifier: MIT */
-/* isoshade.h - what programs include that link with libisoshade; the one place of its version. */
+/* isoshade.h - libisoshade: multi-resolution volumes that keep their shading, and renderers that can be compared.
+ *
+ * Where to start
+ *   A *volume* is a grid of numbers: a scan, a simulation, an array that a program fills. A *pyramid* is that volume at
+ *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. Beside
+ *   each voxel's value a pyramid keeps a *direction*, which stands for the surface there and is what light falls on.
+ *   Directions of all levels come from level 0's gradients, and are stored in three bytes each (a *direction code*). A
+ *   *transfer function* (TF) gives each value a color and an extinction; it can be adapted to a level, so that the
+ *   level shows what the volume shows. A *scene* is a camera, lights, a background and a TF, and fits itself to any
+ *   volume.
+ *
+ *       iso_volume_open()  or  iso_volume_from_memory()           a volume
+ *         iso_build()  or  iso_pyramid_open()                       a pyramid
+ *           iso_tf_adapt()                                            a TF for one of its levels
+ *           iso_render()          a level as an image; iso_metrics_measure() tells how far two images are apart
+ *           iso_export()          a level for OpenVDB, Blender, POV-Ray
+ *           iso_pyramid_level()   the numbers themselves
+ *
+ *   doc/tutorial.md is a program of about sixty lines that does all of this.
+ *
+ * Errors     A function that can fail returns an iso_status, ISO_OK where it did not, and leaves a sentence for a
+ *            person in its last parameter, an iso_error that may be NULL. Nothing is ever printed, and the process
+ *            never ended. What a function was to create is NULL (an image: empty) after a failure.
+ * Ownership  Handles (iso_volume *, iso_pyramid *, iso_tf *, iso_scene *) belong to the caller, who gives them back
+ *            to the function whose name ends in _free; those accept NULL. No function keeps what it was given: a
+ *            volume may be freed once its pyramid is built. Arrays of the caller are read or filled, and not kept.
+ * Threads    Handles that no function is changing may be read by several threads at once. Work is spread over all
+ *            processor cores, or over as many as an option says; results do not depend on how many.
+ * Units      Positions and lengths are millimetres, extinction is 1/mm, gradients are value per mm. Colors are linear
+ *            light, 0 to 1. Arrays of voxels stand x fastest, then y, then z; directions point along the world's
+ *            axes.
+ * Options    A struct of options comes from its function of defaults; change what is to differ. NULL stands for the
+ *            defaults. Names (codes, estimators, renderers ...) are words, as on the command line; iso_choice_name()
+ *            lists them.
+ * Stability  Programs that were built with one version run with later ones of the same major number: handles are
+ *            opaque, structs have room to grow ("reserved": zero), and statuses keep their numbers. Major number 0
+ *            says that this may still change from one minor version to the next.
+ *
+ * The header is C99 and C++. Link with `pkg-config --cflags --libs isoshade`. */
 #ifndef ISOSHADE_H
 #define ISOSHADE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Programs that were built with one version run with a later one of the same major number. */
+/* ---- version ----------------------------------------------------------------------------------------------------- */
+
+/* The one place of the version: the build, the manual page and the pkg-config file read it here. */
 #define ISO_VERSION_MAJOR 0
 #define ISO_VERSION_MINOR 2
 #define ISO_VERSION_PATCH 0
 #define ISO_VERSION_WORD(number) #number
-#define ISO_VERSION_TEXT(major, minor, patch) ISO_VERSION_WORD(major) "." ISO_VERSION_WORD(minor) "." ISO_VERSION_WORD(patch)
+#define ISO_VERSION_TEXT(major, minor, patch) \
+    ISO_VERSION_WORD(major) "." ISO_VERSION_WORD(minor) "." ISO_VERSION_WORD(patch)
 #define ISO_VERSION ISO_VERSION_TEXT(ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH) /* "0.2.0" */
 
 /* The version of the library that runs, such as "0.2.0": not of the header that the program was built with. */
 const char *iso_version(void);
+
+/* ---- errors ------------------------------------------------------------------------------------------------------ */
+
+/* name, number (also the exit code of the command that met it), meaning */
+#define ISO_STATUS_LIST(X)                                                          \
+    X(ISO_OK, 0, "success")                                                         \
+    X(ISO_E_DIFFERS, 1, "the comparison found a difference")                        \
+    X(ISO_E_USAGE, 2, "bad command line or option value")                           \
+    X(ISO_E_IO, 3, "a file could not be read or written")                           \
+    X(ISO_E_FORMAT, 4, "a file's content is not what it should be")                 \
+    X(ISO_E_RANGE, 5, "a value lies outside its limits")                            \
+    X(ISO_E_MEMORY, 6, "not enough memory")                                         \
+    X(ISO_E_MISSING, 7, "a needed program or device is missing")                    \
+    X(ISO_E_PROGRAM, 8, "an external program or library failed")                    \
+    X(ISO_E_UNTRUSTED, 9, "a renderer failed its calibration; comparison refused")
+
+typedef enum iso_status {
+#define ISO_STATUS_ENUM(name, code, text) name = code,
+    ISO_STATUS_LIST(ISO_STATUS_ENUM)
+#undef ISO_STATUS_ENUM
+} iso_status;
+
+/* What went wrong, in one line: which file or option, the value and its limit. */
+typedef struct iso_error {
+    char text[1024];
+} iso_error;
+
+/* The meaning of a status, such as "a file could not be read or written". */
+const char *iso_status_text(iso_status status);
+
+/* ---- names that options take ------------------------------------------------------------------------------------- */
+
+typedef enum iso_choice {
+    ISO_CHOICE_VOXEL_TYPE,       /* "uint8", "int16", "float" ... */
+    ISO_CHOICE_CODE,             /* direction codes: "fit", "snorm", "region48" ... */
+    ISO_CHOICE_ESTIMATOR,        /* of gradients: "central", "sobel" ... */
+    ISO_CHOICE_SCALAR_FILTER,    /* "mean" ... */
+    ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
+    ISO_CHOICE_SHADING,          /* where a renderer takes directions from: "codes", "float" ... */
+    ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all that are known, be they installed or not */
+    ISO_CHOICE_EXPORT            /* "vdb", "blender", "povray" */
+} iso_choice;
+
+/* The name of that number, from 0 on; NULL after the last. */
+const char *iso_choice_name(iso_choice what, size_t number);
+
+/* ---- long work --------------------------------------------------------------------------------------------------- */
+
+/* Told now and then, from one thread at a time, how far a stage of the work is: fraction from 0 to 1. */
+typedef void (*iso_progress_callback)(void *user, const char *stage, double fraction);
+
+/* ---- volumes ----------------------------------------------------------------------------------------------------- */
+
+/* Where voxels lie. Index coordinates are continuous: voxel i covers [i, i + 1) and has its center at i + 1/2. */
+typedef struct iso_grid {
+    size_t size[3];              /* voxels along x, y, z */
+    double index_to_world[3][4]; /* world mm = index_to_world (i, j, k, 1); may rotate, shear and reflect */
+    double box_index[3];         /* what is rendered: [0, box_index]; coarse levels may overhang it; 0: size */
+} iso_grid;
+
+/* Along the world's axes, its box centered at the world's origin. */
+iso_grid iso_grid_axis_aligned(const size_t size[3], const double spacing_mm[3]);
+/* The lengths of a voxel's edges. */
+void iso_grid_spacing_mm(const iso_grid *grid, double spacing_mm[3]);
+
+typedef struct iso_volume iso_volume;
+
+/* Opens a file by its content: NRRD (.nrrd, .nhdr), NIfTI (.nii, .nii.gz, .hdr/.img). ISO_E_IO; ISO_E_FORMAT: not of
+ * these, or damaged; ISO_E_RANGE: voxels that are NaN or infinite; ISO_E_MEMORY. */
+iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err);
+
+/* Copies samples of that type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order. ISO_E_USAGE: an unknown type;
+ * ISO_E_RANGE: a size of 0, a grid without volume, samples that are NaN or infinite; ISO_E_MEMORY. */
+iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const void *samples, iso_volume **volume,
+                                  iso_error *err);
+
+iso_grid iso_volume_grid(const iso_volume *volume);
+
+/* An NRRD file with its header in it, its samples as they are or packed (gzip). ISO_E_IO. */
+iso_status iso_volume_save(const iso_volume *volume, const char *path, bool gzip, iso_error *err);
+
+void iso_volume_free(iso_volume *volume);
+
+/* ---- pyramids ---------------------------------------------------------------------------------------------------- */
+
+typedef struct iso_pyramid iso_pyramid;
+
+typedef struct iso_build_options {
+    size_t levels;                  /* with level 0, 1 to 32; fewer where a level would be a single voxel */
+    const char *code;               /* how directions are stored */
+    const char *estimator;          /* how level 0's gradients are estimated */
+    const char *scalar_filter;      /* how a coarse value comes from eight finer ones */
+    const char *direction_filter;   /* how a coarse direction does */
+    bool keep_float;                /* directions as they were before encoding, too: 12 bytes a voxel more */
+    bool keep_magnitude;            /* the gradients' magnitudes, too: 4 bytes a voxel more */
+    int threads;                    /* 0: all cores */
+    iso_progress_callback progress; /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_build_options;
+/* Four levels, "fit", "central", "mean", "moments". */
+iso_build_options iso_build_defaults(void);
+
+/* ISO_E_USAGE: an unknown name; ISO_E_RANGE: an option outside its limits, voxels that are not finite; ISO_E_MEMORY. */
+iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid,
+                     iso_error *err);
+
+/* Opens a folder NAME.iso (doc/formats.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err);
+/* Writes one; it appears when it is complete. ISO_E_IO. */
+iso_status iso_pyramid_save(const iso_pyramid *pyramid, const char *folder, iso_error *err);
+
+size_t iso_pyramid_level_count(const iso_pyramid *pyramid);
+
+/* One level, to be read in place: the arrays stay the pyramid's, and live as long as it. */
+typedef struct iso_level_view {
+    iso_grid grid;
+    double min, max;         /* of the values */
+    const float *values;     /* one a voxel */
+    const char *code;        /* of the bytes that follow */
+    const uint8_t *codes;    /* 3 a voxel: the encoded directions */
+    const float *directions; /* 3 a voxel, before encoding; NULL without keep_float */
+    const float *magnitudes; /* one a voxel; NULL without keep_magnitude */
+    const void *reserved[8];
+} iso_level_view;
+/* ISO_E_RANGE: a level that is not there; *view is then empty. */
+iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err);
+
+/* The directions that a level's codes stand for: 3 floats a voxel. Their length, at most 1, says how far a direction
+ * can be trusted: 0 where there is none. ISO_E_RANGE. */
+iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err);
+
+void iso_pyramid_free(iso_pyramid *pyramid);
+
+/* ---- direction codes --------------------------------------------------------------------------------------------- */
+
+/* Bytes that one direction takes: 3 of most codes; 0 for an unknown one. */
+size_t iso_directions_bytes(const char *code);
+/* count directions, 3 floats each and of a length of at most 1, to bytes. ISO_E_USAGE: an unknown code; ISO_E_RANGE: a
+ * direction that is too long or not finite, with its number. */
+iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes,
+                                 iso_error *err);
+/* And back. ISO_E_USAGE. */
+iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions,
+                                 iso_error *err);
+
+/* ---- transfer functions ------------------------------------------------------------------------------------------ */
+
+typedef struct iso_tf iso_tf;
+
+typedef struct iso_tf_point {
+    double value;
+    double rgb_linear[3]; /* 0 to 1 */
+    double opacity;       /* 0 to 1, after one unit of length */
+} iso_tf_point;
+
+/* Opens a file NAME.tf.json (doc/formats.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err);
+/* At least two points of rising values; between them color and opacity are linear. opacity is that of unit_mm
+ * millimetres: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
+iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err);
+/* The TF for a level, made so that the level looks as the volume does with tf. Where that would not be closer, and at
+ * level 0, a copy. ISO_E_RANGE: a level that is not there; ISO_E_MEMORY. */
+iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err);
+/* Red, green, blue and extinction per mm of a value, as renderers of this pyramid look it up. A TF that says "fit"
+ * takes its range from the pyramid's level 0. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
+                           double (*rgb_extinction)[4], iso_error *err);
+/* ISO_E_IO. */
+iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
+void iso_tf_free(iso_tf *tf);
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
+
+typedef struct iso_scene iso_scene;
+
+/* Opens a file NAME.scene.json (doc/formats.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_scene_open(const char *path, iso_scene **scene, iso_error *err);
+/* The same from the text of such a file. A TF that it names as a file is looked for in the current folder. */
+iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *err);
+/* The scene's own TF; it stays the scene's, and lives as long as it. */
+const iso_tf *iso_scene_tf(const iso_scene *scene);
+void iso_scene_free(iso_scene *scene);
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+/* Linear light, color multiplied by alpha; the first row is the top one. All zero is empty. */
+typedef struct iso_image {
+    size_t width, height;
+    float *rgba;   /* 4 a pixel; owned, freed by iso_image_destroy() */
+    int origin[2]; /* first column and row of an EXR's display window; else 0, 0 */
+    const void *reserved[4];
+} iso_image;
+
+/* A text for the header of a file. */
+typedef struct iso_image_note {
+    const char *key, *value;
+} iso_image_note;
+
+/* Black and transparent. ISO_E_RANGE: a size of 0, or one that cannot be addressed; ISO_E_MEMORY. */
+iso_status iso_image_create(iso_image *image, size_t width, size_t height, iso_error *err);
+void iso_image_destroy(iso_image *image); /* accepts empty and NULL */
+
+/* OpenEXR, 32-bit float, channels A B G R: what comparisons are made of. notes end with a NULL key, or are NULL.
+ * ISO_E_IO. */
+iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
+/* Any scan-line or tiled single-part EXR with R, G, B (A = 1 where it has none), half or float. The picture is the
+ * file's display window: pixels of it that are outside the data window are 0 in all channels, and data outside it are
+ * left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
+/* 8-bit sRGB for people, opaque. Colors are multiplied by exposure first. ISO_E_IO. */
+iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
+/* 8 bits a channel, decoded from sRGB to linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err);
+
+/* ---- comparison -------------------------------------------------------------------------------------------------- */
+
+/* How far two images are apart, over the four channels of all pixels. FLIP (what a person sees when the images
+ * alternate) and SSIM (alike structures: 1) look at what a screen would show. */
+typedef struct iso_metrics {
+    double rmse, max_abs, p99_abs; /* p99: 99 % of the pixels differ by less, in their worst channel */
+    double psnr_db;                /* peak 1; infinite for equal images */
+    double ssim, flip_mean;
+    size_t nonfinite_count;        /* pixels with NaN or infinity in either image; above 0 all metrics are NaN */
+    size_t worst[2];               /* column and row of max_abs */
+    double reserved[8];
+} iso_metrics;
+/* ISO_E_RANGE: empty images, different sizes or origins. Ask `metrics.max_abs <= limit`: NaN is never within. */
+iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
+
+/* ---- rendering --------------------------------------------------------------------------------------------------- */
+
+typedef struct iso_frame_options {
+    const char *renderer;           /* "reference": exact and slow; others are faster, or other programs */
+    size_t level;
+    size_t width, height;           /* 0: the scene's */
+    const iso_tf *tf;               /* NULL: the scene's */
+    const char *shading;            /* where directions come from; of "reference" and "gl" */
+    double step_voxels;             /* of rays, in the smallest spacing; 0: what the renderer is most exact with */
+    int samples, seed;              /* of "cycles"; 0: its defaults */
+    int threads;                    /* 0: all cores */
+    iso_progress_callback progress; /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_frame_options;
+/* Level 0 by "reference", as the scene has it. */
+iso_frame_options iso_frame_defaults(void);
+
+/* Creates *image. ISO_E_USAGE: an unknown name, an option that the renderer does not have; ISO_E_RANGE: a level that
+ * is not there, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM. While
+ * other programs run, SIGINT, SIGTERM and SIGHUP end them and the call fails, unless this program handles those
+ * signals. */
+iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const iso_frame_options *options,
+                      iso_image *image, iso_error *err);
+
+/* ---- export ------------------------------------------------------------------------------------------------------ */
+
+typedef struct iso_export_options {
+    size_t level;                   /* the first, or the only one */
+    size_t level_count;             /* so many levels from there on in one file; of "vdb" and "blender" */
+    size_t width, height;           /* of the scene's images; 0: the scene's */
+    const iso_tf *tf;               /* NULL: the scene's */
+    bool half_float;                /* of "vdb": smaller and less exact */
+    int threads;                    /* 0: all cores */
+    iso_progress_callback progress; /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_export_options;
+/* Level 0 alone. */
+iso_export_options iso_export_defaults(void);
+
+/* target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "blender": NAME.blend, and
+ * its grids beside it; needs Blender. "povray": a folder with scene and densities. ISO_E_USAGE: an unknown target, no
+ * scene where one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
+ * ISO_E_PROGRAM. */
+iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
+                      const iso_export_options *options, iso_error *err);
 
 #ifdef __cplusplus
 }

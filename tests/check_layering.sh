@@ -27,6 +27,7 @@ compare:    base image
 plan:       $shared render compare
 targets:    $shared render vdb povray blender compare plan
 report:     base image compare
+library:    $shared render vdb povray blender renderers compare plan targets
 validate:   $shared render renderers compare report
 chart:      $shared render renderers compare plan report
 options:    $shared

@@ -73,7 +73,7 @@ static void measure_differences(const iso_image *a, const iso_image *b, float *l
 
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err)
 {
-    *m = (iso_metrics){NAN, NAN, NAN, NAN, NAN, NAN, 0, {0, 0}};
+    *m = (iso_metrics){.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
     size_t count = a->width * a->height;
     if (count == 0 || b->width * b->height == 0)
         return iso_fail(err, ISO_E_RANGE, "compare: an image is empty (%zux%zu and %zux%zu pixels)", a->width, a->height,

@@ -12,17 +12,7 @@
 #include "base/json.h"
 #include "image/image.h"
 
-typedef struct iso_metrics {
-    double rmse, max_abs, p99_abs; /* of the four channels; p99 of the pixels' largest difference */
-    double psnr_db;                /* peak 1; infinite for equal images */
-    double ssim, flip_mean;
-    size_t nonfinite_count;        /* pixels with NaN or Inf in either image */
-    size_t worst[2];               /* column, row of max_abs */
-} iso_metrics;
-
-/* ISO_E_RANGE: empty images, different sizes or origins. With non-finite pixels the
- * metrics are NaN and the status is ISO_OK: the verdict fails them. */
-iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err);
+/* iso_metrics and iso_metrics_measure() stand in the library's header. */
 
 /* The largest values that are allowed; a value of 0 or less is not checked. */
 typedef struct iso_tolerances {

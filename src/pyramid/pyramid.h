@@ -91,8 +91,7 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
                              const iso_progress *progress, iso_error *err);
 void iso_pyramid_destroy(iso_pyramid *p);
 
-/* A directory NAME.iso, complete or absent. */
-iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err);
+/* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
 /* Checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
 /* What pyramid.json says, without samples: levels' scalar, codes and the rest are NULL. */

@@ -270,7 +270,7 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_t *o = json_pack("{s:I, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "scene", text(row->scene), "a",
                           text(row->a), "b", text(row->b), "tier", text(row->tier));
     if (row->refused) {
-        const iso_metrics none = {NAN, NAN, NAN, NAN, NAN, NAN, 0, {0, 0}};
+        const iso_metrics none = {.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
         json_object_update_new(o, iso_metrics_to_json(&none));
     } else {
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));

@@ -192,21 +192,17 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
     free(dir);
 }
 
-iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
+iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err)
 {
     static const char *const keys[] = {"schema",  "comment",    "image",       "camera", "lights",
                                        "shading", "background", "step_voxels", "tf",     "agreement", "suite",
                                        "clip_planes", NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
-    json_t *root;
     *scene = (iso_scene){.width = 160, .height = 160, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 1.05,
                          .shading = {.power = 20}, .step_voxels = 0.5,
                          .suite_isosurface = NAN,
                          .agreement = {ISO_TIER_CONVERGENCE, true, "the scene states no agreement: its TF is taken for sharp"}};
-    iso_status status = iso_json_load(path, &root, err);
-    if (status != ISO_OK)
-        return status;
     iso_json_reader r = {.path = path, .err = err};
     int schema = 0;
     iso_json_only_keys(&r, root, "the scene", keys);
@@ -226,12 +222,23 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
     read_agreement(&r, root, scene);
     read_suite(&r, root, scene);
     read_tf(&r, root, scene);
-    json_decref(root);
     if (r.status == ISO_OK && !(scene->path = strdup(path)))
         r.status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (r.status != ISO_OK)
         iso_scene_destroy(scene);
     return r.status;
+}
+
+iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
+{
+    json_t *root;
+    *scene = (iso_scene){0};
+    iso_status status = iso_json_load(path, &root, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_scene_from_json(root, path, scene, err);
+    json_decref(root);
+    return status;
 }
 
 void iso_scene_destroy(iso_scene *scene)

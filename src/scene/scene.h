@@ -105,6 +105,8 @@ typedef struct iso_scene {
 } iso_scene;
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);
+/* The same from an object; a TF that it names is looked for in the folder of `path`, the file to blame. */
+iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err);
 void iso_scene_destroy(iso_scene *scene);
 
 /* A scene resolved for one volume: all that a renderer needs besides a level. */

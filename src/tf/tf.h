@@ -28,15 +28,9 @@
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 
-typedef struct iso_tf_point {
-    double value;
-    double rgb_linear[3]; /* 0 to 1 */
-    double opacity;       /* 0 to 1, for one unit distance */
-} iso_tf_point;
-
 typedef struct iso_tf {
     size_t point_count;
-    iso_tf_point *points; /* ascending in value */
+    iso_tf_point *points; /* of the library's header; ascending in value */
     bool fit_range;
     double range[2];      /* when not fit_range */
     double unit_distance; /* in mm, or in voxels */
@@ -48,7 +42,6 @@ typedef struct iso_tf {
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
 /* The same from an object inside another file; `path` is the file that error messages name. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
-iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
 /* A new object in the form of the file, points linear. */
 json_t *iso_tf_to_json(const iso_tf *tf);
 iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);

@@ -81,7 +81,6 @@ typedef struct iso_raw_layout {
 } iso_raw_layout;
 iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err);
 
-/* NRRD, attached header; raw, or gzip when asked. */
-iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err);
+/* iso_volume_save() writes NRRD: in the library's header. */
 
 #endif

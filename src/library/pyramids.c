@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT */
+/* pyramids.c - pyramids and direction codes of the library's interface. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "library/shared.h"
+
+iso_build_options iso_build_defaults(void)
+{
+    const iso_pyramid_options o = iso_pyramid_defaults();
+    return (iso_build_options){.levels = o.level_count,
+                               .code = iso_code_describe(o.code)->name,
+                               .estimator = iso_gradient_name(o.gradient.method),
+                               .scalar_filter = iso_scalar_filter_name(o.scalar_filter),
+                               .direction_filter = iso_direction_filter_name(o.direction_filter)};
+}
+
+static iso_status take_build_options(const iso_build_options *given, iso_pyramid_options *o, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *o = iso_pyramid_defaults();
+    o->level_count = given->levels;
+    o->keep_float = given->keep_float;
+    o->keep_magnitude = given->keep_magnitude;
+    o->threads = given->threads;
+    if (given->code)
+        status = iso_code_from_name(given->code, &o->code, err);
+    if (status == ISO_OK && given->estimator)
+        status = iso_gradient_from_name(given->estimator, &o->gradient.method, err);
+    if (status == ISO_OK && given->scalar_filter)
+        status = iso_scalar_filter_from_name(given->scalar_filter, &o->scalar_filter, err);
+    if (status == ISO_OK && given->direction_filter)
+        status = iso_direction_filter_from_name(given->direction_filter, &o->direction_filter, err);
+    return status;
+}
+
+iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err)
+{
+    const iso_build_options given = options ? *options : iso_build_defaults();
+    const iso_progress progress = iso_progress_of(given.progress, given.progress_user);
+    iso_pyramid_options o;
+    *pyramid = NULL;
+    iso_status status = take_build_options(&given, &o, err);
+    if (status != ISO_OK)
+        return status;
+    iso_pyramid *p = calloc(1, sizeof *p);
+    if (!p)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    status = iso_pyramid_build(volume, "memory", &o, p, &progress, err);
+    if (status == ISO_OK)
+        *pyramid = p;
+    else
+        free(p);
+    return status;
+}
+
+iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err)
+{
+    *pyramid = calloc(1, sizeof **pyramid);
+    if (!*pyramid)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = iso_pyramid_load(folder, *pyramid, err);
+    if (status != ISO_OK) {
+        free(*pyramid);
+        *pyramid = NULL;
+    }
+    return status;
+}
+
+size_t iso_pyramid_level_count(const iso_pyramid *pyramid) { return pyramid->level_count; }
+
+iso_status iso_pyramid_check_level(const iso_pyramid *p, size_t level, iso_error *err)
+{
+    if (level < p->level_count)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
+}
+
+iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err)
+{
+    *view = (iso_level_view){0};
+    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_level *l = &pyramid->levels[level];
+    *view = (iso_level_view){.grid = iso_grid_of_geometry(&l->geometry),
+                             .min = l->min,
+                             .max = l->max,
+                             .values = l->scalar,
+                             .code = iso_code_describe(pyramid->options.code)->name,
+                             .codes = l->codes,
+                             .directions = l->directions,
+                             .magnitudes = l->magnitude};
+    return ISO_OK;
+}
+
+iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err)
+{
+    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    if (status == ISO_OK)
+        iso_code_decode_all(pyramid->options.code, pyramid->levels[level].codes, directions,
+                            iso_geometry_voxel_count(&pyramid->levels[level].geometry));
+    return status;
+}
+
+void iso_pyramid_free(iso_pyramid *pyramid)
+{
+    if (pyramid)
+        iso_pyramid_destroy(pyramid);
+    free(pyramid);
+}
+
+size_t iso_directions_bytes(const char *code)
+{
+    iso_code which;
+    return iso_code_from_name(code, &which, NULL) == ISO_OK ? iso_code_describe(which)->bytes : 0;
+}
+
+/* What is normalized in single precision is a little longer than 1 at times. */
+static bool is_direction(const float *d)
+{
+    const double x = d[0], y = d[1], z = d[2];
+    return x * x + y * y + z * z <= 1 + 1e-6; /* not true of NaN */
+}
+
+iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes, iso_error *err)
+{
+    iso_code which;
+    iso_status status = iso_code_from_name(code, &which, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t i = 0; i < count; ++i) {
+        const float *d = directions + 3 * i;
+        if (!is_direction(d))
+            return iso_fail(err, ISO_E_RANGE, "direction %zu is (%g, %g, %g), its length must be at most 1", i, (double)d[0],
+                            (double)d[1], (double)d[2]);
+    }
+    iso_code_encode(which, directions, bytes, count);
+    return ISO_OK;
+}
+
+iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions, iso_error *err)
+{
+    iso_code which;
+    iso_status status = iso_code_from_name(code, &which, err);
+    if (status == ISO_OK)
+        iso_code_decode_all(which, bytes, directions, count);
+    return status;
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/* shared.h - what the files of the library's interface (isoshade.h) share.
+ *
+ * The interface's handles are the structs that the other rooms work with, allocated; its options are words and plain
+ * numbers, which these files turn into the options of the rooms. No arithmetic on samples is done here. */
+#ifndef ISO_LIBRARY_SHARED_H
+#define ISO_LIBRARY_SHARED_H
+
+#include "base/progress.h"
+#include "isoshade.h"
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+
+/* Public grids and the geometry of the rooms say the same. */
+iso_grid iso_grid_of_geometry(const iso_geometry *g);
+iso_geometry iso_geometry_of_grid(const iso_grid *grid);
+
+/* The progress of a function's options. */
+static inline iso_progress iso_progress_of(iso_progress_callback report, void *user)
+{
+    return (iso_progress){.report = report, .user = user};
+}
+
+/* ISO_E_RANGE for a level that is not there. */
+iso_status iso_pyramid_check_level(const iso_pyramid *p, size_t level, iso_error *err);
+
+/* The scene, resolved for the pyramid, with the TF and the image size that options ask for (NULL, 0: its own). */
+iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
+                          iso_view *view, iso_error *err);
+
+#endif

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/* transfer.c - transfer functions of the library's interface. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "library/shared.h"
+#include "tf/adapt.h"
+
+/* A handle that holds what `from` does; nothing of it on failure. */
+static iso_status keep(iso_status status, iso_tf *from, iso_tf **tf, iso_error *err)
+{
+    *tf = NULL;
+    if (status != ISO_OK)
+        return status;
+    *tf = malloc(sizeof **tf);
+    if (!*tf) {
+        iso_tf_destroy(from);
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    }
+    **tf = *from;
+    return ISO_OK;
+}
+
+iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err)
+{
+    iso_tf loaded;
+    return keep(iso_tf_load(path, &loaded, err), &loaded, tf, err);
+}
+
+static bool is_fraction(double value) { return value >= 0 && value <= 1; }
+
+static iso_status check_point(const iso_tf_point *points, size_t i, iso_error *err)
+{
+    const iso_tf_point *p = &points[i];
+    if (!(p->value >= -1e30 && p->value <= 1e30))
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g, must be -1e30 to 1e30", i, p->value);
+    if (i > 0 && p->value < points[i - 1].value)
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g below its predecessor's %g; values must rise", i,
+                        p->value, points[i - 1].value);
+    if (!is_fraction(p->rgb_linear[0]) || !is_fraction(p->rgb_linear[1]) || !is_fraction(p->rgb_linear[2]))
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the color (%g, %g, %g), each must be 0 to 1", i, p->rgb_linear[0],
+                        p->rgb_linear[1], p->rgb_linear[2]);
+    if (!is_fraction(p->opacity))
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the opacity %g, must be 0 to 1", i, p->opacity);
+    return ISO_OK;
+}
+
+static iso_status check_points(const iso_tf_point *points, size_t count, double unit_mm, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if (count < 2 || count > 65536)
+        return iso_fail(err, ISO_E_RANGE, "a transfer function of %zu points, must be 2 to 65536", count);
+    if (!(unit_mm >= 1e-6 && unit_mm <= 1e6))
+        return iso_fail(err, ISO_E_RANGE, "opacities are for %g mm, must be 1e-6 to 1e6", unit_mm);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = check_point(points, i, err);
+    if (status == ISO_OK && !(points[count - 1].value > points[0].value))
+        status = iso_fail(err, ISO_E_RANGE, "all points have the value %g, wanted a range", points[0].value);
+    return status;
+}
+
+iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err)
+{
+    *tf = NULL;
+    iso_status status = check_points(points, count, unit_mm, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_tf borrowed = {.point_count = count,
+                             .points = (iso_tf_point *)points,
+                             .range = {points[0].value, points[count - 1].value},
+                             .unit_distance = unit_mm,
+                             .table_size = 4096};
+    iso_tf copy;
+    return keep(iso_tf_copy(&borrowed, &copy, err), &copy, tf, err);
+}
+
+/* The table that renderers of the pyramid look up. */
+static iso_status tabulate(const iso_tf *tf, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    return iso_tf_tabulate(tf, level0->min, level0->max, &level0->geometry, table, err);
+}
+
+iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err)
+{
+    const iso_adapt_options o = iso_adapt_defaults();
+    iso_tf_table original = {0}, table = {0};
+    iso_tf made;
+    *adapted = NULL;
+    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    if (status == ISO_OK && level == 0)
+        return keep(iso_tf_copy(tf, &made, err), &made, adapted, err);
+    if (status == ISO_OK)
+        status = tabulate(tf, pyramid, &original, err);
+    if (status == ISO_OK)
+        status = iso_adapt_level(pyramid, NULL, level, &original, &o, &table, NULL, err);
+    if (status == ISO_OK)
+        status = keep(iso_tf_from_table(&table, &made, err), &made, adapted, err);
+    iso_tf_table_destroy(&original);
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
+iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
+                           double (*rgb_extinction)[4], iso_error *err)
+{
+    iso_tf_table table = {0};
+    iso_status status = tabulate(tf, pyramid, &table, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        iso_tf_lookup(&table, values[i], rgb_extinction[i]);
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
+void iso_tf_free(iso_tf *tf)
+{
+    if (tf)
+        iso_tf_destroy(tf);
+    free(tf);
+}

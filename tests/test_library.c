@@ -1,0 +1,571 @@
+/* SPDX-License-Identifier: MIT */
+/* The library's interface: what its header promises, by that header alone. Errors come back as a status and a sentence, and
+ * leave nothing behind (the sanitizers see to that). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "isoshade.h"
+#include "tests/folder.h"
+#include "tests/test.h"
+
+enum { NX = 20, NY = 17, NZ = 12 };
+
+static const char scene_text[] =
+    "{\"schema\": \"isoshade.scene/1\", \"image\": {\"width\": 24, \"height\": 20},"
+    " \"camera\": {\"projection\": \"orthographic\", \"fit\": true, \"direction\": [0, 1, 0], \"up\": [0, 0, 1]},"
+    " \"lights\": [{\"direction\": [0, 0, 1], \"space\": \"camera\", \"intensity\": 1}],"
+    " \"shading\": {\"ambient\": 0.3, \"diffuse\": 0.7},"
+    " \"tf\": {\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_mm\": 2, \"color_space\": \"linear\","
+    "  \"points\": [{\"value\": 0, \"r\": 0, \"g\": 0.5, \"b\": 1, \"opacity\": 0},"
+    "               {\"value\": 1, \"r\": 1, \"g\": 0.5, \"b\": 0, \"opacity\": 0.5}]}}";
+
+/* A ramp along (1, 2, 3) with unequal spacings, so that a swapped axis shows. */
+static iso_grid ramp_grid(void) { return iso_grid_axis_aligned((size_t[3]){NX, NY, NZ}, (double[3]){1, 2, 0.5}); }
+
+static iso_volume *ramp(void)
+{
+    float *samples = malloc(NX * NY * NZ * sizeof *samples);
+    const iso_grid grid = ramp_grid();
+    iso_volume *volume = NULL;
+    assert_non_null(samples);
+    for (size_t z = 0, i = 0; z < NZ; ++z)
+        for (size_t y = 0; y < NY; ++y)
+            for (size_t x = 0; x < NX; ++x)
+                samples[i++] = (float)(1 * (double)x + 2 * 2 * (double)y + 3 * 0.5 * (double)z);
+    assert_ok(iso_volume_from_memory(&grid, "float", samples, &volume, &err));
+    free(samples);
+    return volume;
+}
+
+static iso_pyramid *ramp_pyramid(bool keep_float)
+{
+    iso_volume *volume = ramp();
+    iso_pyramid *pyramid = NULL;
+    iso_build_options o = iso_build_defaults();
+    o.levels = 3;
+    o.keep_float = o.keep_magnitude = keep_float;
+    assert_ok(iso_build(volume, &o, &pyramid, &err));
+    iso_volume_free(volume);
+    return pyramid;
+}
+
+static iso_scene *a_scene(void)
+{
+    iso_scene *scene = NULL;
+    assert_ok(iso_scene_from_text(scene_text, &scene, &err));
+    return scene;
+}
+
+static void versions_agree(void **state)
+{
+    (void)state;
+    char text[32];
+    snprintf(text, sizeof text, "%d.%d.%d", ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH);
+    assert_string_equal(ISO_VERSION, text);
+    assert_string_equal(iso_version(), text);
+}
+
+static void statuses_have_texts(void **state)
+{
+    (void)state;
+    assert_string_equal(iso_status_text(ISO_E_IO), "a file could not be read or written");
+    assert_string_equal(iso_status_text((iso_status)77), "unknown status");
+}
+
+/* Each list holds the defaults, ends, and has no name twice. */
+static void choices_are_listed(void **state)
+{
+    (void)state;
+    const iso_build_options build = iso_build_defaults();
+    const iso_frame_options frame = iso_frame_defaults();
+    const struct {
+        iso_choice what;
+        const char *holds;
+    } lists[] = {{ISO_CHOICE_VOXEL_TYPE, "double"},
+                 {ISO_CHOICE_CODE, build.code},
+                 {ISO_CHOICE_ESTIMATOR, build.estimator},
+                 {ISO_CHOICE_SCALAR_FILTER, build.scalar_filter},
+                 {ISO_CHOICE_DIRECTION_FILTER, build.direction_filter},
+                 {ISO_CHOICE_SHADING, frame.shading},
+                 {ISO_CHOICE_RENDERER, frame.renderer},
+                 {ISO_CHOICE_EXPORT, "povray"}};
+    for (size_t l = 0; l < sizeof lists / sizeof *lists; ++l) {
+        bool found = false;
+        size_t i = 0;
+        for (const char *name; (name = iso_choice_name(lists[l].what, i)); ++i) {
+            assert_in_range(i, 0, 63);
+            found = found || strcmp(name, lists[l].holds) == 0;
+            for (size_t j = 0; j < i; ++j)
+                assert_string_not_equal(name, iso_choice_name(lists[l].what, j));
+        }
+        assert_true(found && i >= 2);
+        assert_null(iso_choice_name(lists[l].what, i + 1));
+    }
+    assert_null(iso_choice_name((iso_choice)99, 0));
+}
+
+static void a_volume_is_what_memory_held(void **state)
+{
+    (void)state;
+    iso_volume *volume = ramp();
+    const iso_grid grid = iso_volume_grid(volume), made = ramp_grid();
+    double spacing_mm[3];
+    assert_memory_equal(&grid, &made, sizeof grid);
+    iso_grid_spacing_mm(&grid, spacing_mm);
+    assert_within(spacing_mm[0], 1, 0);
+    assert_within(spacing_mm[1], 2, 0);
+    assert_within(spacing_mm[2], 0.5, 0);
+    assert_within(grid.index_to_world[1][3], -17, 0); /* half of 17 voxels of 2 mm */
+    iso_volume_free(volume);
+    iso_volume_free(NULL);
+}
+
+static void a_level_is_read_in_place(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(true);
+    iso_level_view level;
+    assert_int_equal(iso_pyramid_level_count(pyramid), 3);
+    assert_ok(iso_pyramid_level(pyramid, 1, &level, &err));
+    assert_int_equal(level.grid.size[0], 10);
+    assert_int_equal(level.grid.size[1], 9);
+    assert_int_equal(level.grid.size[2], 6);
+    assert_within(level.grid.box_index[1], 8.5, 0);
+    /* the mean of a linear ramp over the first 2 x 2 x 2 voxels; the values are multiples of 1/4 */
+    assert_within((double)level.values[0], 0.5 * (1 + 4 + 1.5), 0);
+    assert_within((double)level.values[1] - (double)level.values[0], 2, 0);
+    const double length = sqrt(14);
+    /* the gradient (1, 2, 3) by float arithmetic on values up to 100, a few of their roundings */
+    for (int c = 0; c < 3; ++c)
+        assert_within((double)level.directions[c], (c + 1) / length, 1e-5);
+    assert_within((double)level.magnitudes[0], length, 1e-4);
+    assert_string_equal(level.code, "fit");
+    iso_pyramid_free(pyramid);
+    iso_pyramid_free(NULL);
+}
+
+static void directions_of_a_level_are_decoded(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_level_view level;
+    assert_ok(iso_pyramid_level(pyramid, 1, &level, &err));
+    assert_null(level.directions);
+    assert_null(level.magnitudes);
+    const size_t count = level.grid.size[0] * level.grid.size[1] * level.grid.size[2];
+    float *directions = malloc(3 * count * sizeof *directions), *again = malloc(3 * count * sizeof *again);
+    assert_true(directions && again);
+    assert_ok(iso_pyramid_directions(pyramid, 1, directions, &err));
+    assert_ok(iso_directions_decode(level.code, level.codes, count, again, &err));
+    assert_memory_equal(directions, again, 3 * count * sizeof *again);
+    for (size_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c) /* a code step is 1/127 */
+            assert_within((double)directions[3 * i + (size_t)c], (c + 1) / sqrt(14), 1.0 / 127);
+    free(directions);
+    free(again);
+    iso_pyramid_free(pyramid);
+}
+
+static void directions_survive_each_code(void **state)
+{
+    (void)state;
+    const float d[6] = {0.6f, 0, -0.8f, 0.48f, 0.6f, 0.64f};
+    const char *code;
+    for (size_t i = 0; (code = iso_choice_name(ISO_CHOICE_CODE, i)); ++i) {
+        uint8_t bytes[2 * 16];
+        float back[6];
+        assert_in_range(iso_directions_bytes(code), 1, 16);
+        assert_ok(iso_directions_encode(code, d, 2, bytes, &err));
+        assert_ok(iso_directions_decode(code, bytes, 2, back, &err));
+        for (int k = 0; k < 2; ++k) {
+            const float *a = d + 3 * k, *b = back + 3 * k;
+            const double dot = (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+            const double length = sqrt((double)b[0] * b[0] + (double)b[1] * b[1] + (double)b[2] * b[2]);
+            assert_more_than(dot / length, cos(0.02)); /* rad; the coarsest code has cells of 1/127 */
+        }
+    }
+    assert_int_equal(iso_directions_bytes("no such code"), 0);
+}
+
+static void a_pyramid_is_saved_and_opened(void **state)
+{
+    (void)state;
+    iso_pyramid *made = ramp_pyramid(false), *opened = NULL;
+    char path[512];
+    snprintf(path, sizeof path, "%s/ramp.iso", folder);
+    assert_ok(iso_pyramid_save(made, path, &err));
+    assert_ok(iso_pyramid_open(path, &opened, &err));
+    iso_level_view a, b;
+    for (size_t k = 0; k < 3; ++k) {
+        assert_ok(iso_pyramid_level(made, k, &a, &err));
+        assert_ok(iso_pyramid_level(opened, k, &b, &err));
+        const size_t count = a.grid.size[0] * a.grid.size[1] * a.grid.size[2];
+        assert_memory_equal(a.values, b.values, count * sizeof *a.values);
+        assert_memory_equal(a.codes, b.codes, 3 * count);
+    }
+    iso_pyramid_free(made);
+    iso_pyramid_free(opened);
+}
+
+static void a_volume_is_saved_and_opened(void **state)
+{
+    (void)state;
+    iso_volume *made = ramp(), *opened = NULL;
+    char path[512];
+    snprintf(path, sizeof path, "%s/ramp.nrrd", folder);
+    assert_ok(iso_volume_save(made, path, false, &err));
+    assert_ok(iso_volume_open(path, &opened, &err));
+    const iso_grid a = iso_volume_grid(made), b = iso_volume_grid(opened);
+    assert_memory_equal(&a, &b, sizeof a);
+    iso_volume_free(made);
+    iso_volume_free(opened);
+}
+
+static void a_tf_is_evaluated_and_saved(void **state)
+{
+    (void)state;
+    const iso_tf_point points[] = {{0, {0, 0, 0}, 0}, {10, {1, 0.5, 0.25}, 0.5}};
+    const double values[] = {-5, 5, 10, 99};
+    double entries[4][4], again[4][4];
+    char path[512];
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_tf *tf = NULL, *opened = NULL;
+    assert_ok(iso_tf_from_points(points, 2, 2, &tf, &err));
+    assert_ok(iso_tf_evaluate(tf, pyramid, values, 4, entries, &err));
+    assert_within(entries[0][3], 0, 0);
+    assert_within(entries[1][0], 0.5, 1e-6); /* floats of the table */
+    assert_within(entries[1][3], -log(0.75) / 2, 1e-6);
+    assert_within(entries[2][3], -log(0.5) / 2, 1e-6);
+    assert_memory_equal(entries[2], entries[3], sizeof entries[3]);
+    snprintf(path, sizeof path, "%s/a.tf.json", folder);
+    assert_ok(iso_tf_save(tf, path, &err));
+    assert_ok(iso_tf_open(path, &opened, &err));
+    assert_ok(iso_tf_evaluate(opened, pyramid, values, 4, again, &err));
+    assert_memory_equal(entries, again, sizeof again);
+    iso_tf_free(tf);
+    iso_tf_free(opened);
+    iso_tf_free(NULL);
+    iso_pyramid_free(pyramid);
+}
+
+static void an_adapted_tf_renders(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    iso_tf *tf = NULL, *adapted = NULL;
+    double own[4];
+    iso_image image, other;
+    iso_metrics m;
+    const iso_tf_point points[] = {{0, {1, 1, 1}, 0}, {90, {1, 0, 0}, 0.5}};
+    iso_frame_options o = iso_frame_defaults();
+    assert_ok(iso_tf_from_points(points, 2, 1, &tf, &err));
+    assert_ok(iso_tf_adapt(tf, pyramid, 1, &adapted, &err));
+    o.level = 1;
+    o.width = o.height = 16;
+    o.tf = adapted;
+    assert_ok(iso_render(pyramid, scene, &o, &image, &err));
+    assert_int_equal(image.width, 16);
+    o.tf = NULL; /* the scene's own is blue where this one is white: another image */
+    assert_ok(iso_render(pyramid, scene, &o, &other, &err));
+    assert_ok(iso_metrics_measure(&image, &other, &m, &err));
+    assert_more_than(m.max_abs, 0.05);
+    assert_ok(iso_metrics_measure(&image, &image, &m, &err));
+    assert_within(m.max_abs, 0, 0);
+    assert_ok(iso_tf_evaluate(iso_scene_tf(scene), pyramid, (double[1]){1e9}, 1, &own, &err));
+    assert_within(own[3], -log(0.5) / 2, 1e-6); /* its last entry, a float */
+    iso_image_destroy(&image);
+    iso_image_destroy(&other);
+    iso_tf_free(tf);
+    iso_tf_free(adapted);
+    iso_scene_free(scene);
+    iso_scene_free(NULL);
+    iso_pyramid_free(pyramid);
+}
+
+/* A constant medium seen along an axis: alpha is 1 - exp(-sigma depth), and does not depend on the step. */
+static void a_slab_has_its_closed_form(void **state)
+{
+    (void)state;
+    const iso_grid grid = iso_grid_axis_aligned((size_t[3]){4, 6, 5}, (double[3]){1, 0.5, 1});
+    uint8_t samples[4 * 6 * 5];
+    memset(samples, 200, sizeof samples);
+    samples[0] = 199; /* a range that is not empty */
+    iso_volume *volume = NULL;
+    iso_pyramid *pyramid = NULL;
+    iso_scene *scene = a_scene();
+    iso_tf *tf = NULL;
+    iso_image image;
+    const iso_tf_point points[] = {{0, {1, 1, 1}, 0.3}, {255, {1, 1, 1}, 0.3}};
+    assert_ok(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err));
+    assert_ok(iso_build(volume, NULL, &pyramid, &err));
+    assert_ok(iso_tf_from_points(points, 2, 1, &tf, &err));
+    iso_frame_options o = iso_frame_defaults();
+    o.tf = tf;
+    for (int i = 0; i < 2; ++i) {
+        o.step_voxels = i * 0.7;
+        assert_ok(iso_render(pyramid, scene, &o, &image, &err));
+        /* 3 mm along y; the converged quadrature stops at 1e-9 or so of a pixel, the image is float */
+        assert_within((double)image.rgba[4 * (10 * image.width + 12) + 3], 1 - pow(0.7, 3), 2e-7);
+        iso_image_destroy(&image);
+    }
+    iso_tf_free(tf);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+    iso_volume_free(volume);
+}
+
+static void a_vdb_is_exported(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    char path[512];
+    snprintf(path, sizeof path, "%s/ramp.vdb", folder);
+    iso_export_options o = iso_export_defaults();
+    o.level_count = 3;
+    assert_ok(iso_export(pyramid, NULL, "vdb", path, &o, &err));
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fclose(file);
+    iso_pyramid_free(pyramid);
+}
+
+static void a_povray_scene_is_exported(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    char path[512], file_path[600];
+    snprintf(path, sizeof path, "%s/ramp-pov", folder);
+    assert_ok(iso_export(pyramid, scene, "povray", path, NULL, &err));
+    snprintf(file_path, sizeof file_path, "%s/ramp-pov.ini", path);
+    FILE *file = fopen(file_path, "rb");
+    assert_non_null(file);
+    fclose(file);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
+static void progress_is_told(void *user, const char *stage, double fraction)
+{
+    assert_non_null(stage);
+    assert_true(fraction >= 0 && fraction <= 1);
+    ++*(int *)user;
+}
+
+static void work_reports_its_progress(void **state)
+{
+    (void)state;
+    int calls = 0;
+    iso_volume *volume = ramp();
+    iso_pyramid *pyramid = NULL;
+    iso_build_options o = iso_build_defaults();
+    o.progress = progress_is_told;
+    o.progress_user = &calls;
+    assert_ok(iso_build(volume, &o, &pyramid, &err));
+    assert_true(calls > 0);
+    iso_pyramid_free(pyramid);
+    iso_volume_free(volume);
+}
+
+/* ---- errors -------------------------------------------------------------------- */
+
+#define assert_fails(call, wanted, words)                                       \
+    do {                                                                        \
+        iso_error err = {""};                                                   \
+        const iso_status status_ = (call);                                      \
+        if (status_ != (wanted) || !strstr(err.text, words))                    \
+            fail_msg("%s: status %d, wanted %d: %s", #call, (int)status_, (int)(wanted), err.text); \
+    } while (0)
+
+static void missing_files_are_named(void **state)
+{
+    (void)state;
+    iso_volume *volume = (iso_volume *)state;
+    iso_pyramid *pyramid = (iso_pyramid *)state;
+    iso_tf *tf = (iso_tf *)state;
+    iso_scene *scene = (iso_scene *)state;
+    iso_image image = {.width = 1};
+    assert_fails(iso_volume_open("/no/such.nrrd", &volume, &err), ISO_E_IO, "/no/such.nrrd");
+    assert_fails(iso_pyramid_open("/no/such.iso", &pyramid, &err), ISO_E_IO, "/no/such.iso");
+    assert_fails(iso_tf_open("/no/such.tf.json", &tf, &err), ISO_E_IO, "/no/such.tf.json");
+    assert_fails(iso_scene_open("/no/such.scene.json", &scene, &err), ISO_E_IO, "/no/such.scene.json");
+    assert_fails(iso_image_load_exr("/no/such.exr", &image, &err), ISO_E_IO, "/no/such.exr");
+    assert_null(volume);
+    assert_null(pyramid);
+    assert_null(tf);
+    assert_null(scene);
+    assert_null(image.rgba);
+    assert_int_equal(iso_volume_open("/no/such.nrrd", &volume, NULL), ISO_E_IO); /* nobody wants the sentence */
+}
+
+static void bad_volumes_are_refused(void **state)
+{
+    (void)state;
+    iso_volume *volume;
+    const float samples[2] = {1, NAN};
+    iso_grid grid = iso_grid_axis_aligned((size_t[3]){2, 1, 1}, (double[3]){1, 1, 1});
+    assert_fails(iso_volume_from_memory(&grid, "float", samples, &volume, &err), ISO_E_RANGE, "(1, 0, 0)");
+    assert_null(volume);
+    assert_fails(iso_volume_from_memory(&grid, "float16", samples, &volume, &err), ISO_E_USAGE, "float16");
+    grid.size[1] = 0;
+    assert_fails(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err), ISO_E_RANGE, "0");
+    grid.size[0] = grid.size[1] = grid.size[2] = (size_t)1 << 31; /* a product of 2^93 */
+    assert_fails(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err), ISO_E_RANGE, "2147483648");
+    grid = iso_grid_axis_aligned((size_t[3]){2, 1, 1}, (double[3]){1, 0, 1});
+    assert_fails(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err), ISO_E_RANGE, "");
+    assert_null(volume);
+}
+
+static void bad_options_are_refused(void **state)
+{
+    (void)state;
+    iso_volume *volume = ramp();
+    iso_pyramid *pyramid;
+    iso_build_options build = iso_build_defaults();
+    build.levels = 33;
+    assert_fails(iso_build(volume, &build, &pyramid, &err), ISO_E_RANGE, "33");
+    build = iso_build_defaults();
+    build.estimator = "best";
+    assert_fails(iso_build(volume, &build, &pyramid, &err), ISO_E_USAGE, "best");
+    assert_null(pyramid);
+
+    iso_scene *scene = a_scene();
+    iso_image image;
+    pyramid = ramp_pyramid(false);
+    iso_frame_options frame = iso_frame_defaults();
+    frame.level = 3;
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_RANGE, "levels 0 to 2");
+    frame = iso_frame_defaults();
+    frame.renderer = "mental-ray";
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_USAGE, "mental-ray");
+    frame = iso_frame_defaults();
+    frame.samples = 4; /* the reference has no noise */
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_USAGE, "samples");
+    frame = iso_frame_defaults();
+    frame.step_voxels = NAN;
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_RANGE, "step_voxels");
+    frame = iso_frame_defaults();
+    frame.width = 20000;
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_RANGE, "20000");
+    frame = iso_frame_defaults();
+    frame.shading = "float"; /* the pyramid kept none */
+    assert_fails(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_RANGE, "");
+    assert_null(image.rgba);
+
+    char path[512];
+    snprintf(path, sizeof path, "%s/none", folder);
+    iso_export_options export = iso_export_defaults();
+    assert_fails(iso_export(pyramid, scene, "obj", path, &export, &err), ISO_E_USAGE, "obj");
+    assert_fails(iso_export(pyramid, NULL, "povray", path, &export, &err), ISO_E_USAGE, "scene");
+    export.half_float = true;
+    assert_fails(iso_export(pyramid, scene, "povray", path, &export, &err), ISO_E_USAGE, "half");
+    export = iso_export_defaults();
+    export.level = 1;
+    export.level_count = 3;
+    assert_fails(iso_export(pyramid, NULL, "vdb", path, &export, &err), ISO_E_RANGE, "levels 0 to 2");
+    FILE *file = fopen(path, "rb");
+    assert_null(file);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+    iso_volume_free(volume);
+}
+
+static void levels_that_are_not_there_are_refused(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_level_view view;
+    iso_tf *tf = NULL, *adapted;
+    float none[3];
+    const iso_tf_point points[] = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 1}};
+    assert_ok(iso_tf_from_points(points, 2, 1, &tf, &err));
+    assert_fails(iso_pyramid_level(pyramid, 3, &view, &err), ISO_E_RANGE, "level 3: the pyramid has levels 0 to 2");
+    assert_null(view.values);
+    assert_fails(iso_pyramid_directions(pyramid, (size_t)-1, none, &err), ISO_E_RANGE, "levels 0 to 2");
+    assert_fails(iso_tf_adapt(tf, pyramid, 7, &adapted, &err), ISO_E_RANGE, "level 7");
+    assert_null(adapted);
+    iso_tf_free(tf);
+    iso_pyramid_free(pyramid);
+}
+
+static void bad_points_are_refused(void **state)
+{
+    (void)state;
+    iso_tf *tf;
+    const iso_tf_point falling[] = {{1, {0, 0, 0}, 0}, {0, {0, 0, 0}, 0}}, bright[] = {{0, {0, 0, 0}, 0}, {1, {0, 2, 0}, 0}},
+                       flat[] = {{1, {0, 0, 0}, 0}, {1, {0, 0, 0}, 0}}, opaque[] = {{0, {0, 0, 0}, 0}, {1, {0, 0, 0}, NAN}};
+    assert_fails(iso_tf_from_points(falling, 1, 1, &tf, &err), ISO_E_RANGE, "1 points");
+    assert_fails(iso_tf_from_points(falling, 2, 1, &tf, &err), ISO_E_RANGE, "point 1");
+    assert_fails(iso_tf_from_points(bright, 2, 1, &tf, &err), ISO_E_RANGE, "point 1");
+    assert_fails(iso_tf_from_points(opaque, 2, 1, &tf, &err), ISO_E_RANGE, "opacity");
+    assert_fails(iso_tf_from_points(flat, 2, 1, &tf, &err), ISO_E_RANGE, "range");
+    assert_fails(iso_tf_from_points(flat, 2, 0, &tf, &err), ISO_E_RANGE, "mm");
+    assert_null(tf);
+}
+
+static void bad_directions_are_refused(void **state)
+{
+    (void)state;
+    const float d[6] = {1, 0, 0, 1, 1, 0}, nan[3] = {NAN, 0, 0};
+    uint8_t bytes[6];
+    float back[6];
+    assert_fails(iso_directions_encode("snorm", d, 2, bytes, &err), ISO_E_RANGE, "direction 1");
+    assert_fails(iso_directions_encode("snorm", nan, 1, bytes, &err), ISO_E_RANGE, "direction 0");
+    assert_fails(iso_directions_encode("none", d, 1, bytes, &err), ISO_E_USAGE, "none");
+    assert_fails(iso_directions_decode("none", bytes, 1, back, &err), ISO_E_USAGE, "none");
+}
+
+static void bad_scenes_are_refused(void **state)
+{
+    (void)state;
+    iso_scene *scene;
+    assert_fails(iso_scene_from_text("{", &scene, &err), ISO_E_FORMAT, "not JSON");
+    assert_fails(iso_scene_from_text("[]", &scene, &err), ISO_E_FORMAT, "object");
+    assert_fails(iso_scene_from_text("{\"schema\": \"isoshade.scene/1\", \"lamp\": 1}", &scene, &err), ISO_E_FORMAT, "lamp");
+    assert_null(scene);
+}
+
+static void images_of_other_sizes_are_not_compared(void **state)
+{
+    (void)state;
+    iso_image a, b;
+    iso_metrics m;
+    assert_ok(iso_image_create(&a, 4, 4, &err));
+    assert_ok(iso_image_create(&b, 4, 5, &err));
+    assert_fails(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE, "");
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(versions_agree),
+        cmocka_unit_test(statuses_have_texts),
+        cmocka_unit_test(choices_are_listed),
+        cmocka_unit_test(a_volume_is_what_memory_held),
+        cmocka_unit_test(a_level_is_read_in_place),
+        cmocka_unit_test(directions_of_a_level_are_decoded),
+        cmocka_unit_test(directions_survive_each_code),
+        cmocka_unit_test(a_pyramid_is_saved_and_opened),
+        cmocka_unit_test(a_volume_is_saved_and_opened),
+        cmocka_unit_test(a_tf_is_evaluated_and_saved),
+        cmocka_unit_test(an_adapted_tf_renders),
+        cmocka_unit_test(a_slab_has_its_closed_form),
+        cmocka_unit_test(a_vdb_is_exported),
+        cmocka_unit_test(a_povray_scene_is_exported),
+        cmocka_unit_test(work_reports_its_progress),
+        cmocka_unit_test(missing_files_are_named),
+        cmocka_unit_test(bad_volumes_are_refused),
+        cmocka_unit_test(bad_options_are_refused),
+        cmocka_unit_test(levels_that_are_not_there_are_refused),
+        cmocka_unit_test(bad_points_are_refused),
+        cmocka_unit_test(bad_directions_are_refused),
+        cmocka_unit_test(bad_scenes_are_refused),
+        cmocka_unit_test(images_of_other_sizes_are_not_compared),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
