@@ -15,5 +15,5 @@ sed 's/^## A renderer$/## Renderers/' "$top/doc/extending.md" >none.md
 for document in other none; do
     if is_the_tests $document.md >/dev/null; then not_ok "$document is found" "taken for the tests'"; else ok "$document is found"; fi
 done
-check no_room_but_the_renderers_asks_for_a_certain_one bash -c "! grep -rnE 'ISO_WITH_|iso_renderer_(gl|cycles|povray)\b' '$top/src' '$top/exporters' | grep -v '^$top/src/renderers/'"
+check no_room_but_the_renderers_asks_for_a_certain_one bash -c "! grep -rnE 'iso_renderer_(gl|cycles|povray)\b' '$top/src' '$top/exporters' | grep -v '^$top/src/renderers/'"
 exit $failed
