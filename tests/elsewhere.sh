@@ -34,7 +34,6 @@ mount_devices() { # ROOT
 
 inside() { # ROOT TARGET
     local root=$1 target=$2
-    trap 'exit 130' INT TERM
     mount_devices "$root" || return 1
     # The tests must not find anything of the host: an environment of its own, but for the way to the network.
     chroot "$root" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
@@ -102,8 +101,13 @@ remove_root() {
     fi
     rm -rf --one-file-system "$root"
 }
+child=
+stop() { # what runs in the namespaces ends with the process that made them
+    [ -z "$child" ] || kill -KILL "$child" 2>/dev/null
+    exit 130
+}
 trap remove_root EXIT
-trap 'exit 130' INT TERM HUP
+trap stop INT TERM HUP
 
 # The mirror that the host's apt uses; none where the host is no Debian: then debootstrap's own.
 mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1)
@@ -122,19 +126,25 @@ prepare() { # what the chroot needs of the host: names, the way to the mirror, t
 
 log=$top/build/elsewhere-$suite.log
 mkdir -p "$top/build"
-apart() { unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$@"; }
+apart() { # COMMAND: in namespaces of its own
+    unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$@" >&3 2>&1 </dev/null &
+    child=$!
+    wait "$child"
+    local code=$?
+    child=
+    return $code
+}
 
 start=$SECONDS
 commit=$(git -C "$top" rev-parse HEAD) || die "the checkout has no commit"
-{
-    # debootstrap wants an empty folder, so the rest is prepared between the two.
-    if [ ! -e "$root/etc/debian_version" ]; then
-        apart debootstrap --variant=minbase "$suite" "$root" $mirror
-    fi && prepare && apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target"
-    echo $? >"$log.code"
-} 2>&1 | tee "$log"
-code=$(cat "$log.code")
-rm -f "$log.code"
+exec 3> >(tee "$log")
+tee=$!
+# debootstrap wants an empty folder, so the rest is prepared between the two.
+{ [ -e "$root/etc/debian_version" ] || apart debootstrap --variant=minbase "$suite" "$root" $mirror; } &&
+    prepare && apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target"
+code=$?
+exec 3>&-
+wait "$tee" # the log is complete
 
 tests=$(grep -E '^[0-9]+ passed, [0-9]+ failed' "$log" | tail -n 1)
 warnings=$(grep -cE '(^|[^-])warning: ' "$log")
