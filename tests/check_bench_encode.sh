@@ -1,20 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # bench encode: the keys that the design fixes, the paper's figures, and bad usage.
-set -u
-bad=0
-dir=$(mktemp -d) && trap 'rm -rf "$dir"' EXIT
-check() { # name, test ...
-    local name=$1
-    shift
-    if "$@" >"$dir/why" 2>&1; then echo "ok $name"; else echo "not ok $name: $(head -c 200 "$dir/why")"; bad=1; fi
-}
-exits() { # code, command ...
-    local wanted=$1
-    shift
-    "$@" >/dev/null 2>&1
-    [ $? = "$wanted" ]
-}
+. "$(dirname "$0")/lib.sh"
 "$ISOSHADE" bench encode --count 500 --chart "$dir" --json >"$dir/out.json"
 check "Figure 10 is drawn" test -s "$dir/figure10.svg"
 check "the report has the design's keys and the paper's holes" python3 - "$dir/out.json" <<'PY'
@@ -38,7 +25,7 @@ assert abs(report['convexity']['counter_example']['off_arc_deg'] - 1.96) < 0.01
 assert abs(report['table1']['best_lambda']['lambda'] - 0.61) < 0.01
 PY
 "$ISOSHADE" make marschner-lobb --size 24 -o "$dir/ml.nrrd" -q
-"$ISOSHADE" bench encode "$dir/ml.nrrd" --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --json -q >"$dir/images.json"
+"$ISOSHADE" bench encode "$dir/ml.nrrd" --scene "$top/refscenes/marschner-lobb.scene.json" --size 32 --levels 2 --json -q >"$dir/images.json"
 check "in images a lost length costs more than bytes do" python3 - "$dir/images.json" <<'PY'
 import json, sys
 report = json.load(open(sys.argv[1]))
@@ -48,8 +35,8 @@ for lossy in ['shell', 'region48', 'squeeze', 'fit, L a byte, filtered apart']: 
     assert rmse[lossy, 1] > 5 * rmse['fit', 1], lossy
 assert len(report['image_ratios']) == 2 * 9
 PY
-check "volumes without a scene are bad usage" exits 2 "$ISOSHADE" bench encode "$dir/ml.nrrd"
-check "an unknown benchmark is bad usage" exits 2 "$ISOSHADE" bench nothing
-check "a count out of range is bad usage" exits 2 "$ISOSHADE" bench encode --count 1
-check "a folder that is not there is an I/O error" exits 3 "$ISOSHADE" bench encode --count 500 --chart "$dir/none"
-exit $bad
+expect "volumes without a scene are bad usage" 2 "$ISOSHADE" bench encode "$dir/ml.nrrd"
+expect "an unknown benchmark is bad usage" 2 "$ISOSHADE" bench nothing
+expect "a count out of range is bad usage" 2 "$ISOSHADE" bench encode --count 1
+expect "a folder that is not there is an I/O error" 3 "$ISOSHADE" bench encode --count 500 --chart "$dir/none"
+exit $failed

@@ -6,9 +6,9 @@ nothing_left() { [ -z "$(ls -A | grep -E '^\..*iso|no\.iso')" ]; }
 
 "$ISOSHADE" make marschner-lobb --size 21x16x9 --spacing 1x1x2.5 --rotate 1,2,3,40 -o v.nrrd -q || exit 1
 expect a_volume_is_built 0 "$ISOSHADE" build v.nrrd --levels 3 --keep-float --keep-magnitude --json
-for key in schema command options output seconds levels; do check "json_has_$key" grep -q "\"$key\":" out; done
+has_keys json_has out schema command options output seconds levels
 check the_default_name_follows_the_input test -f v.iso/pyramid.json
-for file in level_0 level_1_dir level_2_grad level_2_mag; do check "has_$file" test -s v.iso/$file.nrrd; done
+has_files has v.iso level_0.nrrd level_1_dir.nrrd level_2_grad.nrrd level_2_mag.nrrd
 expect levels_are_plain_nrrd 0 "$ISOSHADE" info v.iso/level_1.nrrd --json
 check with_half_the_size grep -Pzq '"size": \[\s*11,\s*8,\s*5\s*\]' out
 check and_twice_the_spacing grep -Pzq '"spacing_mm": \[\s*2.0,\s*2.0,\s*5.0\s*\]' out

@@ -12,9 +12,7 @@ column() { python3 "$top/tests/column.py" "$@"; } # CSV COLUMN [COLUMN=VALUE ...
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1
 
 expect a_chart_is_drawn 0 chart --levels 2 --steps 1,0.25 --filters moments,naive --want 1/50 -o "$dir/c"
-for file in pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json reference.exr palette-254.csv; do
-    check "$file"_is_there test -s "$dir/c/$file"
-done
+has_files the_chart_has "$dir/c" pareto.svg pareto.pdf pareto.csv pareto.gp style.gp chart.json reference.exr palette-254.csv
 check the_fastest_setting_is_named grep -q '^fastest with rmse <= 0.02: gl; level 0' "$dir/out"
 check the_smallest_setting_is_named grep -q '^smallest with rmse <= 0.02: gl; level 0' "$dir/out"
 # 2 steps of: level 0: 2 codes, floats, flipped, 2 palettes, on the fly; level 1, by both transfer functions: codes, floats,
@@ -41,14 +39,14 @@ finer_is_better() {
 }
 check a_finer_step_has_a_smaller_error finer_is_better "$dir/c/pareto.csv"
 awk -F, -v OFS=, 'NR > 1 {$10 = $10 == 1 ? 0.25 : 1} 1' "$dir/c/pareto.csv" >"$dir/swapped.csv"
-if finer_is_better "$dir/swapped.csv"; then not_ok swapped_steps_are_noticed "they pass"; else ok swapped_steps_are_noticed; fi
+notice swapped_steps_are_noticed finer_is_better "$dir/swapped.csv"
 
 # The fronts in the table, found again from its figures: nothing beats them, and everything else is beaten. The planted fault
 # is a table in which a beaten setting is called on the front.
 fronts_hold() { python3 "$top/tests/fronts.py" "$1"; }
 check the_fronts_are_right fronts_hold "$dir/c/pareto.csv"
 awk -F, -v OFS=, 'NR > 1 && !done && $25 == 0 {$25 = 1; done = 1} 1' "$dir/c/pareto.csv" >"$dir/forged.csv"
-if fronts_hold "$dir/forged.csv" 2>/dev/null; then not_ok a_beaten_setting_on_the_front_is_noticed "it passes"; else ok a_beaten_setting_on_the_front_is_noticed; fi
+notice a_beaten_setting_on_the_front_is_noticed fronts_hold "$dir/forged.csv"
 
 # A setting's command gives its error again, whatever the axis: one of each kind is run. Both renders are of the same program
 # on the same machine; palettes go through text, and bricks through another layout of the cache: 1e-6 of the error is 1/255^2.
@@ -57,7 +55,7 @@ expect every_axis_is_charted 0 all_axes --with gl --levels 2 --steps 1 --codes f
 check without_a_budget_none_is_skipped grep -q '"skipped_count": 0,' "$dir/out"
 rendered_error() { # COMMAND: the RMSE of its image to the chart's reference
     (cd "$top" && PATH="$(dirname "$ISOSHADE"):$PATH" && eval "${1/setting.exr/$dir/setting.exr}" --quiet >/dev/null &&
-        isoshade compare "$dir/setting.exr" "$dir/a/reference.exr" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["rmse"])')
+        json_number <(isoshade compare "$dir/setting.exr" "$dir/a/reference.exr" --json) rmse)
 }
 same_error() { python3 -c 'import sys; a, b = map(float, sys.argv[1:]); sys.exit(not abs(a - b) <= 1e-6)' "$1" "$2"; }
 again() { # NAME COLUMN=VALUE ...
@@ -77,11 +75,8 @@ again an_adapted_tf tf=adapted shading_from=fit
 again a_table_over_two_values tf=deviation
 again a_plan plan_error=0.0627451
 other=$(column "$dir/a/pareto.csv" command shading_from=cube level=0 estimator=central | sed 's/--step 1/--step 2/' | sed -n 1p)
-if same_error "$(rendered_error "$other")" "$(column "$dir/a/pareto.csv" rmse shading_from=cube level=0 estimator=central | sed -n 1p)"; then
-    not_ok the_command_of_another_step_is_noticed "it gives the same error"
-else
-    ok the_command_of_another_step_is_noticed
-fi
+notice the_command_of_another_step_is_noticed same_error "$(rendered_error "$other")" \
+    "$(column "$dir/a/pareto.csv" rmse shading_from=cube level=0 estimator=central | sed -n 1p)"
 expect the_reference_is_a_renderer_of_the_chart 0 chart --with reference --levels 1 --steps 1 -o "$dir/a"
 again the_reference shading_from=snorm
 # The named one, as it is printed: it meets what is wanted.
@@ -91,7 +86,7 @@ command=$(grep -A1 '^fastest' "$dir/out" | tail -n 1)
 flip_of() { rendered_error "$1" >/dev/null && "$ISOSHADE" compare "$dir/setting.exr" "$dir/a/reference.exr" --max-flip "$2" >/dev/null; }
 check what_is_printed_meets_what_is_wanted flip_of "$command" 0.02
 # Which of the good settings is the fastest is for the machine to say; the planted fault is twice the largest step.
-if flip_of "$(sed -E 's/--step [0-9.]+/--step 2/' <<<"$command")" 0.002; then not_ok a_worse_setting_is_noticed "it passes"; else ok a_worse_setting_is_noticed; fi
+notice a_worse_setting_is_noticed flip_of "$(sed -E 's/--step [0-9.]+/--step 2/' <<<"$command")" 0.002
 
 # Pre-integrated settings and plans double the two steps of level 0's codes, floats, flipped, palettes and on the fly, and add two
 # plans for each step; a plan for a larger error has fewer bytes or as many, and holds less than every voxel of level 0.
@@ -121,9 +116,7 @@ expect a_style_can_be_given 0 chart --levels 1 --steps 1 --style "$dir/mine.gp" 
 check the_colour_of_the_style_is_used grep -q 'rgb( 18,  52,  86)' "$dir/c/pareto.svg"
 check the_font_of_the_style_is_used grep -q 'Some Font' "$dir/c/pareto.svg"
 check the_chart_follows_its_style_by_gnuplot_alone bash -c "cd '$dir/c' && sed -i 's/#123456/#654321/' style.gp && ! LC_ALL=C.UTF-8 gnuplot pareto.gp 2>&1 | grep . && grep -q 'rgb(101,  67,  33)' pareto.svg"
-for key in schema command options machine versions cases skipped_count untried milliseconds milliseconds_median setup_milliseconds device_bytes rmse on_time_front on_bytes_front; do
-    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
-done
+has_keys json_has "$dir/out" schema command options machine versions cases skipped_count untried milliseconds milliseconds_median setup_milliseconds device_bytes rmse on_time_front on_bytes_front
 expect an_error_that_no_setting_has_is_exit_1 1 chart --levels 1 --steps 1 --want 1e-9 -o "$dir/c"
 check the_nearest_is_named grep -q '^none has rmse <= 1e-09; the nearest: gl; level 0' "$dir/out"
 check the_chart_is_there_all_the_same test -s "$dir/c/pareto.svg"

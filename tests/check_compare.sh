@@ -20,9 +20,7 @@ expect different_images_differ_without_limits 1 "$ISOSHADE" compare "$dir/a.ppm"
 expect a_wide_limit_lets_them_agree 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.004
 expect a_tight_limit_does_not 1 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.0038 --max-rmse 1
 expect json_is_printed 1 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 0.0038 --json
-for key in schema command options rmse max_abs p99_abs psnr_db ssim flip_mean nonfinite_count verdict; do
-    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
-done
+has_keys json_has "$dir/out" schema command options rmse max_abs p99_abs psnr_db ssim flip_mean nonfinite_count verdict
 check json_names_the_schema grep -q '"isoshade.compare/1"' "$dir/out"
 expect the_difference_is_drawn 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --difference "$dir/d.png"
 check the_picture_is_a_png grep -q PNG "$dir/d.png"
@@ -31,7 +29,7 @@ check its_exposures_are_told grep -q '"hdr_flip_exposures": {' "$dir/out"
 check its_value_is_printed grep -q '"hdr_flip_mean": 0.0' "$dir/out"
 check the_map_is_a_png grep -q PNG "$dir/f.png"
 expect a_map_keeps_its_values_as_exr 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --flip-map "$dir/f.exr" --json
-mean=$(sed -n 's/.*"flip_mean": \([0-9.e-]*\).*/\1/p' "$dir/out")
+mean=$(json_number "$dir/out" flip_mean)
 # Uniform images: the map is its mean everywhere, and so is its difference to black.
 picture "$dir/black.ppm" 12 11 00
 expect the_map_can_be_compared 0 "$ISOSHADE" compare "$dir/f.exr" "$dir/black.ppm" --max-abs 1 --json

@@ -7,7 +7,7 @@ scene=$top/refscenes/marschner-lobb.scene.json
 
 expect gl_and_povray_converge 0 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --size 24 --steps 3 --json -o conv
 check both_agree_with_the_reference test "$(grep -c '"agrees": true' out)" = 2
-for file in convergence.csv convergence.gp convergence.svg style.gp; do check "the_chart_has_$file" test -s conv/$file; done
+has_files the_chart_has conv convergence.csv convergence.gp convergence.svg style.gp
 expect an_unknown_renderer_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --with gl,radiance
 expect one_step_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --steps 1
 expect a_missing_scene_is_refused 2 "$ISOSHADE" bench convergence v.nrrd

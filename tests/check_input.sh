@@ -7,7 +7,7 @@ accept() { # name, words that stdout has to hold, command ...
     shift 2
     if ! "$ISOSHADE" "$@" >out 2>err; then not_ok "$name" "$(cat err)"
     elif ! grep -qF -- "$words" out; then not_ok "$name" "stdout lacks \"$words\""
-    else echo "ok $name"; fi
+    else ok "$name"; fi
 }
 header() { printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: %s\nendian: little\nencoding: raw\n\n' "$1" "$2"; }
 
@@ -58,22 +58,22 @@ refuse make_no_folder 3 'the folder nowhere does not exist' "$ISOSHADE" make ram
 refuse make_on_a_folder 3 'is a directory' "$ISOSHADE" make ramp --size 3 -o .
 # A disk that fills up: /dev/full cannot be renamed over, so a size limit stands in for it.
 (ulimit -f 8; trap '' XFSZ; "$ISOSHADE" make noise --size 64 -o full.nrrd -q 2>err; echo $? >code)
-if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.nrrd ]; then echo "ok output_that_does_not_fit"
+if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.nrrd ]; then ok output_that_does_not_fit
 else not_ok output_that_does_not_fit "exit code $(cat code): $(cat err)"; fi
 (ulimit -f 100; trap '' XFSZ; "$ISOSHADE" build v.nrrd -o full.iso -q >out 2>err; echo $? >code)
-if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.iso ] && grep -q ': full.iso/level_0' err; then echo "ok a_pyramid_that_does_not_fit_is_named_as_the_user_did"
+if [ "$(cat code)" = 3 ] && [ "$(wc -l <err)" = 1 ] && [ ! -e full.iso ] && grep -q ': full.iso/level_0' err; then ok a_pyramid_that_does_not_fit_is_named_as_the_user_did
 else not_ok a_pyramid_that_does_not_fit_is_named_as_the_user_did "exit code $(cat code): $(cat err)"; fi
 "$ISOSHADE" build v.nrrd -o v.iso -q --levels 2 >out
 for to in povray vdb; do
     scene="--scene $top/refscenes/marschner-lobb.scene.json"
     [ $to = vdb ] && scene=
     (ulimit -f 8; trap '' XFSZ; "$ISOSHADE" export v.iso --to $to $scene -o full.$to -q >out 2>err; echo $? >code)
-    if [ "$(cat code)" -ge 3 ] && grep -q "full.$to" err && [ ! -e full.$to ] && ! grep -q '/\.[0-9]*-' err; then echo "ok an_export_to_${to}_that_does_not_fit_names_no_temporary"
+    if [ "$(cat code)" -ge 3 ] && grep -q "full.$to" err && [ ! -e full.$to ] && ! grep -q '/\.[0-9]*-' err; then ok "an_export_to_${to}_that_does_not_fit_names_no_temporary"
     else not_ok an_export_to_${to}_that_does_not_fit_names_no_temporary "exit code $(cat code): $(cat err)"; fi
 done
 left=$(find . -name '.*nrrd' -o -name 'x.nrrd')
-[ -z "$left" ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$left"
+[ -z "$left" ] && ok nothing_half_written || not_ok nothing_half_written "$left"
 # 2048 x 2048 x 48 of uint16 are 384 MiB; made slab by slab they pass through less address space than that.
-if (ulimit -v 390000; OMP_NUM_THREADS=2 "$ISOSHADE" make constant --size 2048x2048x48 -o big.nrrd -q); then echo "ok make_streams"
+if (ulimit -v 390000; OMP_NUM_THREADS=2 "$ISOSHADE" make constant --size 2048x2048x48 -o big.nrrd -q); then ok make_streams
 else not_ok make_streams "did not fit in 390 MB of address space"; fi
 exit $failed

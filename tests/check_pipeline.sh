@@ -19,9 +19,7 @@ check "a picture for people is written beside the image" render v.nrrd --scene "
 [ "$(head -c 4 p.png | tail -c 3)" = PNG ] && ok "it is a PNG" || not_ok "it is a PNG" "wrong magic"
 
 check "a small volume is validated" "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --levels 1 --size 20 -q -o report
-for key in agreement consistency calibration versions machine; do
-    grep -q "\"$key\"" report/report.json && ok "report.json has $key" || not_ok "report.json has $key" "it has not"
-done
+has_keys "report.json has" report/report.json agreement consistency calibration versions machine
 [ -s report/index.html ] && ! grep -qE '(src|href)="https?:' report/index.html && ok "index.html needs no network" || not_ok "index.html needs no network" "it names addresses"
 ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --levels 1 --size 16 --with gl,cycles -q -o without >out.txt 2>err.txt
 [ $? = 7 ] && grep -q '"refused"' without/report.json && grep -q blender err.txt && ok "without Blender the rest is reported, with exit code 7" ||

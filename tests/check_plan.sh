@@ -2,22 +2,18 @@
 # SPDX-License-Identifier: MIT
 # The commands of mixed resolution: plan, bench seams, bench render --bricks.
 . "$(dirname "$0")/lib.sh"
-number() { sed -n "s/.*\"$2\": \([-0-9.e]*\),*$/\1/p" "$1" | head -1; }
-holds() { # name, awk condition, its values
-    if awk "BEGIN { exit !($2) }"; then ok "$1"; else not_ok "$1" "$2"; fi
-}
 scene=$top/refscenes/shells.scene.json
 plan=("$ISOSHADE" plan v.nrrd --scene "$scene" --size 64 --brick 8 --levels 3 --quiet)
 "$ISOSHADE" make shells --size 41x44x33 --type float -o v.nrrd --quiet || exit 1
 
 "${plan[@]}" --error 0.02 -o a.json --image a.png >out 2>err || not_ok plan_runs "$(cat err)"
-holds plan_is_within_its_error "$(number a.json measured_rmse) <= 0.02 && $(number a.json measured_rmse) > 0"
-holds plan_is_smaller_than_the_full_model "$(number a.json bytes_part) < 0.9"
-[ -s a.png ] && ok plan_writes_the_picture || not_ok plan_writes_the_picture "no a.png"
+holds plan_is_within_its_error "$(json_number a.json measured_rmse) <= 0.02 && $(json_number a.json measured_rmse) > 0"
+holds plan_is_smaller_than_the_full_model "$(json_number a.json bytes_part) < 0.9"
+check plan_writes_the_picture test -s a.png
 "${plan[@]}" --error 0.02 -o b.json >out 2>err
 diff <(grep -v '"command"' a.json) <(grep -v '"command"' b.json) >diff && ok plan_is_deterministic || not_ok plan_is_deterministic "$(head -5 diff)"
 "${plan[@]}" --memory 400000 -o c.json >out 2>err || not_ok memory_runs "$(cat err)"
-holds memory_is_kept "$(number c.json bytes) <= 400000 && $(number c.json bytes) > 100000"
+holds memory_is_kept "$(json_number c.json bytes) <= 400000 && $(json_number c.json bytes) > 100000"
 refuse memory_that_no_plan_fits_is_refused 5 "memory is 1000 bytes" "${plan[@]}" --levels 1 --memory 1000 -o refused.json
 refuse brick_that_is_no_power_of_two_is_refused 5 "24 voxels" "${plan[@]}" --brick 24 -o refused.json
 "${plan[@]}" --memory 500 -o tight.json >out 2>err
@@ -27,17 +23,17 @@ grep -q "warning: RMSE" err && ok memory_that_leaves_little_warns || not_ok memo
 
 # Several views: each brick that one of them sees is kept, and each image is within the error.
 "${plan[@]}" --error 0.02 --views 3 -o views.json >out 2>err || not_ok views_run "$(cat err)"
-holds views_are_all_within_the_error "$(number views.json measured_rmse) <= 0.02 && $(number views.json views) == 3"
+holds views_are_all_within_the_error "$(json_number views.json measured_rmse) <= 0.02 && $(json_number views.json views) == 3"
 for side in a views; do sed -n 's/.*"use": "\(.*\)".*/\1/p' $side.json | tr -d 'dh\n' | wc -c >$side.unseen; done
 holds more_views_leave_fewer_bricks_unseen "$(cat views.unseen) <= $(cat a.unseen)"
 "${plan[@]}" --error 0.02 --scene "$scene,$top/refscenes/brain.scene.json" -o two.json >out 2>err || not_ok two_scenes_run "$(cat err)"
-holds two_scenes_are_planned_for "$(number two.json views) == 2 && $(number two.json measured_rmse) <= 0.02"
+holds two_scenes_are_planned_for "$(json_number two.json views) == 2 && $(json_number two.json measured_rmse) <= 0.02"
 
 # An update bakes part of the bricks, and the command itself compares the bytes.
 "${plan[@]}" --error 0.01 --update a.json -o u.json >out 2>err || not_ok update_runs "$(cat err)"
-holds update_bakes_what_changed "$(number u.json baked_count) > 0 && $(number u.json baked_count) < $(number u.json drawn_count)"
+holds update_bakes_what_changed "$(json_number u.json baked_count) > 0 && $(json_number u.json baked_count) < $(json_number u.json drawn_count)"
 "${plan[@]}" --error 0.02 --update a.json -o u.json >out 2>err
-holds update_without_a_change_bakes_nothing "$(number u.json baked_count) == 0 && $(number u.json changed_count) == 0"
+holds update_without_a_change_bakes_nothing "$(json_number u.json baked_count) == 0 && $(json_number u.json changed_count) == 0"
 refuse update_of_other_bricks_is_refused 5 "other bricks" "$ISOSHADE" plan v.nrrd --scene "$scene" --size 32 --brick 16 --levels 3 --update a.json --quiet
 
 # Exports.
@@ -66,11 +62,11 @@ elif command -v blender >/dev/null; then
     "$ISOSHADE" make sphere --size 24x20x22 -o ball.nrrd --quiet
     "$ISOSHADE" bench plan ball.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 48 --levels 3 --error 0.01 --cycles 32 --step 0.25 --json --quiet >bench.json 2>err ||
         not_ok bench_plan_runs "$(cat err)"
-    holds cycles_of_a_plan_is_cycles_of_the_volume "$(number bench.json cycles_rmse) > 0 && $(number bench.json cycles_rmse) <= 0.011"
+    holds cycles_of_a_plan_is_cycles_of_the_volume "$(json_number bench.json cycles_rmse) > 0 && $(json_number bench.json cycles_rmse) <= 0.011"
 fi
 # A cache that is too small: mixed, coarser the smaller, never more bytes than allowed; pages change nothing.
 cached=("$ISOSHADE" render v.nrrd --scene "$scene" --size 64 --brick 8 --brick-levels 3)
-rmse_to_full() { "$ISOSHADE" compare "$1" c-full.exr --json 2>err | sed -n 's/.*"rmse": \([-0-9.e]*\),*$/\1/p' | head -1; }
+rmse_to_full() { json_number <("$ISOSHADE" compare "$1" c-full.exr --json 2>err) rmse; }
 "${cached[@]}" --cache-bytes 1e9 -o c-full.exr >full.out 2>err || not_ok cache_runs "$(cat err)"
 for bytes in 400000 340000; do
     "${cached[@]}" --cache-bytes $bytes -o c-$bytes.exr >$bytes.out 2>err || not_ok "cache_of_$bytes runs" "$(cat err)"

@@ -28,9 +28,7 @@ expect and_then_it_is_accepted 0 "$ISOSHADE" baseline "$dir/worse" "$dir/kept.js
 check one_figure_is_one_line_of_the_file test "$(diff "$dir/base.json" "$dir/kept.json" | grep -c '^>')" = 1
 expect a_wide_factor_allows_it 0 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --factor 2
 expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --json
-for key in schema command options worse_count missing_count changes verdict; do
-    check "json_has_$key" grep -q "\"$key\":" "$dir/out"
-done
+has_keys json_has "$dir/out" schema command options worse_count missing_count changes verdict
 expect a_factor_below_1_is_refused 2 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --factor 0.5
 expect another_file_is_no_baseline 4 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
 expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/base.json"

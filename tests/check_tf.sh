@@ -7,8 +7,8 @@ tf=$top/refscenes/shells.tf.json scene=$top/refscenes/shells.scene.json
 "$ISOSHADE" build shells.nrrd -o shells.iso --levels 3 -q >/dev/null || exit 1
 
 check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells --always -q
-[ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && echo "ok adapted_files_are_there" || not_ok adapted_files_are_there "$(ls)"
-[ -s shells.iso/level_1_joint8.nrrd ] && echo "ok histograms_are_kept_in_the_pyramid" || not_ok histograms_are_kept_in_the_pyramid "$(ls shells.iso)"
+[ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && ok adapted_files_are_there || not_ok adapted_files_are_there "$(ls)"
+[ -s shells.iso/level_1_joint8.nrrd ] && ok histograms_are_kept_in_the_pyramid || not_ok histograms_are_kept_in_the_pyramid "$(ls shells.iso)"
 check kept_histograms_give_the_same_tf bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o again.tf.json --always -q && cmp again.tf.json shells_level_1.tf.json' "$tf"
 # With its histogram a pyramid is adapted to without its samples; without it they are needed.
 cp -r shells.iso lame.iso && : >lame.iso/level_0.nrrd && rm lame.iso/level_2_joint8.nrrd
@@ -25,20 +25,18 @@ cp "$scene" own.scene.json
 render() { "$ISOSHADE" render shells.iso --level 1 --size 64 --with reference --quadrature midpoint -q "$@" >/dev/null; }
 if render --scene own.scene.json --adapt --always -o a.exr && render --scene adapted.scene.json -o b.exr && render --scene own.scene.json -o c.exr; then
     "$ISOSHADE" compare a.exr b.exr --json >ab.json; "$ISOSHADE" compare a.exr c.exr --json >ac.json
-    same=$(sed -n 's/.*"max_abs": \([^,]*\).*/\1/p' ab.json | head -1) other=$(sed -n 's/.*"max_abs": \([^,]*\).*/\1/p' ac.json | head -1)
     # nine digits of opacity in the file; a table that was not adapted differs by tenths
-    awk -v a="$same" -v b="$other" 'BEGIN { exit !(a + 0 <= 1e-5 && b + 0 > 0.01) }' && echo "ok adapted_file_and_switch_agree" ||
-        not_ok adapted_file_and_switch_agree "max_abs $same, against the original $other"
+    holds adapted_file_and_switch_agree "$(json_number ab.json max_abs) <= 1e-5 && $(json_number ac.json max_abs) > 0.01"
 else
     not_ok adapted_file_and_switch_agree "render failed"
 fi
 check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
-head -c 4 tf.png 2>/dev/null | grep -q PNG && echo "ok picture_is_png" || not_ok picture_is_png "$(head -c 20 tf.png)"
+head -c 4 tf.png 2>/dev/null | grep -q PNG && ok picture_is_png || not_ok picture_is_png "$(head -c 20 tf.png)"
 check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
 expect triangle 0 "$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.png
-grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && echo "ok triangle_shows_corners" || not_ok triangle_shows_corners "$(cat out)"
+grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && ok triangle_shows_corners || not_ok triangle_shows_corners "$(cat out)"
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
-[ "$(wc -l <tf.csv)" = 257 ] && echo "ok csv_has_a_line_an_entry" || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
+[ "$(wc -l <tf.csv)" = 257 ] && ok csv_has_a_line_an_entry || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
 
 # A .blend of three levels: a row of the colour map a level, each the adapted table of its own level.
@@ -49,7 +47,7 @@ i = next(i for i in bpy.data.images if i.size[1] == 3)
 p = list(i.pixels)
 print("ROWS", i.size[0], *("%.6g" % p[4 * (i.size[0] * r + 90) + 3] for r in range(3)))' 2>/dev/null | grep ^ROWS >rows
     want=$(sed -n 92p level_2.csv | cut -d, -f5)
-    awk -v want="$want" '{ d = $5 - want; exit !($2 == 256 && d < 1e-4 && d > -1e-4 && $3 != $4 && $4 != $5) }' rows && echo "ok blend_has_a_tf_a_level" ||
+    awk -v want="$want" '{ d = $5 - want; exit !($2 == 256 && d < 1e-4 && d > -1e-4 && $3 != $4 && $4 != $5) }' rows && ok blend_has_a_tf_a_level ||
         not_ok blend_has_a_tf_a_level "$(cat rows), extinction of entry 90 at level 2 is $want"
 else
     not_ok blend_has_a_tf_a_level "$(cat err)"
@@ -81,7 +79,7 @@ refuse roi_outside 5 'must grow and lie in 0 to 44' "$ISOSHADE" render shells.is
 refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
 refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
-[ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && echo "ok its_files_are_there" || not_ok its_files_are_there "$(ls pov)"
+[ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
@@ -93,5 +91,5 @@ refuse window_too_small 2 '--window is 0.2' "$ISOSHADE" tf adapt shells.iso --tf
 refuse show_needs_an_ending 2 'must end with .png or .svg' "$ISOSHADE" tf show "$tf" -o x.jpg
 refuse convert_needs_an_ending 2 'must end with .csv' "$ISOSHADE" tf convert "$tf" -o x.txt
 ISOSHADE_GNUPLOT=/nowhere refuse gnuplot_missing 7 'ISOSHADE_GNUPLOT' "$ISOSHADE" tf show "$tf" -o y.png
-[ ! -e y.png ] && [ ! -e x ] && echo "ok nothing_half_written" || not_ok nothing_half_written "$(ls)"
+[ ! -e y.png ] && [ ! -e x ] && ok nothing_half_written || not_ok nothing_half_written "$(ls)"
 exit $failed

@@ -34,6 +34,33 @@ expect() {
     if [ $code = "$wanted" ]; then ok "$name"; else not_ok "$name" "exit code $code, wanted $wanted: $(tail -n 1 "$dir/err")"; fi
 }
 
+# notice NAME COMMAND: a planted fault, which the command has to fail at
+notice() {
+    local name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then not_ok "$name" "it passes: $*"; else ok "$name"; fi
+}
+
+# json_number FILE KEY: the first number of that key
+json_number() { sed -n "s/.*\"$2\": \([-0-9.e+]*\),*$/\1/p" "$1" | head -n 1; }
+
+# holds NAME CONDITION: of numbers, as awk writes it; one that lacks a number fails
+holds() { if awk "BEGIN { exit !($2) }" 2>/dev/null; then ok "$1"; else not_ok "$1" "$2"; fi; }
+
+# has_keys NAME FILE KEY ...: a case NAME_KEY each, that the JSON has the key
+has_keys() {
+    local name=$1 file=$2 key
+    shift 2
+    for key in "$@"; do check "${name}_$key" grep -q "\"$key\":" "$file"; done
+}
+
+# has_files NAME FOLDER FILE ...: a case NAME_FILE each, that the file is there and not empty
+has_files() {
+    local name=$1 folder=$2 file
+    shift 2
+    for file in "$@"; do check "${name}_$file" test -s "$folder/$file"; done
+}
+
 # refuse NAME CODE WORDS COMMAND: the exit code, one line on stderr that holds the words, nothing on stdout, no file left
 refuse() {
     local name=$1 wanted=$2 words=$3 code before after
