@@ -30,7 +30,7 @@ def expect(condition, message):
         raise Wrong(message)
 
 
-# ---- checksums: XXH3, 64 bits, seed 0 (github.com/Cyan4973/xxHash, doc/xxhash_spec.md), of more than 240 bytes ----
+# ---- checksums: XXH3, 64 bits, seed 0, of more than 240 bytes (specified at github.com/Cyan4973/xxHash) ----
 
 SECRET = bytes.fromhex(
     "b8fe6c3923a44bbe7c01812cf721ad1cded46de9839097db7240a4a4b7b3671fcb79e64eccc0e578825ad07dccff7221"
@@ -404,7 +404,8 @@ def examples(page):
             shown = [float(v) for v in row[5].split(",")]
             got = decode(code, stored)[0]
             # the page shows four digits
-            expect(np.abs(got - shown).max() <= 0.5e-4, f"{code} of {stored[0]}: the page has {shown}, the formulas give {got}")
+            right = np.abs(got - shown).max() <= 0.5e-4
+            expect(right, f"{code} of {stored[0]}: the page has {shown}, the formulas give {got}")
             count += 1
     expect(count >= len(DECODERS), f"{count} examples, fewer than codes")
     print(f"examples: {count}")
