@@ -25,8 +25,8 @@ report() { # doc/method/comparison.md
     screenshot "$work/report/index.html" "$out/report.png" 1300 1680
 }
 levels() { # doc/blender.md
-    "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --levels 3 --adapt \
-        -q -o "$work/brain.blend"
+    "$isoshade" export $templates/ch2.nii.gz --to blender --scene refscenes/brain.scene.json --levels 3 --adapt \
+        --size 240x240 -q -o "$work/brain.blend"
     blender -b "$work/brain.blend" -P refscenes/levels.py >/dev/null
     cp "$work/brain_level_0.png" "$work/brain_level_1.png" "$work/brain_level_2.png" "$out"
 }

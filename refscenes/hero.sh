@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: MIT
 # The picture of README.md: a brain at three levels in all renderers, and how far each is from the reference.
 #   sh refscenes/hero.sh [PICTURE.jpg [WxH]]     WxH: of a panel; what was rendered stays in build/figures and is kept
+#   HERO_RENDERERS="reference gl cycles" sh refscenes/hero.sh     these alone: POV-Ray takes most of the time
 set -eu
 cd "$(dirname "$0")/.."
 out=${1:-build/figures/hero.jpg}
-size=${2:-256x208}
+size=${2:-160x132}
 isoshade=${ISOSHADE:-./isoshade}
 volume=/usr/share/mricron/templates/ch2bet.nii.gz
 [ -r "$volume" ] || { echo "hero: $volume is missing; it comes with the Debian package mricron-data" >&2; exit 3; }
 dir=build/figures/hero-$size
 mkdir -p "$dir" "$(dirname "$out")"
-renderers="reference gl cycles povray"
+renderers=${HERO_RENDERERS:-reference gl cycles povray}
 for level in 0 1 2; do
     for renderer in $renderers; do
         image=$dir/$renderer-$level
@@ -22,19 +23,18 @@ for level in 0 1 2; do
     done
 done
 
-# One page in gnuplot, on which a pixel of a panel is a pixel at 100 dpi; poppler makes the JPEG, with sharper words, at 200.
+# One page by gnuplot, of which poppler makes a JPEG at 200 dpi.
 rmse() { sed -n 's/.*"rmse": *\([0-9.e+-]*\).*/\1/p' "$1" | head -n 1; }
 {
     cat <<GNUPLOT
 full_w = ${size%x*}.0; full_h = ${size#*x}.0 # with a point: no division of whole numbers
-crop_x = 0.07 * full_w; crop_y = 0.05 * full_h
-w = full_w - 2 * crop_x; h = full_h - 2 * crop_y; left = 48; top = 36; line = 20
-width = left + 4 * w; height = top + 3 * (h + line)
+scale = 256 / full_w # of a panel on the page: 256 pixels at 100 dpi
+w = 256.0; h = scale * full_h; left = 48; top = 36; line = 20
+width = left + $(echo $renderers | wc -w) * w; height = top + 3 * (h + line)
 set terminal pdfcairo size width / 100, height / 100 background "#000000" font "DejaVu Sans,9"
 set output page
 unset key; unset border; unset tics
-set xrange [crop_x : crop_x + w]; set yrange [crop_y : crop_y + h]
-array title[4] = ["reference", "ray caster (OpenGL)", "Blender Cycles", "POV-Ray"]
+set xrange [0 : full_w]; set yrange [0 : full_h]
 array part[3] = ["full resolution", "1/8 of the voxels", "1/64 of the voxels"]
 set multiplot
 GNUPLOT
@@ -44,11 +44,17 @@ GNUPLOT
         for renderer in $renderers; do
             text="RMSE to the reference $(printf '%.5f' "$(rmse "$dir/$renderer-$level.json")")"
             [ "$renderer" = reference ] && text="double precision"
+            case $renderer in
+                gl) title="ray caster (OpenGL)" ;;
+                cycles) title="Blender Cycles" ;;
+                povray) title="POV-Ray" ;;
+                *) title=$renderer ;;
+            esac
             cat <<GNUPLOT
 x = left + $column * w; y = height - top - ($row + 1) * (h + line) + line
 unset label
 set label "$text" at graph 0.5, screen (y - 0.3 * line) / height center front tc rgb "#b8b8b8" font ",9"
-if ($row == 0) set label title[$column + 1] at graph 0.5, screen 1 - 0.55 * top / height center front tc rgb "#ffffff" font ",13"
+if ($row == 0) set label "$title" at graph 0.5, screen 1 - 0.55 * top / height center front tc rgb "#ffffff" font ",13"
 if ($column == 0) set label "level $level" at screen 0.32 * left / width, screen (y + 0.5 * h) / height center rotate front tc rgb "#ffffff" font ",13"
 if ($column == 0) set label part[$row + 1] at screen 0.72 * left / width, screen (y + 0.5 * h) / height center rotate front tc rgb "#b8b8b8" font ",9"
 set lmargin at screen x / width; set rmargin at screen (x + w) / width
