@@ -41,7 +41,7 @@ check the_default_has_fewer_holes python3 - out <<'PY'
 import json, sys
 h = {row['filter']: row['hole_fraction'] for row in json.load(open(sys.argv[1]))['holes']}
 assert h['on-the-fly'] > 0.03, h  # the artefact is there,
-assert h['naive'] > 0.005, h      # in the baselines that gradients-2017 warns of,
+assert h['naive'] > 0.005, h      # in the baselines that [diaz-garcia-2017] warns of,
 assert h['moments'] < 0.5 * h['naive'], h
 assert h['flipped'] <= h['moments'], h
 PY

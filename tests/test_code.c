@@ -440,7 +440,7 @@ static void holes_are_those_that_are_published(void **unused)
         iso_code code;
         double hole_deg, tolerance_deg;
     } known[] = {
-        {ISO_CODE_REGION48, 0.17303, 1.5e-5}, /* gradients-2017 Table 1: 0.1730 */
+        {ISO_CODE_REGION48, 0.17303, 1.5e-5}, /* [diaz-garcia-2017] Table 1: 0.1730 */
         {ISO_CODE_CUBE, 0.31776, 1.5e-5},     /* sqrt(2) / 255 rad, as a plane angle; Table 1: 0.3177 */
         {ISO_CODE_SQUEEZE, 0.0940, 1e-4},     /* ours */
         {ISO_CODE_OCT24, 0.0396, 1e-4},

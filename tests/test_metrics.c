@@ -208,8 +208,9 @@ static void set_gray(iso_image *image, size_t x, size_t y, double v)
         image->rgba[4 * (y * image->width + x) + c] = linear_of(v);
 }
 
-/* A checkerboard m + s A, s = 1 or -1, and m + d + s B: under the window the mean of s is q = +-S^2, S the alternating sum of
- * the taps, so that Eq. 13 has its means m + q A and m + d + q B, variances (1 - q^2) of A^2 and B^2 and covariance of A B. */
+/* A checkerboard m + s A, s = 1 or -1, and m + d + s B: under the window the mean of s is q = +-S^2, S the alternating
+ * sum of the taps, so that Eq. 13 has its means m + q A and m + d + q B, variances (1 - q^2) of A^2 and B^2 and
+ * covariance of A B. */
 static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **state)
 {
     (void)state;
@@ -244,7 +245,8 @@ static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **sta
     }
 }
 
-/* One white pixel against black shows each tap of the window by itself: mean w, variance w - w^2, and nothing beyond 5 pixels. */
+/* One white pixel against black shows each tap of the window by itself: mean w, variance w - w^2, and nothing beyond 5
+ * pixels. */
 static void ssim_of_a_single_pixel_shows_the_window(void **state)
 {
     (void)state;
@@ -586,8 +588,8 @@ static void hdr_flip_sees_what_is_clipped_away_in_ldr(void **state)
     iso_image_destroy(&b);
 }
 
-/* 2021 paper, sec. 3.2: from where the brightest pixel, to where the median is shown at 0.85 by the tone curve; the published
- * example's 2^-12.5423 to 2^0.9427 are 14 exposures. */
+/* [andersson-2021] sec. 3.2: from where the brightest pixel, to where the median is shown at 0.85 by the tone curve;
+ * the published example's 2^-12.5423 to 2^0.9427 are 14 exposures. */
 static void hdr_exposures_show_the_brightest_and_the_median_at_085(void **state)
 {
     (void)state;

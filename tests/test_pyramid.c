@@ -47,7 +47,7 @@ static void visit_moments(const double g[3], double weight, double sum[4])
 }
 
 static size_t eq1_exponent = 1;
-static void visit_eq1(const double g[3], double weight, double sum[4]) /* gradients-2017 Eq. 1, m to an exponent */
+static void visit_eq1(const double g[3], double weight, double sum[4]) /* [diaz-garcia-2017] Eq. 1, m to an exponent */
 {
     double m = pow(sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]), (double)eq1_exponent);
     for (int c = 0; c < 3; ++c)
@@ -78,7 +78,8 @@ static void direct_sum(const field *fine, const size_t at[3], long radius, doubl
             }
 }
 
-/* The fine voxel below voxel i of the given level: each level continues its edge. `path` picks the child, a bit a level. */
+/* The fine voxel below voxel i of the given level: each level continues its edge. `path` picks the child, a bit a
+ * level. */
 static size_t descend(size_t i, size_t level, size_t path, size_t fine_size)
 {
     for (size_t k = level; k-- > 0;) {
@@ -196,12 +197,14 @@ static void check_eq1(const eq1_case *c)
     for (size_t k = 1; k < p.level_count; ++k) {
         const iso_level *l = &p.levels[k];
         double *expected = direct_eq1(&fine, &l->geometry, c->radius, c->sigma, c->exponent);
-        /* gradients are below 2; weights, products and sums of up to 32^3 float terms, of which few weigh: 20 roundings */
+        /* gradients are below 2; weights, products and sums of up to 32^3 float terms, of which few weigh: 20
+         * roundings */
         assert_at_most(eq1_difference(l, expected), 3e-6);
         const struct { size_t radius, exponent; double sigma; } faults[] = {
             {c->radius + 1, c->exponent, c->sigma}, {c->radius, c->exponent + 1, c->sigma}, {c->radius, c->exponent, 0.8 * c->sigma}};
         for (size_t f = 0; f < 3; ++f) {
-            /* at radius 1 all eight weights are one, and nearly so under a flat Gaussian; beyond 2 sigma a tap more is little */
+            /* at radius 1 all eight weights are one, and nearly so under a flat Gaussian; beyond 2 sigma a tap more is
+             * little */
             const double reach = (double)c->radius / c->sigma;
             const bool shows = f == 0 ? reach <= 2 : f == 1 || (c->radius > 1 && reach > 0.1);
             double *other = direct_eq1(&fine, &l->geometry, faults[f].radius, faults[f].sigma, faults[f].exponent);
@@ -259,7 +262,8 @@ static void naive_directions_are_unit_means(void **state)
     iso_volume_destroy(&v);
 }
 
-/* The main axis of a symmetric matrix by many plain power iterations; *gap is how far the second eigenvalue lies below. */
+/* The main axis of a symmetric matrix by many plain power iterations; *gap is how far the second eigenvalue lies
+ * below. */
 static iso_vec3 main_axis(const double t[6], double *gap)
 {
     const iso_mat3 m = {{{t[0], t[3], t[4]}, {t[3], t[1], t[5]}, {t[4], t[5], t[2]}}};

@@ -116,7 +116,7 @@ iso_atlas_fault iso_atlas_coarse_vectors;    /* the same grid's vectors, filtere
 /* The cut through a fine and a coarse brick; the value is the largest step over their face. */
 iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
 /* Directions round an axis, as bright as they are far from any that the code of 48 regions holds, with lambda 0 and
- * 0.61 in Eq. 2 of gradients-2017; the value is the largest angle in degrees. */
+ * 0.61 in Eq. 2 of [diaz-garcia-2017]; the value is the largest angle in degrees. */
 iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
 
 /* ---- page.c ---- */

@@ -65,7 +65,8 @@ static iso_vec3 from_angles(double azimuth, double z)
     return iso_v3(r * cos(azimuth), r * sin(azimuth), z);
 }
 
-/* The direction at a voxel from the eight stored ones round it: vectors, or angles. The stored grid is four times as coarse. */
+/* The direction at a voxel from the eight stored ones round it: vectors, or angles. The stored grid is four times as
+ * coarse. */
 static iso_vec3 filtered_direction(const iso_atlas_scene *scene, const iso_geometry *g, size_t voxel, bool angles)
 {
     enum { coarse = 4 };
@@ -111,7 +112,7 @@ iso_status iso_atlas_coarse_vectors(const iso_atlas_scene *scene, iso_pyramid *p
 
 /* ---- lambda of Eq. 2 ---- */
 
-/* gradients-2017 Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalised, which is only a scale. */
+/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalised, which is only a scale. */
 static iso_vec3 equation2(double lambda, iso_vec3 e)
 {
     double t[3] = {1 - e.y / e.x, (e.y - e.z) / e.x, e.z / e.x};

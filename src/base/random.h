@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* random.h - seeded random numbers that are the same on every machine.
  *
- * SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good. */
+ * SplitMix64 [steele-2014]: one word of state, any seed is good. */
 #ifndef ISO_RANDOM_H
 #define ISO_RANDOM_H
 
@@ -24,7 +24,7 @@ static inline double iso_random_unit(iso_random *r) { return (double)(iso_random
 /* In [0, n), n > 0. */
 static inline size_t iso_random_below(iso_random *r, size_t n) { return (size_t)(iso_random_unit(r) * (double)n); }
 
-/* In [0, 1), by Xorshift64 (Marsaglia 2003), which the recorded figures of the direction codes were made with. *state is
+/* In [0, 1), by Xorshift64 [marsaglia-2003], which the recorded figures of the direction codes were made with. *state is
  * the seed, not 0. */
 static inline double iso_xorshift_unit(uint64_t *state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* bench.h - the one list of benchmarks; `isoshade bench NAME` and its help
- * expand from it. src/cli/bench_NAME.c defines iso_bench_NAME, an iso_command
+ * expand from it. src/bench/NAME.c defines iso_bench_NAME, an iso_command
  * whose name is "bench NAME"; it is called and parses as a command does. */
 #ifndef ISO_BENCH_H
 #define ISO_BENCH_H

@@ -2,7 +2,7 @@
 /* consistency.c - does a coarse level look like level 0? The original TF
  * against adapted ones, over views from an icosahedron's faces.
  *
- * Paper: adaptive-tf-2016 sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20
+ * Paper: [diaz-garcia-2016] sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20
  * views); FLIP stands beside it. Four TFs, fixed as fractions of a volume's
  * range, the same for every volume: nothing is fitted to one. Volumes stand in
  * two blocks, those that a choice was made with and those held back from it;
@@ -71,7 +71,8 @@ typedef struct case_result {
     iso_adapt_judgment judgment;
 } case_result;
 
-/* Sums of the logarithms of error / error of the original, by level (0: of all), and how often a method fell behind it. */
+/* Sums of the logarithms of error / error of the original, by level (0: of all), and how often a method fell behind
+ * it. */
 typedef struct method_sums {
     double log_ratio[MAX_LEVELS][3]; /* SSIM, FLIP, RMSE */
     size_t worse;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* encode.c - direction codes: speed, holes, errors at voxels and between
- * them; the tables and the figure of gradients-2017 sections 4 and 5. */
+ * them; the tables and the figure of [diaz-garcia-2017] sections 4 and 5. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>

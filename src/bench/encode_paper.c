@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_paper.c - gradients-2017: Table 1, Figure 10, and the claim of
+/* encode_paper.c - [diaz-garcia-2017]: Table 1, Figure 10, and the claim of
  * convex interpolation. */
 #define _GNU_SOURCE
 #include <math.h>

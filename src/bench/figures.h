@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* figures.h - Figures 8 and 9 of adaptive-tf-2016 from the cases of bench consistency. */
+/* figures.h - Figures 8 and 9 of [diaz-garcia-2016] from the cases of bench consistency. */
 #ifndef ISO_BENCH_FIGURES_H
 #define ISO_BENCH_FIGURES_H
 

@@ -2,8 +2,8 @@
 /* filters.c - bench consistency --filters: where each way to make directions holds and where it gives way; and
  * --holes: the artefact of directions that are not defined where the coarse surface is.
  *
- * Paper: gradients-2017 sec. 3, Figure 3 and Eq. 1. Scenes are analytic fields, some with noise; errors are against the
- * field itself: angles to its gradients, images of its level 0 without noise. */
+ * Paper: [diaz-garcia-2017] sec. 3, Figure 3 and Eq. 1. Scenes are analytic fields, some with noise; errors are against
+ * the field itself: angles to its gradients, images of its level 0 without noise. */
 #define _GNU_SOURCE
 #include "bench/shading.h"
 

@@ -461,7 +461,7 @@ const iso_command iso_bench_palette = {
     .name = "bench palette",
     .summary = "palettes of directions: error and time of each method, assigning, images",
     .usage = "[VOLUME ...] [options]",
-    .details = "Without a volume: the ellipsoid of Bremer et al. 2001 and the speed of assigning. With volumes: their table and\n"
+    .details = "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"
                "images from palettes and from codes, against those from float directions. A fit is timed in processor seconds.",
     .examples = "  isoshade bench palette --seeds 1 --steps 500\n"
                 "  isoshade bench palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"

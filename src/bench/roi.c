@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* roi.c - is there a seam round a region of interest? The step of what is emitted across the faces of the box and of
  * its band, and the step in an image that looks along them, against a hard edge, against the original TF outside, and
- * against how much the finest level varies by itself (adaptive-tf-2016, Figure 11; scene/roi.h). */
+ * against how much the finest level varies by itself ([diaz-garcia-2016], Figure 11; scene/roi.h). */
 #include "bench/roi.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* shading.c - is a coarse level shaded as the finest one is? Each way to make directions, over volumes and views.
  *
- * Paper: gradients-2017 sec. 3 and 5, Figures 3 and 15. Every figure stands beside that of gradients taken on the fly from
- * the level's own scalar. */
+ * Paper: [diaz-garcia-2017] sec. 3 and 5, Figures 3 and 15. Every figure stands beside that of gradients taken on the
+ * fly from the level's own scalar. */
 #define _GNU_SOURCE
 #include "bench/shading.h"
 
@@ -448,7 +448,7 @@ iso_status iso_bench_shading(int argc, const char **argv, iso_error *err)
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.views, 0, "along an icosahedron's diagonals, at most 6", "N"},
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "pixels along an edge", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.levels, 0, "with level 0", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0, "a fraction of the range; else between each volume's two classes (Otsu 1979)", "FRACTION"},
+        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0, "a fraction of the range; else between each volume's two classes [otsu-1979]", "FRACTION"},
         {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.analytic_size, 0, "voxels along an edge of the analytic volumes", "N"},
         {"adapted", 0, POPT_ARG_NONE, &run.adapted, 0, "also with each level's own transfer function", NULL},
         {"floor", 0, POPT_ARG_NONE, &run.floor, 0, "also with level 0's directions at every level; else only where the default lost", NULL},

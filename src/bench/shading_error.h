@@ -44,8 +44,8 @@ typedef struct iso_shading_tf {
 } iso_shading_tf;
 iso_tf iso_shading_make_tf(double fraction, iso_shading_tf *storage);
 
-/* Where a surface is, as a fraction of the range: Otsu, "A Threshold Selection Method from Gray-Level Histograms", IEEE
- * Trans. SMC 9(1), 1979: the value that separates the voxels into the two classes of the least variance. One rule for
+/* Where a surface is, as a fraction of the range: [otsu-1979]:
+ *  the value that separates the voxels into the two classes of the least variance. One rule for
  * all volumes; half-way values keep their place under a mean of eight. */
 double iso_otsu_fraction(const iso_level *level);
 

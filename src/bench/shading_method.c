@@ -38,7 +38,7 @@ iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, c
     return status;
 }
 
-/* Normal by Box and Muller (1958). */
+/* Normal by [box-1958]. */
 static void add_noise(iso_volume *v, double deviation)
 {
     iso_random random = {1};

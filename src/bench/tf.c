@@ -155,7 +155,7 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
                                                    "tf_2d_bytes", tf_2d, "four_bytes_a_coarse_voxel", 3 * coarse));
     if (!b->cli->json)
         printf("storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with 2D transfer functions by deviation %.3g MB;\n"
-               "         four bytes a coarse voxel (Younesy et al. 2006) would add %.4g MB\n",
+               "         four bytes a coarse voxel [younesy-2006] would add %.4g MB\n",
                all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
 }
 

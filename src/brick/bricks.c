@@ -74,7 +74,7 @@ static void filter_node(const size_t size[3], const float *fine, const float *fi
         *sum = s;
 }
 
-/* The scalar of one coarse node by [-1 2 6 2 -1]^3 / 512, the low-pass of the 5/3 wavelets (Le Gall and Tabatabai 1988):
+/* The scalar of one coarse node by [-1 2 6 2 -1]^3 / 512, the low-pass of the 5/3 wavelets [le-gall-1988]:
  * its samples are those from which linear interpolation comes nearest to the fine ones. Held within the range of the 27
  * nodes around, so that nothing is shown that is not there. */
 static float filter_scalar(const size_t size[3], const float *fine, const size_t at[3])
@@ -220,7 +220,7 @@ iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0
 }
 
 /* Where a node of a level lies among the level's cells, along an axis: the four cells around and their weights, of the
- * cubic through them (Catmull and Rom 1974), or linear in the two in the middle. */
+ * cubic through them [catmull-1974], or linear in the two in the middle. */
 typedef struct cell_stencil {
     size_t cell[4];
     float cubic[4], linear[4];

@@ -18,7 +18,7 @@
  * edge or a corner hold the same values on it: the finer one samples a function
  * that is (bi)linear in the coarser one's cells at subdivisions of these cells, and
  * linear interpolation reproduces it. Interior nodes keep their values. This is in
- * place of the warped coordinates of mixed-resolution-2008, whose samples lie
+ * place of the warped coordinates of [beyer-2008], whose samples lie
  * inside the bricks, and costs the shader nothing.
  *
  * The edge of the volume is repeated to fill whole bricks; positions are clamped to

@@ -71,7 +71,7 @@ bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
 }
 
 /* The chessboard distance is the least over the 26 neighbours plus one: exact after a forward and a backward sweep,
- * each over the neighbours that it has visited (Rosenfeld and Pfaltz 1968). */
+ * each over the neighbours that it has visited [rosenfeld-1968]. */
 static void sweep(const size_t count[3], uint8_t *distance, int direction)
 {
     size_t n = count[0] * count[1] * count[2];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* pack.h - bricks of several levels in one cache texture.
  *
- * After mixed-resolution-2008, sections 3.1 to 3.3. The cache is a grid of cubic
+ * After [beyer-2008], sections 3.1 to 3.3. The cache is a grid of cubic
  * slots; one holds a brick of level 0, or eight of level 1, or 64 of level 2 ...:
  * with L the coarsest level in use a slot has n + 2^L texels a side, so that every
  * halving still holds the n / 2^l + 1 nodes of a brick.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* warp.h - the smooth transitions of mixed-resolution-2008, section 4: as the paper
+/* warp.h - the smooth transitions of [beyer-2008], section 4: as the paper
  * has them, and corrected. For comparison with brick/bricks.h. Where they fetch is
  * defined once, in brick/warp_map.h, for this module and for the shaders.
  *

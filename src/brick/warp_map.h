@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* warp_map.h - where the transitions of mixed-resolution-2008 fetch: the one
+/* warp_map.h - where the transitions of [beyer-2008] fetch: the one
  * definition that C (brick/warp.c) and GLSL (shaders/transition.glsl) share. What
  * the schemes are, and why there are two, stands in brick/warp.h.
  *

@@ -174,7 +174,7 @@ static int srgb_byte(double linear)
     return (int)lrint(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055));
 }
 
-/* A panel a TF: opacity over value, filled with the colours; after Figure 4 of adaptive-tf-2016. */
+/* A panel a TF: opacity over value, filled with the colours; after Figure 4 of [diaz-garcia-2016]. */
 static iso_status write_script(const tf_arguments *a, const char *dir, const char *picture, iso_error *err)
 {
     size_t count = a->cli->argument_count - 1;

@@ -348,7 +348,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* 2021 paper, sec. 3.2: the tone curve reaches 0.85 at `bright`. */
+/* [andersson-2021] sec. 3.2: the tone curve reaches 0.85 at `bright`. */
 iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err)
 {
     size_t pixels = reference->width * reference->height;

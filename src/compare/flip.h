@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* flip.h - the difference that a person sees when two images alternate.
  *
- * LDR: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A
- *      Difference Evaluator for Alternating Images", PACM CGIT 3(2), 2020.
- * HDR: Andersson, Nilsson, Shirley, Akenine-Moller, "Visualizing Errors in Rendered
- *      High Dynamic Range Images", Eurographics short papers, 2021.
+ * LDR: [andersson-2020]. HDR: [andersson-2021].
  * Colours are linear; alpha is not looked at. Borders repeat the edge pixel.
  * Values lie in [0, 1]: 0 where nobody sees a difference. Symmetric in the two
  * images (LDR); HDR takes its exposures from the first, the reference.
@@ -21,8 +18,8 @@
  * ISO_E_RANGE: empty, different sizes, fewer than 1 pixel a degree; ISO_E_MEMORY. */
 iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_per_degree, float *map, iso_error *err);
 
-/* The exposures of HDR-FLIP, as powers of two: `count` of them, evenly from *start to *stop. Where the reference's median is
- * black the paper's range has no end: it stays at 8 stops then, and is never more than 20. ISO_E_MEMORY. */
+/* The exposures of HDR-FLIP, as powers of two: `count` of them, evenly from *start to *stop. Where the reference's
+ * median is black the paper's range has no end: it stays at 8 stops then, and is never more than 20. ISO_E_MEMORY. */
 iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err);
 
 /* The largest LDR value over exposures from the one that keeps the reference's

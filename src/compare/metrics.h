@@ -3,8 +3,8 @@
  *
  * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on
  * what people see: sRGB of the colours clipped to [0, 1].
- *   SSIM  Wang et al. 2004: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
- *   FLIP  Andersson et al. 2020 (LDR), at 67 pixels a degree.
+ *   SSIM  [wang-2004]: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
+ *   FLIP  [andersson-2020] (LDR), at 67 pixels a degree.
  * A comparison with a non-finite pixel, of different sizes or of pictures that begin elsewhere, fails. */
 #ifndef ISO_METRICS_H
 #define ISO_METRICS_H
@@ -22,7 +22,7 @@ typedef struct iso_tolerances {
 /* NaN is never within tolerances; without any tolerance only equal images are. */
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 
-/* The keys of design.md: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
+/* Keys: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
 json_t *iso_metrics_to_json(const iso_metrics *m);
 
 /* |a - b| of the colours, scaled: an image to look at. scale 0: the largest difference becomes 1. */

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* ssim.h - structural similarity.
  *
- * Wang, Bovik, Sheikh, Simoncelli, "Image Quality Assessment: From Error
- * Visibility to Structural Similarity", IEEE TIP 13(4), 2004: Eq. 13 with a
- * Gaussian window of 11x11, sigma 1.5, K1 = .01, K2 = .03, L = 1, on one channel.
+ * [wang-2004] Eq. 13 with a Gaussian window of 11x11, sigma 1.5, K1 = .01, K2 = .03, L = 1, on one channel.
  * Windows lie wholly inside the image, as in the authors' program; an image with
  * fewer than 11 rows or columns takes windows cut at its border instead. */
 #ifndef ISO_SSIM_H

@@ -123,7 +123,7 @@ static double p_value(double difference, double error, double tolerance, double 
     return error > 0 ? iso_student_two_sided(excess / error, degrees_of_freedom) : 0;
 }
 
-/* Sidak (1967): so many tests keep the significance of all together. -expm1(log1p) keeps its digits. */
+/* [sidak-1967]: so many tests keep the significance of all together. -expm1(log1p) keeps its digits. */
 static double sidak(double significance, size_t tests) { return -expm1(log1p(-significance) / (double)tests); }
 
 static void test_pixels(const iso_samples *s, double tolerance, iso_noise_test *out)

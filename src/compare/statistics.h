@@ -4,7 +4,7 @@
  * Two kinds of expectation:
  *   noise           a renderer with a seed is run n times; its mean is tested
  *                   pixel by pixel against a reference, and all tests together
- *                   keep one significance (Sidak); so is the mean over the image;
+ *                   keep one significance [sidak-1967]; so is the mean over the image;
  *   discretisation  a renderer with a step h errs by c h^p: from two steps follow
  *                   the limit (Richardson) and how far the finer one is from it.
  * All four channels are tested: where volume and background are alike, alpha alone tells. Results do not depend on
@@ -25,7 +25,7 @@
 
 /* ---- noise ------------------------------------------------------------------ */
 
-/* Means and variances of equal-sized images, added one by one (Welford 1962). */
+/* Means and variances of equal-sized images, added one by one [welford-1962]. */
 typedef struct iso_samples {
     size_t width, height, count;
     double *mean, *squares;               /* 4 a pixel: the mean, the sum of squared deviations */

@@ -16,7 +16,7 @@
  *   shell     signed; the nearest direction among lengths in [0.95, 1].
  *   free      signed; the nearest direction at any length.
  *   cube      unsigned; the cube-dot, rounded.
- *   region48  unsigned; gradients-2017 section 4: cube-dots of 48 triangular
+ *   region48  unsigned; [diaz-garcia-2017] section 4: cube-dots of 48 triangular
  *             regions, Eq. 2 with lambda = 0.61.
  *   squeeze   unsigned; the 48 regions with their lines of holes squeezed.
  *   oct24     12 + 12 bits of the octahedral map; for nearest fetches.

@@ -36,7 +36,7 @@
 #define ISO_DECODER_OCT 3
 #define ISO_DECODER_SQUEEZE 4
 
-/* gradients-2017 section 4.1, Figure 10: the best lambda of Eq. 2. */
+/* [diaz-garcia-2017] section 4.1, Figure 10: the best lambda of Eq. 2. */
 #define ISO_REGION48_LAMBDA 0.61
 
 /* Codes that keep the direction alone have |d| = 1 at every defined voxel, and
@@ -81,7 +81,7 @@ ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REA
     return component < 0.0 ? -value : value;
 }
 
-/* gradients-2017 section 4.2: the region is the order and the signs of the
+/* [diaz-garcia-2017] section 4.2: the region is the order and the signs of the
  * components; the cube-dot (a, b, c) / a of the sorted ones is
  * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalisation
  * is only a scale of the vector, which the last step undoes anyway. */

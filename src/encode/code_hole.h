@@ -14,7 +14,7 @@
  * tolerance_deg: of the exact ones. ISO_E_MEMORY. */
 iso_status iso_code_hole(iso_code code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
 
-/* Of the 48 regions with another lambda in Eq. 2 of gradients-2017; 0: no treatment. */
+/* Of the 48 regions with another lambda in Eq. 2 of [diaz-garcia-2017]; 0: no treatment. */
 iso_status iso_region48_hole(double lambda, double tolerance_deg, iso_hole *hole, iso_error *err);
 
 #endif

@@ -59,7 +59,7 @@ void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t
         fit_one(directions + 3 * i, mu, bytes + 3 * i);
 }
 
-/* ---- region48: the transform T inverts Eq. 2 of gradients-2017. In place of
+/* ---- region48: the transform T inverts Eq. 2 of [diaz-garcia-2017]. In place of
  * three quadratic equations and a table it is one monotone equation: the decoded
  * barycentrics U sum to 1 and are f(u_i) / S with S = sum f(u_i), so that
  * u_i(S) = f^-1(S U_i) and sum u_i(S) = 1 has one root. ---- */

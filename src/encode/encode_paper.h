@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_paper.h - the encoder of code region48 as gradients-2017 section 4.3
+/* encode_paper.h - the encoder of code region48 as [diaz-garcia-2017] section 4.3
  * describes it: the transform T from a table, then a linear search along the
  * transformed direction. Kept to reproduce the paper's tables 3 and 4; the code's
  * own encoder (encode_region48.c) needs no table and finds the same. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_region48.c - gradients-2017 section 4.3, transform and search, eight
+/* encode_region48.c - [diaz-garcia-2017] section 4.3, transform and search, eight
  * directions at a time: the transform by Newton in place of a table, the search
  * over every length that adds directions.
  *
@@ -139,7 +139,7 @@ ISO_SIMD_ENCODER_FOR(iso_encode_region48, region48_lanes, "avx2,fma", "fma")
 
 const iso_code_info iso_code_region48 = {
     .name = "region48",
-    .summary = "48 regions, lambda 0.61 (gradients-2017); direction only",
+    .summary = "48 regions, lambda 0.61 [diaz-garcia-2017]; direction only",
     .bytes = 3,
     .is_textured = true,
     .decoder = ISO_DECODER_REGION48,

@@ -8,7 +8,7 @@
 
 #include "base/linalg.h"
 
-/* T of gradients-2017: barycentrics before the decoder from those behind it, whose sum is 1. */
+/* T of [diaz-garcia-2017]: barycentrics before the decoder from those behind it, whose sum is 1. */
 iso_vec3 iso_region48_transform(iso_vec3 barycentric);
 
 /* The order of |components|, largest first. */

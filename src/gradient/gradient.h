@@ -2,7 +2,7 @@
 /* gradient.h - gradients of the scalar field, in value per mm, in world axes.
  *
  * In:  iso_volume.   Out: 3 floats a voxel (gx, gy, gz), x fastest.
- * Paper: gradients-2017 sec. 2; Bentum et al. 1996.
+ * Paper: [diaz-garcia-2017] sec. 2; [bentum-1996].
  * At a border the missing neighbour is left out and the difference one-sided,
  * so that fields linear in x, y, z are exact everywhere; an axis of one voxel
  * has no gradient along it. Index gradients go to the world by the inverse

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* gradient_bspline.c - the derivative of the cubic B-spline that interpolates the samples: a recursive pre-filter, then
- * central differences of its coefficients (Csebfalvi and Domonkos, Prefiltered gradient reconstruction for volume
- * rendering, 2009; Unser, Splines: a perfect fit, 1999).
+ * central differences of its coefficients [csebfalvi-2009], [unser-1999].
  *
  * On the grid the pre-filters along the other axes cancel with the spline's own (1 4 1) / 6, so each component is a
  * filter along its own axis:
  *     D(z) = 3 (z - 1/z) / (z + 4 + 1/z) = sum over k > 0 of w_k (z^k - z^-k),   w_k = sqrt(3)/2 (1 - p^2) p^(k-1),
- * with the pole p = sqrt(3) - 2. The recursion would reach over the whole axis; its response shrinks to .268 a voxel, so
- * REACH taps a side are the same to float precision, need no more than a halo of slabs, and vectorise along x whatever the
- * axis. The last two taps take up the rest, so that linear and cubic data are exact.
+ * with the pole p = sqrt(3) - 2. The recursion would reach over the whole axis; its response shrinks to .268 a voxel,
+ * so REACH taps a side are the same to float precision, need no more than a halo of slabs, and vectorise along x
+ * whatever the axis. The last two taps take up the rest, so that linear and cubic data are exact.
  *
  * Beyond a border the samples go on as the cubic through the last four, which keeps the border at third order. */
 #include <math.h>

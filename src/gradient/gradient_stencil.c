@@ -106,7 +106,7 @@ static void along_x(iso_gradient_method method, bool derivative, const float *re
 }
 
 /* The 8 corners of the voxel, half a step away along each axis, are the means
- * of 8 samples, as a trilinear fetch returns them (Sigg and Hadwiger 2005). At
+ * of 8 samples, as a trilinear fetch returns them [sigg-2005]. At
  * voxel centres their differences are those of the 3x3x3 Sobel operator: two
  * halves (1 1) make (1 2 1). Rows first: sums of the corners' rows, signed. */
 static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row, float *restrict sum)
@@ -189,7 +189,7 @@ const iso_gradient_info iso_gradient_sobel = {
 
 const iso_gradient_info iso_gradient_corners = {
     .name = "corners",
-    .summary = "Sobel from the 8 corners of the voxel (Sigg and Hadwiger)",
+    .summary = "Sobel from the 8 corners of the voxel [sigg-2005]",
     .samples = 26,
     .order = 2,
     .reach = 1,

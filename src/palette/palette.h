@@ -6,10 +6,9 @@
  * be trusted) and unit directions behind it. A voxel stores the index of the
  * entry nearest to its direction; its length is not kept.
  *
- * Papers: Bremer, Kreylos, Hamann 2001, "A data-dependent gradient quantization
- * scheme" (annealing of a tessellation); Van Gelder and Kim 1996 (regular
- * subdivision); Glassner 1990, "Normal coding"; Linde, Buzo, Gray 1980 (Lloyd,
- * LBG); Arthur and Vassilvitskii 2007 (k-means++); Hartigan 1975 (exchange).
+ * Papers: [bremer-2001] (annealing of a tessellation); [van-gelder-1996] (regular
+ * subdivision); [glassner-1990]; [linde-1980] (Lloyd,
+ * LBG); [arthur-2007] (k-means++); [hartigan-1975] (exchange).
  *
  *   palette_set.c       what a palette is fitted to
  *   palette_sample.c    a volume streamed into that set, with weights
@@ -114,8 +113,8 @@ int iso_palette_bits(const iso_palette *palette);
     X(ISO_PALETTE_KMEANS, "kmeans", "k-means++, Lloyd, exchange of single members, swaps of useless entries") \
     X(ISO_PALETTE_KMEANSPP, "kmeans++", "greedy k-means++ and Lloyd")                                    \
     X(ISO_PALETTE_LLOYD, "lloyd", "Lloyd from random members")                                           \
-    X(ISO_PALETTE_LBG, "lbg", "Lloyd by splitting (Linde, Buzo, Gray)")                                  \
-    X(ISO_PALETTE_ANNEAL, "anneal", "annealing of a tessellation (Bremer et al. 2001)")                  \
+    X(ISO_PALETTE_LBG, "lbg", "Lloyd by splitting [linde-1980]")                                  \
+    X(ISO_PALETTE_ANNEAL, "anneal", "annealing of a tessellation [bremer-2001]")                  \
     X(ISO_PALETTE_FACES, "faces", "regular subdivision, triangle normals (60, 240, 960, 3840)")          \
     X(ISO_PALETTE_VERTICES, "vertices", "regular subdivision, vertices (32, 122, 482, 1922)")            \
     X(ISO_PALETTE_GRID, "grid", "Glassner's equal intervals of x and y, and the sign of z")              \

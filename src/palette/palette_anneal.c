@@ -6,7 +6,7 @@
 #include "palette/palette_fit.h"
 #include "palette/palette_mesh.h"
 
-/* Bremer et al. 2001, Figure 4 and section 3: random moves of a random vertex, the directions of the changed patch
+/* [bremer-2001] Figure 4 and section 3: random moves of a random vertex, the directions of the changed patch
  * assigned again to its triangles, Metropolis acceptance.
  *
  * A direction belongs to the triangle that it lies in (their second way, section 3.1), which is what can be kept up

@@ -5,7 +5,7 @@
 
 #include "palette/palette_search.h"
 
-/* ---- seeds by splitting (Linde, Buzo, Gray 1980) -------------------------------------------- */
+/* ---- seeds by splitting [linde-1980] -------------------------------------------- */
 
 /* Doubles the code book, or splits the costliest entries where doubling is too much, and runs Lloyd after each. */
 static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, iso_error *err)

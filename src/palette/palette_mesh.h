@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_mesh.h - a convex triangulation of the unit sphere whose vertices
- * move (Bremer et al. 2001, section 3.2).
+ * move ([bremer-2001] section 3.2).
  *
  * All vertices lie on the sphere, so that the locally convex triangulation is
  * their convex hull. A move drags a vertex along a great circle: where a

@@ -11,7 +11,7 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
                                iso_error *err);
 /* EXR: count x 1 floats, entry i in pixel i as R, G, B. */
 iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err);
-/* SVG: the front of the tessellation over the set's directions (Bremer et al. 2001, Figure 9). */
+/* SVG: the front of the tessellation over the set's directions ([bremer-2001] Figure 9). */
 iso_status iso_palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
                                iso_error *err);
 

@@ -57,7 +57,8 @@ static void start_mesh(mesh *m)
         for (uint32_t b = a + 1; b < 32; ++b)
             for (uint32_t c = 0; c < 12; ++c) {
                 iso_vec3 p = m->vertices[a], q = m->vertices[b], r = m->vertices[c];
-                /* Neighbours: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; the next .333. */
+                /* Neighbours: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; the next
+                 * .333. */
                 if (iso_dot(p, q) < 0.6 || iso_dot(q, r) < 0.6 || iso_dot(r, p) < 0.6)
                     continue;
                 bool outward = iso_dot(iso_cross(p, q), r) > 0;
@@ -128,7 +129,7 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
     return status;
 }
 
-/* ---- Glassner 1990: the normal seen along z, its x and y coded ------------------- */
+/* ---- [glassner-1990]: the normal seen along z, its x and y coded ------------------- */
 
 static int grid_side(size_t directions) { return (int)floor(sqrt((double)(directions / 2))); }
 

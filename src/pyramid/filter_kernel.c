@@ -276,7 +276,7 @@ ISO_SIMD void iso_weigh_row(float weight, const float *restrict row, size_t n, f
         acc[i] += weight * row[i];
 }
 
-/* gradients-2017 Eq. 1: the sums of G m g and of m g have been taken; their
+/* [diaz-garcia-2017] Eq. 1: the sums of G m g and of m g have been taken; their
  * quotient is the filtered gradient, whose own length weighs the next level. */
 ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent)
 {

@@ -20,7 +20,7 @@ static const struct {
     [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
 }, direction_filters[] = {
     [ISO_DIRECTION_MOMENTS] = {"moments", "sums weighted by the squared magnitude; the coherence is the length"},
-    [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of gradients-2017: a Gaussian times the gradient magnitude"},
+    [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of [diaz-garcia-2017]: a Gaussian times the gradient magnitude"},
     [ISO_DIRECTION_NAIVE] = {"naive", "means of the children's gradients, of length 1"},
     [ISO_DIRECTION_TENSOR] = {"tensor", "the main axis of summed outer products: opposite gradients agree"},
 };

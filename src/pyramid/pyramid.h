@@ -15,7 +15,7 @@
  * at coarse levels by the filter:
  *   moments  N = sum m^2 d, S = sum m^2 over the own children, carried in float
  *            from level to level; stored d = (N/|N|) L^2, L = |N| / S in [0,1].
- *   eq1      gradients-2017 Eq. 1 as written, iterated from G0: Gaussian times
+ *   eq1      [diaz-garcia-2017] Eq. 1 as written, iterated from G0: Gaussian times
  *            magnitude, radius and sigma by option; stored unit.
  *   naive    the mean of the children's gradient vectors; stored unit.
  *   tensor   T = sum g g^T beside N; the main axis of T, on N's side, times L:

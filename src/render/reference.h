@@ -58,7 +58,7 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
                                        const iso_reference_options *opt, iso_image *image,
                                        const iso_progress *progress, iso_error *err);
 
-/* The same of bricks with the transitions of mixed-resolution-2008, of four channels; level: whose field this is, for
+/* The same of bricks with the transitions of [beyer-2008], of four channels; level: whose field this is, for
  * its geometry and range. */
 iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
                                      const iso_reference_options *opt, iso_image *image, const iso_progress *progress,

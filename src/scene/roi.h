@@ -2,7 +2,7 @@
 /* roi.h - a region of interest: a finer level inside a box, the level that is
  * rendered around it, and no seam between them.
  *
- * Paper: adaptive-tf-2016, Figure 11, which sets full resolution into a coarse
+ * Paper: [diaz-garcia-2016], Figure 11, which sets full resolution into a coarse
  * level whose transfer function (TF) is adapted, and relies on the two looking
  * alike. Here what the two levels emit and absorb is blended as well. With w the
  * weight of the finer level at a point,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* adapt.h - transfer functions that adapt to a level.
  *
- * Paper: adaptive-tf-2016, Eq. 7: entry s of TF_k is the mean of TF_0(z) along
+ * Paper: [diaz-garcia-2016], Eq. 7: entry s of TF_k is the mean of TF_0(z) along
  * row s of the joint histogram (histogram.h), weighted by the counts and by a
  * window about the row's mean:
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* histogram.h - the joint histogram H_k(z, s) of a coarse level against level 0.
  *
- * Paper: adaptive-tf-2016 secs. 3 and 4. For every fine voxel, z is its value
+ * Paper: [diaz-garcia-2016] secs. 3 and 4. For every fine voxel, z is its value
  * and s the value of level k at its centre, by trilinear lookup, as a renderer
  * of level k sees it (at the coarse voxels themselves adaptation would be worse
  * than none). It depends on the volume alone: no change of a TF touches it.
@@ -104,9 +104,9 @@ iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_
 
 /* ---- beside the level -------------------------------------------------------- */
 
-/* DIR/level_K_jointBITS.nrrd, with deviation level_K_jointBITSxROWS.nrrd, with gradient level_K_jointBITSgROWS.nrrd (ROWS:
- * ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers an entry: z, s, count. The file's geometry
- * gives the bins' places. */
+/* DIR/level_K_jointBITS.nrrd, with deviation level_K_jointBITSxROWS.nrrd, with gradient level_K_jointBITSgROWS.nrrd
+ * (ROWS: ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers an entry: z, s, count. The
+ * file's geometry gives the bins' places. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
 /* Which of a pyramid's histograms. */
 typedef struct iso_joint_key {

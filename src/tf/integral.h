@@ -8,9 +8,8 @@
  *   opacity  1 - exp(-mean sigma length)
  *   colour   opacity * (mean of sigma c) / (mean of sigma)
  *
- * Engel, Kraus and Ertl, High-quality pre-integrated volume rendering using hardware-accelerated pixel shading, 2001,
- * sec. 3.3: the integral functions instead of a table over both ends. Absorption within a segment ignores the order of
- * its colours, which is an error of third order in the length of the segment. */
+ * [engel-2001] sec. 3.3: the integral functions instead of a table over both ends. Absorption within a segment ignores
+ * the order of its colours, which is an error of third order in the length of the segment. */
 #ifndef ISO_TF_INTEGRAL_H
 #define ISO_TF_INTEGRAL_H
 

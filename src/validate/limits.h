@@ -54,7 +54,7 @@ typedef struct iso_limit {
  * better or worse: what is left is asked to be at most half a power more. */
 #define ISO_LIMIT_ORDER 2.0
 /* A bar is the difference of fine image and limit, times a factor of safety: as in the grid convergence index of
- * Roache (Perspective: a method for uniform reporting of grid refinement studies, 1994), who takes 3 for two grids. Errors
+ * [roache-1994], who takes 3 for two grids. Errors
  * of the two steps that are independent of each other, r e and e, leave sqrt(r^2 + 16) / 3 e in the limit, at a
  * difference of sqrt(r^2 + 1) / 3 e: 1.4 times that for r = 4, and 1.6 for the least that is let pass of smooth TFs.
  * A TF that a step does not resolve is of first order, r = 2, and then 2 times that off. */
@@ -72,8 +72,8 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
                           const iso_limit_options *opt, iso_limit *out, iso_error *err);
 void iso_limit_destroy(iso_limit *limit);
 
-/* The limit of images that are there: `seeds` of the double step, then `seeds` of the step, at most 32. Fills *out but for
- * its step and seeds, which the caller has set. */
+/* The limit of images that are there: `seeds` of the double step, then `seeds` of the step, at most 32. Fills *out but
+ * for its step and seeds, which the caller has set. */
 iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
                                  iso_limit *out, iso_error *err);
 
@@ -82,8 +82,8 @@ iso_status iso_limit_extrapolate(const iso_image *images, size_t seeds, const is
 iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
                             iso_image *image, iso_error *err);
 
-/* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing is
- * left to shrink. */
+/* Halving leaves this part of the error, beyond rounding and noise (whose squares add up); about 1/4. 0 where nothing
+ * is left to shrink. */
 double iso_limit_left(const iso_limit *limit);
 
 #endif

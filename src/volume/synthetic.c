@@ -88,7 +88,7 @@ static double plate(iso_vec3 p, iso_vec3 *d)
     return v;
 }
 
-/* Marschner and Lobb 1994, Eq. 7, with alpha = .25 and fM = 6. */
+/* [marschner-1994] Eq. 7, with alpha = .25 and fM = 6. */
 static double marschner_lobb(iso_vec3 p, iso_vec3 *d)
 {
     const double pi = 3.14159265358979323846, alpha = 0.25, f = 6;

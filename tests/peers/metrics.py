@@ -5,7 +5,7 @@
     python3 tests/peers/metrics.py
     python3 tests/peers/metrics.py --flip REFERENCE.png TEST.png MAP.png
 
-SSIM: scikit-image's structural_similarity as Wang et al. (2004) have it (Gaussian window of sigma 1.5 and 11 x 11, sample
+SSIM: scikit-image's structural_similarity as [wang-2004] has it (Gaussian window of sigma 1.5 and 11 x 11, sample
 variances without correction, range 1), on the luma of the sRGB colours, windows inside the image; limit 1e-7, for pictures
 travel as 16 bits, which both read alike, and isoshade's pixels are floats. FLIP: MAP.png is what the program of its authors
 wrote for the pair (colours of matplotlib's magma, 8 bits): 99 % of the pixels have to lie within half a step of it, all within

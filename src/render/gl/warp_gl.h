@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* warp_gl.h - the ray caster on bricks with the transitions of mixed-resolution-2008
+/* warp_gl.h - the ray caster on bricks with the transitions of [beyer-2008]
  * (brick/warp.h): on their own, as written, corrected. For comparison with bricks_gl.h.
  *
  * Cache as the paper has it: slots of (n + 2)^3 texels, one fine brick with its

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// transition.glsl - bricks whose samples lie inside them, with the transitions of mixed-resolution-2008 (brick/warp.h).
+// transition.glsl - bricks whose samples lie inside them, with the transitions of [beyer-2008] (brick/warp.h).
 //
 // TRANSITION (brick/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 corrected,
 // two fetches. Positions p are bricks, as in raycast.glsl.
