@@ -82,20 +82,20 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 /* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
 static const char *judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp, char gate[64])
 {
-    iso_limit limit;
+    iso_extrapolated limit;
     iso_limit_options opt = iso_limit_defaults();
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 1.0 / 16;
-    opt.factor = sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
+    opt.factor = sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, which, &opt, &limit, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     gate[0] = 0;
     for (size_t i = 0; i < row.gate_count && !gate[0]; ++i)
         if (!(row.gates[i].value <= row.gates[i].limit))
-            snprintf(gate, 64, "%s", row.gates[i].name);
-    iso_limit_destroy(&limit);
+            snprintf(gate, 64, "%s", iso_gate_name(row.gates[i].gate));
+    iso_extrapolated_destroy(&limit);
     return iso_report_verdict(&row);
 }
 
@@ -191,7 +191,7 @@ static void planted_faults_move_the_limit_out_of_its_bars(void **state)
 /* The verdict at a coarse start, and where the halving ended. */
 static const char *judge_from_afar(const subject *s, const iso_image *truth, bool sharp, double hopeless, double *step)
 {
-    iso_limit limit;
+    iso_extrapolated limit;
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_limit_options opt = iso_validate_limit_options(&asked, &iso_renderer_gl, 2, 0);
     iso_report_agreement row = {.a = "a", .b = "b"};
@@ -201,7 +201,7 @@ static const char *judge_from_afar(const subject *s, const iso_image *truth, boo
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     *step = limit.step_voxels;
-    iso_limit_destroy(&limit);
+    iso_extrapolated_destroy(&limit);
     return iso_report_verdict(&row);
 }
 
@@ -238,7 +238,7 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     for (size_t i = 3; i < 4 * s.view.tf.count; i += 4)
         s.view.tf.entries[i] *= 60; /* the first sample inside decides */
     iso_image truth = reference(&s);
-    iso_limit limit;
+    iso_extrapolated limit;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = opt.finest_voxels = 0.5;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &limit, &err));
@@ -247,7 +247,7 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
     assert_string_equal(iso_report_verdict(&row), "differ");
     assert_more_than(limit.bar, opt.wanted_bar);
-    iso_limit_destroy(&limit);
+    iso_extrapolated_destroy(&limit);
     iso_image_destroy(&truth);
     close_subject(&s);
 }
@@ -257,7 +257,7 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     (void)state;
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
-    iso_limit coarse, fine;
+    iso_extrapolated coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &coarse, &err));
@@ -268,10 +268,10 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     assert_at_most(fine.step_voxels, 0.5);
     assert_at_most(fine.bar, opt.wanted_bar);
     opt.seeds = 1;
-    iso_limit none;
+    iso_extrapolated none;
     assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &none, &err), ISO_E_RANGE);
-    iso_limit_destroy(&coarse);
-    iso_limit_destroy(&fine);
+    iso_extrapolated_destroy(&coarse);
+    iso_extrapolated_destroy(&fine);
     iso_image_destroy(&truth);
     close_subject(&s);
 }
@@ -283,7 +283,7 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     (void)state;
     subject s = open_subject(ISO_FIELD_NOISE, true, true);
     iso_image truth = reference(&s);
-    iso_limit blind, seeing;
+    iso_extrapolated blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &blind, &err));
@@ -294,8 +294,8 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
     assert_at_most(seeing.flip_mean, opt.wanted_flip);
-    iso_limit_destroy(&blind);
-    iso_limit_destroy(&seeing);
+    iso_extrapolated_destroy(&blind);
+    iso_extrapolated_destroy(&seeing);
     iso_image_destroy(&truth);
     close_subject(&s);
 }
@@ -329,7 +329,7 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
     for (int i = 0; i < 2; ++i) {
-        iso_limit found;
+        iso_extrapolated found;
         iso_image again, other;
         iso_limit_options opt = iso_limit_defaults();
         opt.step_voxels = 1, opt.finest_voxels = 0.5, opt.wanted_bar = 0; /* halved once */
@@ -344,7 +344,7 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
         assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
         iso_image_destroy(&again);
         iso_image_destroy(&other);
-        iso_limit_destroy(&found);
+        iso_extrapolated_destroy(&found);
     }
     iso_image_destroy(&truth);
     close_subject(&s);

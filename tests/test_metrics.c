@@ -653,13 +653,13 @@ static void flip_equals_the_published_program(void **state)
     iso_image_destroy(&black);
 }
 
-/* Faults that a renderer may have; limits as the reference scenes use them must reject each. */
+/* Faults that a renderer may have; tolerances as the reference scenes use them must reject each. */
 static void planted_faults_are_rejected(void **state)
 {
     (void)state;
     enum { n = 48 };
     iso_image a = textured(n, n, 11);
-    const iso_tolerances limits = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
+    const iso_tolerances tolerances = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
     for (int fault = 0; fault < 6; ++fault) {
         iso_image b = copy(&a);
         for (size_t y = 0; y < n; ++y)
@@ -678,11 +678,11 @@ static void planted_faults_are_rejected(void **state)
                     }
             }
         iso_metrics m = measure(&a, &b);
-        assert_false(iso_metrics_within(&m, &(iso_tolerances){.rmse = limits.rmse}));
-        assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = limits.max_abs}));
-        assert_false(iso_metrics_within(&m, &(iso_tolerances){.flip_mean = limits.flip_mean}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.rmse = tolerances.rmse}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = tolerances.max_abs}));
+        assert_false(iso_metrics_within(&m, &(iso_tolerances){.flip_mean = tolerances.flip_mean}));
         if (fault != 3) /* SSIM hardly sees a change of brightness: why it is never the only gate */
-            assert_false(iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = limits.ssim_dissimilarity}));
+            assert_false(iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = tolerances.ssim_dissimilarity}));
         iso_image_destroy(&b);
     }
     iso_image_destroy(&a);

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/process.h"
-#include "compare/statistics.h"
+#include "compare/extrapolation.h"
 #include "povray/df3.h"
 #include "povray/povray.h"
 #include "render/reference.h"
@@ -361,12 +361,12 @@ static void halving_the_intervals_quarters_the_error_and_the_limit_lies_within_i
     assert_within(order, 2, 0.5);
     /* Independent errors e and 4 e of the two finest would leave 1.9 e in the limit, at a bar of 1.4 e. */
     largest_difference(&limit, &reference, &limit_error);
-    assert_true(iso_limits_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
+    assert_true(iso_extrapolated_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
     iso_image_destroy(&reference);
     plant_half_voxel_shift(&c);
     render_reference(&c.pyramid, 1, &c.view, c.quadrature, 1, 0, &reference);
     largest_difference(&limit, &reference, &limit_error);
-    assert_false(iso_limits_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
+    assert_false(iso_extrapolated_agree(limit_error, bar.error_bar, 0, 2, 1e-5));
     iso_image_destroy(&reference);
     for (size_t i = 0; i < 3; ++i)
         iso_image_destroy(&images[i]);

@@ -84,7 +84,7 @@ static void add_agreement(iso_report *r)
             iso_report_agreement row = compare(&reference, &image);
             row.level = level, row.scene = "smooth <head> & \"neck\"", row.a = "reference", row.b = renderers[k];
             row.image_a = "reference-0", row.image_b = name, row.tier = "tight";
-            row.error_bar = biases[k] / 2, row.limits = (iso_tolerances){.rmse = 1e-4, .max_abs = 1e-3};
+            row.error_bar = biases[k] / 2, row.tolerances = (iso_tolerances){.rmse = 1e-4, .max_abs = 1e-3};
             row.why = "same sampling in single precision: rounding of 1e-7 a sample over 300 samples.";
             row.command = "isoshade compare a.exr b.exr --max-rmse 1e-4 --max-abs 1e-3";
             row.informative = k == 3 && level == 0;
@@ -93,7 +93,7 @@ static void add_agreement(iso_report *r)
         }
     iso_report_agreement refused = {.level = 1, .scene = "thin shells", .a = "reference", .b = "cycles, h/16", .error_bar = NAN,
                                     .refused = "Cycles failed its slab calibration: 0.02, limit 0.001",
-                                    .limits = {.rmse = 1e-3}};
+                                    .tolerances = {.rmse = 1e-3}};
     assert_ok(iso_report_add_agreement(r, &refused, &err));
     iso_image_destroy(&reference);
 }
@@ -246,7 +246,7 @@ static void the_sentence_tells_each_outcome(void **state)
     const iso_report_about about = {.title = "nothing"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_false(iso_report_summarise(r).good); /* nothing compared is not agreement */
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_true(iso_report_summarise(r).good);
     assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL}, &err));
@@ -271,7 +271,7 @@ static void a_refusal_is_told_as_what_it_is(void **state)
     char *dir = inside("refusal");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_ok(iso_report_add_agreement(r, &row, &err));
     row.refused = "missing: povray";
@@ -326,7 +326,7 @@ static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     row.refused = "no such program";
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    row = (iso_report_agreement){.scene = "bright", .a = "a", .b = "b", .error_bar = NAN, .limits = {.rmse = 1}};
+    row = (iso_report_agreement){.scene = "bright", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
@@ -347,10 +347,10 @@ static void gates_decide_too(void **state)
     iso_report *r;
     const iso_report_about about = {.title = "t"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = 1e-4, .limits = {.rmse = 1}, .gate_count = 2,
-                                .gates = {{"error bar", 1e-4, 4e-4}, {"pixels beyond chance", 0, 0}}};
+    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = 1e-4, .tolerances = {.rmse = 1}, .gate_count = 2,
+                                .gates = {{ISO_GATE_ERROR_BAR, 1e-4, 4e-4}, {ISO_GATE_PIXELS, 0, 0}}};
     assert_string_equal(iso_report_verdict(&row), "agree");
-    row.limits = (iso_tolerances){0}; /* gates alone are enough */
+    row.tolerances = (iso_tolerances){0}; /* gates alone are enough */
     assert_string_equal(iso_report_verdict(&row), "agree");
     row.metrics.nonfinite_count = 1;
     assert_string_equal(iso_report_verdict(&row), "differ");
@@ -358,7 +358,7 @@ static void gates_decide_too(void **state)
     row.gates[0].value = NAN;
     assert_string_equal(iso_report_verdict(&row), "differ");
     row.gates[0].value = 1e-4;
-    row.limits.rmse = 1;
+    row.tolerances.rmse = 1;
     row.metrics.rmse = 2; /* nor do gates make up for a metric */
     assert_string_equal(iso_report_verdict(&row), "differ");
     row.metrics.rmse = 0.5;
@@ -369,6 +369,9 @@ static void gates_decide_too(void **state)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     const json_t *kept = json_array_get(json_object_get(iso_report_json(r), "agreement"), 0);
     assert_int_equal(json_array_size(json_object_get(kept, "gates")), 2);
+    const json_t *last = json_array_get(json_object_get(kept, "gates"), 1);
+    assert_string_equal(json_string_value(json_object_get(last, "gate")), "pixels"); /* for programs; the name is for people */
+    assert_string_equal(json_string_value(json_object_get(last, "name")), "pixels beyond chance");
     assert_within(json_number_value(json_object_get(json_object_get(kept, "statistics"), "order")), 1.5, 0);
     assert_true(json_is_null(json_object_get(kept, "severity"))); /* infinite: a gate at 0 was passed by */
     assert_ok(iso_report_write_junit(r, path, &err));

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/statistics.h"
+#include "compare/extrapolation.h"
 #include "tests/test.h"
 
 enum { width = 24, height = 17 };
@@ -419,10 +419,10 @@ static void limits_with_a_planted_fault_do_not_agree(void **state)
     }
     clean = sqrt(clean / (4 * width * height));
     shifted = sqrt(shifted / (4 * width * height));
-    assert_true(iso_limits_agree(clean, e1.error_bar, e2.error_bar, 1, 0));
-    assert_false(iso_limits_agree(shifted, e1.error_bar, e2.error_bar, 1, 0)); /* half a pixel */
-    assert_false(iso_limits_agree(NAN, e1.error_bar, e2.error_bar, 1, 0));
-    assert_false(iso_limits_agree(1, NAN, 1, 1, 0));
+    assert_true(iso_extrapolated_agree(clean, e1.error_bar, e2.error_bar, 1, 0));
+    assert_false(iso_extrapolated_agree(shifted, e1.error_bar, e2.error_bar, 1, 0)); /* half a pixel */
+    assert_false(iso_extrapolated_agree(NAN, e1.error_bar, e2.error_bar, 1, 0));
+    assert_false(iso_extrapolated_agree(1, NAN, 1, 1, 0));
     iso_image *const all[] = {&c1, &f1, &c2, &f2, &l1, &l2};
     for (int i = 0; i < 6; ++i)
         iso_image_destroy(all[i]);

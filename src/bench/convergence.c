@@ -20,7 +20,7 @@
 #include "scene/subject.h"
 #include "report/gnuplot.h"
 #include "compare/metrics.h"
-#include "compare/statistics.h"
+#include "compare/extrapolation.h"
 
 ISO_EMBED(iso_convergence_gp, "src/bench/convergence.gp");
 
@@ -83,7 +83,7 @@ static iso_status descend(const iso_render_request *q, const convergence_options
         status = iso_metrics_measure(&limit, reference, &m, err);
     d->limit_rmse = m.rmse;
     d->error_bar = extrapolation.error_bar;
-    d->agrees = status == ISO_OK && iso_limits_agree(m.rmse, d->error_bar, 0, bars_allowed, rounding);
+    d->agrees = status == ISO_OK && iso_extrapolated_agree(m.rmse, d->error_bar, 0, bars_allowed, rounding);
     iso_image_destroy(&image);
     iso_image_destroy(&coarser);
     iso_image_destroy(&limit);

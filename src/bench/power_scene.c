@@ -241,7 +241,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     iso_image image = {0};
     power_scene s;
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.error_bar = NAN, .limits = c->lock_step[index]};
+    iso_report_agreement row = {.error_bar = NAN, .tolerances = c->lock_step[index]};
     opt.intervals = renderer->lock_step->intervals;
     opt.threads = c->threads;
     iso_status status = make_faulty(c, planted, &s, err);
@@ -261,7 +261,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
                             bool *rejected, iso_error *err)
 {
     power_scene s;
-    iso_limit limit = {0};
+    iso_extrapolated limit = {0};
     iso_report_agreement row = {0};
     iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->seeds, c->threads);
     opt.first_seed = c->first_seed;
@@ -276,7 +276,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     if (status == ISO_OK)
         iso_validate_limit_row(&c->asked, &limit, &row);
     *rejected = status == ISO_OK && is_rejected(&row);
-    iso_limit_destroy(&limit);
+    iso_extrapolated_destroy(&limit);
     clear_scene(&s);
     return status;
 }
@@ -350,14 +350,14 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     iso_status status = iso_image_create(&others, c->pixels, c->pixels, err);
     for (size_t i = 0; i < groups * n && status == ISO_OK; ++i) {
         const iso_image *coarse = images + 2 * n * (i / n) + i % n;
-        status = iso_richardson(coarse, coarse + n, 2, ISO_LIMIT_ORDER, &limits[i], &unused, err);
+        status = iso_richardson(coarse, coarse + n, 2, ISO_EXTRAPOLATION_ORDER, &limits[i], &unused, err);
     }
     for (size_t g = 0; g < groups && status == ISO_OK; ++g) {
-        iso_limit limit = {.seeds = n};
-        status = iso_limit_extrapolate(images + 2 * n * g, n, &c->converged, factor, &limit, err);
+        iso_extrapolated limit = {.seeds = n};
+        status = iso_extrapolate(images + 2 * n * g, n, &c->converged, factor, &limit, err);
         out->groups += 1;
         out->flagged += limit.noise.rejected > 0 || limit.noise.biased;
-        iso_limit_destroy(&limit);
+        iso_extrapolated_destroy(&limit);
         mean_of_others(limits, groups * n, g * n, n, &others);
         if (status == ISO_OK)
             status = test_group(limits + g * n, n, &others, out, err);

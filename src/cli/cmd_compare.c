@@ -10,7 +10,7 @@
 #include "compare/metrics.h"
 
 typedef struct compare_options {
-    iso_tolerances limits;
+    iso_tolerances tolerances;
     char *difference, *flip_map;
     double scale;
     int hdr;
@@ -26,7 +26,7 @@ static iso_status load(const char *path, iso_image *image, iso_error *err)
 }
 
 /* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
-static iso_status check_limits(iso_tolerances *l, iso_error *err)
+static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
 {
     const struct { const char *name; double *value; } all[] = {
         {"--max-rmse", &l->rmse},
@@ -45,7 +45,7 @@ static iso_status check_limits(iso_tolerances *l, iso_error *err)
     return ISO_OK;
 }
 
-static json_t *describe_limits(const iso_tolerances *l)
+static json_t *describe_tolerances(const iso_tolerances *l)
 {
     json_t *o = json_object();
     const struct { const char *name; double value; } all[] = {
@@ -126,10 +126,10 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     }
     if (status != ISO_OK)
         return status;
-    bool agree = iso_metrics_within(&m, &opt->limits);
+    bool agree = iso_metrics_within(&m, &opt->tolerances);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_limits(&opt->limits)));
+        json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_tolerances(&opt->tolerances)));
         json_object_set_new(root, "a", json_string(cli->arguments[0]));
         json_object_set_new(root, "b", json_string(cli->arguments[1]));
         json_object_update_new(root, iso_metrics_to_json(&m));
@@ -148,13 +148,13 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    compare_options opt = {.limits = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+    compare_options opt = {.tolerances = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}};
     struct poptOption options[] = {
-        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.limits.rmse, 0, "largest root mean square difference", "X"},
-        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.limits.max_abs, 0, "largest difference of any channel", "X"},
-        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.limits.p99_abs, 0, "largest difference of 99 % of the pixels", "X"},
-        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.limits.ssim_dissimilarity, 0, "largest 1 - SSIM", "X"},
-        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.limits.flip_mean, 0, "largest mean FLIP", "X"},
+        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.tolerances.rmse, 0, "largest root mean square difference", "X"},
+        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.tolerances.max_abs, 0, "largest difference of any channel", "X"},
+        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.tolerances.p99_abs, 0, "largest difference of 99 % of the pixels", "X"},
+        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.tolerances.ssim_dissimilarity, 0, "largest 1 - SSIM", "X"},
+        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.tolerances.flip_mean, 0, "largest mean FLIP", "X"},
         {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
         {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
         {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
@@ -166,7 +166,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_image images[3] = {{0}};
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_limits(&opt.limits, err);
+        status = check_tolerances(&opt.tolerances, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--scale", opt.scale, 0, 1e30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)

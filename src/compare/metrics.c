@@ -102,12 +102,12 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
     return status;
 }
 
-bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *limits)
+bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances)
 {
     const double pairs[][2] = {
-        {m->rmse, limits->rmse},           {m->max_abs, limits->max_abs},
-        {m->p99_abs, limits->p99_abs},     {1 - m->ssim, limits->ssim_dissimilarity},
-        {m->flip_mean, limits->flip_mean},
+        {m->rmse, tolerances->rmse},           {m->max_abs, tolerances->max_abs},
+        {m->p99_abs, tolerances->p99_abs},     {1 - m->ssim, tolerances->ssim_dissimilarity},
+        {m->flip_mean, tolerances->flip_mean},
     };
     if (m->nonfinite_count > 0 || !isfinite(m->max_abs))
         return false;

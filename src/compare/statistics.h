@@ -1,21 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* statistics.h - whether a difference is an error or only what was to be expected.
+/* statistics.h - whether the images of a random renderer differ from a reference by more than chance.
  *
- * Two kinds of expectation:
- *   noise           a renderer with a seed is run n times; its mean is tested
- *                   pixel by pixel against a reference, and all tests together
- *                   keep one significance [sidak-1967]; so is the mean over the image;
- *   discretisation  a renderer with a step h errs by c h^p: from two steps follow
- *                   the limit (Richardson) and how far the finer one is from it.
+ * The renderer is run with n seeds. The mean image is tested against the reference pixel by
+ * pixel, and all tests together keep one significance [sidak-1967]; so is the mean over the image.
+ * Errors of a finite step are the matter of extrapolation.h.
  * All four channels are tested: where volume and background are alike, alpha alone tells. Results do not depend on
  * threads.
  *
  * What n images can see: Student's t has n - 1 degrees of freedom, whose tails are long where n is small. In a picture
  * of 32 x 32 pixels (4096 tests at 1e-3 together) a single one is beyond chance when it is off by 2023 standard errors
- * for n = 3, by 208 for 4, 19.4 for 8, 8.85 for 16. A bias (4 tests) needs 63.2, 20.6, 6.81 and 4.77 of its own, which
- * are so much smaller as the picture has pixels: few images are enough for it. Noise is taken to be normal. Of bounded
- * noise (a step of random phase) n values happen to be alike more often, and far out the rate of false alarms is 2.7
- * times as high for n = 3, 4.9 for 4; a tolerance of what the step explains covers that. */
+ * for n = 3, by 208 for 4, 19.4 for 8, 8.85 for 16. A bias (4 tests) needs 63.2, 20.6, 6.81 and 4.77 of its own
+ * standard errors, which are smaller by the root of the number of pixels, so few images are enough for it. The test
+ * assumes normal noise. With bounded noise (a step of random phase) n values are alike more often, and false alarms are
+ * 2.7 times as frequent for n = 3 and 4.9 times for n = 4; the tolerance for the error of the step covers that. */
 #ifndef ISO_STATISTICS_H
 #define ISO_STATISTICS_H
 
@@ -64,26 +61,5 @@ iso_status iso_samples_test(const iso_samples *s, double significance, double to
 
 /* P(|T| >= t) of Student's distribution. */
 double iso_student_two_sided(double t, double degrees_of_freedom);
-
-/* ---- discretisation --------------------------------------------------------- */
-
-typedef struct iso_extrapolation {
-    double error_bar;     /* RMSE of the finer image against the limit */
-    double error_bar_max; /* the largest of it */
-} iso_extrapolation;
-
-/* limit = fine + (fine - coarse) / (ratio^order - 1), created; ratio: coarse step over fine step, above 1.
- * ISO_E_RANGE: sizes, ratio or order. Non-finite pixels make the bar infinite. */
-iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
-                          iso_extrapolation *out, iso_error *err);
-
-/* The order that three images at steps h, h / ratio, h / ratio^2 show: log |a - b| / |b - c| to that base,
- * in RMSE. NaN when the finer two are equal. */
-iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
-                              iso_error *err);
-
-/* Two limits agree when their RMSE is at most `factor` times the root of the summed squares of their bars,
- * plus floor (what rounding adds). NaN never agrees. */
-bool iso_limits_agree(double rmse, double bar_a, double bar_b, double factor, double floor);
 
 #endif

@@ -157,9 +157,9 @@ static double severity(const iso_report_agreement *row)
     if (row->refused || m->nonfinite_count > 0 || !isfinite(m->max_abs))
         return INFINITY;
     const double pairs[][2] = {
-        {m->rmse, row->limits.rmse},           {m->max_abs, row->limits.max_abs},
-        {m->p99_abs, row->limits.p99_abs},     {1 - m->ssim, row->limits.ssim_dissimilarity},
-        {m->flip_mean, row->limits.flip_mean},
+        {m->rmse, row->tolerances.rmse},           {m->max_abs, row->tolerances.max_abs},
+        {m->p99_abs, row->tolerances.p99_abs},     {1 - m->ssim, row->tolerances.ssim_dissimilarity},
+        {m->flip_mean, row->tolerances.flip_mean},
     };
     double worst = 0;
     bool asked = false;
@@ -188,7 +188,7 @@ static bool gates_hold(const iso_report_agreement *row)
     return true;
 }
 
-static bool has_limits(const iso_tolerances *l)
+static bool has_tolerances(const iso_tolerances *l)
 {
     return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
 }
@@ -199,21 +199,32 @@ const char *iso_report_verdict(const iso_report_agreement *row)
         return "refused";
     if (row->informative && row->metrics.nonfinite_count == 0)
         return "reported";
-    bool metrics = row->gate_count > 0 && !has_limits(&row->limits) ? row->metrics.nonfinite_count == 0
-                                                                    : iso_metrics_within(&row->metrics, &row->limits);
+    bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances) ? row->metrics.nonfinite_count == 0
+                                                                    : iso_metrics_within(&row->metrics, &row->tolerances);
     return metrics && gates_hold(row) ? "agree" : "differ";
 }
+
+static const struct {
+    const char *key, *name;
+} gates[ISO_GATE_COUNT] = {
+#define ISO_GATE_ROW(name, key, text) [name] = {key, text},
+    ISO_GATE_LIST(ISO_GATE_ROW)
+#undef ISO_GATE_ROW
+};
+
+const char *iso_gate_name(iso_gate gate) { return gates[gate].name; }
 
 static json_t *gates_json(const iso_report_agreement *row)
 {
     json_t *list = json_array();
     for (size_t i = 0; !row->refused && i < row->gate_count; ++i)
-        json_array_append_new(list, json_pack("{s:s, s:o, s:f}", "name", row->gates[i].name, "value",
-                                              iso_json_number(row->gates[i].value), "limit", row->gates[i].limit));
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:f}", "gate", gates[row->gates[i].gate].key, "name",
+                                              iso_gate_name(row->gates[i].gate), "value", iso_json_number(row->gates[i].value),
+                                              "limit", row->gates[i].limit));
     return list;
 }
 
-static json_t *limits_json(const iso_tolerances *l)
+static json_t *tolerances_json(const iso_tolerances *l)
 {
     const struct { const char *key; double value; } all[] = {
         {"rmse", l->rmse},
@@ -278,7 +289,7 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_object_set_new(o, "error_bar", iso_json_number(row->error_bar));
     json_object_set_new(o, "verdict", json_string(iso_report_verdict(row)));
     json_object_set_new(o, "severity", iso_json_number(worst));
-    json_object_set_new(o, "limits", limits_json(&row->limits));
+    json_object_set_new(o, "limits", tolerances_json(&row->tolerances));
     json_object_set_new(o, "gates", gates_json(row));
     if (row->statistics)
         json_object_set(o, "statistics", row->statistics);

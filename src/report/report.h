@@ -48,9 +48,24 @@ iso_status iso_report_add_image(iso_report *report, const char *name, const iso_
 /* How wide a pixel of the image is, for scale bars; at the centre of the box when the camera has a perspective. */
 void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);
 
-/* What is asked of two images besides their metrics: value at most limit. NaN fails. */
+/* What is asked of two images besides their metrics: enum, key in report.json, name. */
+#define ISO_GATE_LIST(X)                                                                   \
+    X(ISO_GATE_ERROR_BAR, "error_bar", "error bar")                                        \
+    X(ISO_GATE_HALVING, "halving", "left of the error by halving the step")                \
+    X(ISO_GATE_PIXELS, "pixels", "pixels beyond chance")                                   \
+    X(ISO_GATE_BIAS, "bias", "bias beyond chance")
+
+typedef enum iso_gate {
+#define ISO_GATE_ENUM(name, key, text) name,
+    ISO_GATE_LIST(ISO_GATE_ENUM)
+#undef ISO_GATE_ENUM
+    ISO_GATE_COUNT
+} iso_gate;
+const char *iso_gate_name(iso_gate gate);
+
+/* The value has to be at most the limit. NaN fails. */
 typedef struct iso_report_gate {
-    const char *name; /* "error bar", "pixels beyond chance" ... */
+    iso_gate gate;
     double value, limit;
 } iso_report_gate;
 enum { ISO_REPORT_MAX_GATES = 6 };
@@ -63,11 +78,11 @@ typedef struct iso_report_agreement {
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
     iso_metrics metrics;
     double error_bar;              /* RMSE that the discretisation alone explains; NaN: not measured */
-    iso_tolerances limits;
+    iso_tolerances tolerances;
     size_t gate_count;
     iso_report_gate gates[ISO_REPORT_MAX_GATES];
     json_t *statistics;            /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */
-    const char *why;               /* why these limits */
+    const char *why;               /* why these tolerances */
     double seconds;                /* that rendering and comparing took; 0: not measured */
     const char *command;           /* the line that repeats this case, or NULL */
     const char *refused;           /* the calibration that failed, with its value; NULL: compared */

@@ -166,7 +166,7 @@ function asked(row) {
     if (row.verdict === 'refused') return [];
     const all = Object.entries(row.limits).map(([key, limit]) => ({name: names[key], value: valueOf(row, key), limit}));
     for (const gate of row.gates || []) all.push(gate);
-    return all.map(({name, value, limit}) => ({name, value, limit, held: value !== null && value <= limit,
+    return all.map(({gate, name, value, limit}) => ({gate, name, value, limit, held: value !== null && value <= limit,
         ratio: value === null ? Infinity : limit > 0 ? value / limit : value <= 0 ? 0 : Infinity})).sort((x, y) => y.ratio - x.ratio);
 }
 function explain(row) {
@@ -218,17 +218,17 @@ const order = {rows: data.agreement.map((row, at) => at), column: -1, down: true
 let agreement = null;
 
 // What comes nearest to its limit, in a word; gates have longer names.
-const words = {'error bar': 'bar', 'left of the error by halving the step': 'halving', 'pixels beyond chance': 'pixels', 'bias beyond chance': 'bias'};
+const words = {error_bar: 'bar', halving: 'halving', pixels: 'pixels', bias: 'bias'};
 function agreementRow(row, at) {
     const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
     const worst = asked(row)[0];
     const limit = el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null},
-        row.verdict === 'reported' ? '–' : [worst ? el('small', {}, `${words[worst.name] || worst.name} `) : '', ratio(row, 2)]);
+        row.verdict === 'reported' ? '–' : [worst ? el('small', {}, `${words[worst.gate] || worst.name} `) : '', ratio(row, 2)]);
     const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
     return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
         cell(row.verdict, false, row.verdict), limit, cell(String(row.level), true),
         cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, ` ${row.a}`)),
-        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.name === 'error bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.gate === 'error_bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
         withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
 function arrange() {

@@ -33,7 +33,7 @@ iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const i
 }
 
 /* Of the same samples with exact lookups, whatever the transfer function. */
-static iso_tolerances exact_lock_step_limits(const iso_renderer_info *renderer)
+static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *renderer)
 {
     const iso_sample_error *e = &renderer->lock_step->exact;
     return (iso_tolerances){.rmse = e->rmse, .max_abs = e->max_abs};
@@ -98,7 +98,7 @@ typedef struct compared {
     const char *options; /* of the command that makes it again */
 } compared;
 
-/* A row, its image b and what they have in common; *row has names, limits and gates. */
+/* A row, its image b and what they have in common; *row has names, tolerances and gates. */
 static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a,
                           const compared *with, iso_error *err)
 {
@@ -121,7 +121,7 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
         row->informative = true;
         row->why = "the transfer function shows nothing of this level";
     }
-    char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->limits);
+    char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->tolerances);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
     if (status == ISO_OK)
@@ -172,7 +172,7 @@ static iso_status check_reference(iso_validation *v, size_t level, const truth *
 {
     iso_image image = {0};
     iso_report_agreement row = {.b = "reference", .tier = iso_tier_name(ISO_TIER_CLOSED_FORM), .error_bar = NAN,
-                                .limits = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
+                                .tolerances = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
     iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, formula, &(compared){"reference", &image, iso_renderers_truth(), ""}, err);
@@ -205,13 +205,13 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 /* ---- lock-step: the same samples ---- */
 
 /* Where the TF is steep, a renderer that has exact lookups is compared once more without what they round otherwise: what is
- * left then is held to narrower limits than smooth TFs are. */
+ * left then is held to narrower tolerances than smooth TFs are. */
 static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt, iso_error *err)
 {
     const iso_renderer_info *renderer = opt.renderer;
     iso_image image = {0};
     char what[64], b[64];
-    iso_report_agreement row = {.b = b, .tier = "lock-step", .error_bar = NAN, .limits = exact_lock_step_limits(renderer),
+    iso_report_agreement row = {.b = b, .tier = "lock-step", .error_bar = NAN, .tolerances = exact_lock_step_tolerances(renderer),
                                 .why = renderer->lock_step->exact_why};
     snprintf(what, sizeof what, "%s-lockstep-exact", renderer->name);
     snprintf(b, sizeof b, "%s, exact lookups", renderer->name);
@@ -233,7 +233,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.b = renderer->name, .tier = "lock-step", .error_bar = NAN, .why = lock->why,
-                                .limits = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
+                                .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
     if (is_refused(v, renderer, why))
         return add_refusal(v, level, same.name, renderer, row.tier, why, err);
     snprintf(what, sizeof what, "%s-lockstep", renderer->name);
@@ -260,9 +260,9 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     return status;
 }
 
-/* ---- limits ---- */
+/* ---- extrapolated limits ---- */
 
-static json_t *limit_to_json(const iso_limit *l)
+static json_t *limit_to_json(const iso_extrapolated *l)
 {
     json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
                           iso_json_number(l->coarse_rmse), "rmse_at_the_step", iso_json_number(l->fine_rmse), "order", iso_json_number(l->order),
@@ -279,26 +279,26 @@ static json_t *limit_to_json(const iso_limit *l)
     return o;
 }
 
-static void add_gate(iso_report_agreement *row, const char *name, double value, double limit)
+static void add_gate(iso_report_agreement *row, iso_gate gate, double value, double limit)
 {
-    row->gates[row->gate_count++] = (iso_report_gate){name, value, limit};
+    row->gates[row->gate_count++] = (iso_report_gate){gate, value, limit};
 }
 
-void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *l, iso_report_agreement *row)
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *l, iso_report_agreement *row)
 {
     row->error_bar = l->bar;
-    row->limits = (iso_tolerances){.rmse = l->allowed};
-    add_gate(row, "error bar", l->bar, iso_validate_error_bar(asked));
-    add_gate(row, "left of the error by halving the step", iso_limit_left(l), asked->sharp ? sharp_left : smooth_left);
+    row->tolerances = (iso_tolerances){.rmse = l->allowed};
+    add_gate(row, ISO_GATE_ERROR_BAR, l->bar, iso_validate_error_bar(asked));
+    add_gate(row, ISO_GATE_HALVING, iso_extrapolated_error_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {
         /* A ray along an edge of an opaque box changes its pixel by 3.6e-4 when it is put 1e-5 mm aside, which is one bit of
          * single precision at the eye's distance: few values may. The RMSE is held to its bar all the same. */
-        add_gate(row, "pixels beyond chance", (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
-        add_gate(row, "bias beyond chance", l->noise.biased, 0);
+        add_gate(row, ISO_GATE_PIXELS, (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
+        add_gate(row, ISO_GATE_BIAS, l->noise.biased, 0);
     }
     if (asked->tier == ISO_TIER_LIT) {
-        row->limits.flip_mean = lit_flip;
-        row->limits.ssim_dissimilarity = lit_ssim_dissimilarity;
+        row->tolerances.flip_mean = lit_flip;
+        row->tolerances.ssim_dissimilarity = lit_ssim_dissimilarity;
     }
 }
 
@@ -308,7 +308,7 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, c
     o.seeds = seeds;
     o.threads = threads;
     o.wanted_left = asked->sharp ? sharp_left : smooth_left;
-    o.factor = asked->sharp ? ISO_LIMIT_FACTOR_SHARP : ISO_LIMIT_FACTOR_SMOOTH;
+    o.factor = asked->sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
     o.wanted_bar = iso_validate_error_bar(asked);
     if (asked->tier == ISO_TIER_LIT) { /* SSIM sees a shell's last bends before RMSE does */
         o.wanted_flip = lit_flip;
@@ -326,7 +326,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
     char what[64], options[64], b[64], why[512];
-    iso_limit limit = {0};
+    iso_extrapolated limit = {0};
     iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
                                 .why = asked->why};
     snprintf(b, sizeof b, "%s, limit", renderer->name);
@@ -348,7 +348,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
         status = add_row(v, level, &row, a, &(compared){what, &limit.image, renderer, options}, err);
     }
     json_decref(row.statistics);
-    iso_limit_destroy(&limit);
+    iso_extrapolated_destroy(&limit);
     return status;
 }
 
@@ -375,7 +375,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
         const iso_renderer_info *renderer = iso_renderer_at(i);
         iso_report_agreement row = {.b = renderer->name, .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
-                                    .error_bar = NAN, .limits = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
+                                    .error_bar = NAN, .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
         if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
         if (v->refused[i].status != ISO_OK) {

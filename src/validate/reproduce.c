@@ -8,7 +8,7 @@
 #include "base/words.h"
 #include "validate/validate.h"
 
-static void put_limits(FILE *f, const iso_tolerances *l)
+static void put_tolerances(FILE *f, const iso_tolerances *l)
 {
     const struct { const char *option; double value; } all[] = {
         {"--max-rmse", l->rmse},
@@ -42,7 +42,7 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
 }
 
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
-                             const char *image_a, const iso_tolerances *limits)
+                             const char *image_a, const iso_tolerances *tolerances)
 {
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
     if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))
@@ -58,7 +58,7 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
         fputs(" && isoshade compare ", f);
         iso_words_put_quoted(f, path ? path : "");
         fprintf(f, " %s", image);
-        put_limits(f, limits);
+        put_tolerances(f, tolerances);
         fclose(f);
     }
     free(path);

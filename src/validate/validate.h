@@ -3,7 +3,7 @@
  *
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)
  *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
- *                  samples and by the limits of halved steps (limits.h), as the scene's tier has it
+ *                  samples and by extrapolated limits (limits.h), as the scene's tier has it
  *   adaptation     the TF of each level, or why the original is kept
  *   methods        agreement again, for each way to make directions, and for adapted TFs
  *   consistency    each level, each way to make directions, and either TF, against level 0
@@ -56,7 +56,7 @@ typedef struct iso_validation {
     const iso_progress *progress; /* of the part that runs */
 } iso_validation;
 
-/* Versions and calibration of the wanted renderers; fills refused. A missing
+/* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
  * program is a reason to refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
@@ -97,20 +97,22 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 /* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
  * does. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
-                             const char *image_a, const iso_tolerances *limits);
+                             const char *image_a, const iso_tolerances *tolerances);
 
-/* The gates, for all who use them: nobody has a copy of his own.
- * What a renderer's lock-step is held to: the same samples in float instead of double, or in the integers of its images,
- * which are coarser the brighter the view can be; a TF that is steep (sharp) multiplies the difference. */
+/* Tolerances and gates of validation, which benchmarks and tests use too.
+ *
+ * The tolerances in lock-step, where a renderer takes the samples that the reference takes: differences come from float
+ * instead of double arithmetic, or from the integers of its images, which are coarser the brighter the view can be; a
+ * steep (sharp) TF multiplies them. */
 iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp);
-/* How the limit of a renderer is sought: first step, what ends the halving. */
+/* The options for iso_limit_find(): the first step, and what ends the halving. */
 iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer, size_t seeds, int threads);
 /* The error bar that the scene asks of a limit, RMSE. */
 double iso_validate_error_bar(const iso_scene_agreement *asked);
 
 /* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
- * falls at its order, that no pixel and no bias is beyond chance. Fills limits, gates and error_bar of *row. */
-void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_limit *limit, iso_report_agreement *row);
+ * falls at its order, that no pixel and no bias is beyond chance. Fills tolerances, gates and error_bar of *row. */
+void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *limit, iso_report_agreement *row);
 
 /* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
 void iso_validate_forecast(const iso_validation *v);

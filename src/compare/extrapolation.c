@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+#include "compare/extrapolation.h"
+
+#include <math.h>
+
+#include "compare/metrics.h"
+
+/* ---- Richardson extrapolation ------------------------------------------------- */
+
+static iso_status check_pair(const iso_image *a, const iso_image *b, double ratio, iso_error *err)
+{
+    if (a->width * a->height == 0 || a->width != b->width || a->height != b->height)
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: images of %zux%zu and %zux%zu pixels", a->width, a->height,
+                        b->width, b->height);
+    if (!(ratio > 1 && ratio <= 1e6))
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: the steps' ratio is %g, must be above 1", ratio);
+    return ISO_OK;
+}
+
+iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
+                          iso_extrapolation *out, iso_error *err)
+{
+    iso_status status = check_pair(coarse, fine, ratio, err);
+    if (status == ISO_OK && !(order > 0 && order <= 16))
+        status = iso_fail(err, ISO_E_RANGE, "extrapolation: order is %g, must be above 0 and at most 16", order);
+    if (status == ISO_OK)
+        status = iso_image_create(limit, fine->width, fine->height, err);
+    if (status != ISO_OK)
+        return status;
+    double scale = 1 / (pow(ratio, order) - 1), squares = 0;
+    size_t count = 4 * fine->width * fine->height;
+    *out = (iso_extrapolation){0};
+    for (size_t i = 0; i < count; ++i) {
+        double step = scale * ((double)fine->rgba[i] - (double)coarse->rgba[i]);
+        limit->rgba[i] = (float)(fine->rgba[i] + step);
+        squares += isfinite(step) ? step * step : INFINITY;
+        out->error_bar_max = isfinite(step) ? fmax(out->error_bar_max, fabs(step)) : INFINITY;
+    }
+    out->error_bar = sqrt(squares / (double)count);
+    return ISO_OK;
+}
+
+static double rms_difference(const iso_image *a, const iso_image *b)
+{
+    double squares = 0;
+    size_t count = 4 * a->width * a->height;
+    for (size_t i = 0; i < count; ++i) {
+        double d = (double)a->rgba[i] - (double)b->rgba[i];
+        squares += d * d;
+    }
+    return sqrt(squares / (double)count);
+}
+
+iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
+                              iso_error *err)
+{
+    iso_status status = check_pair(a, b, ratio, err);
+    if (status == ISO_OK)
+        status = check_pair(b, c, ratio, err);
+    if (status != ISO_OK)
+        return status;
+    double coarse = rms_difference(a, b), fine = rms_difference(b, c);
+    *order = fine > 0 ? log(coarse / fine) / log(ratio) : NAN;
+    return ISO_OK;
+}
+
+bool iso_extrapolated_agree(double rmse, double bar_a, double bar_b, double factor, double floor)
+{
+    return rmse <= factor * hypot(bar_a, bar_b) + floor;
+}
+
+/* ---- several seeds ------------------------------------------------------------- */
+
+void iso_extrapolated_destroy(iso_extrapolated *limit)
+{
+    iso_image_destroy(&limit->image);
+    iso_image_destroy(&limit->fine);
+    *limit = (iso_extrapolated){0};
+}
+
+/* The square of an RMSE less what chance alone leaves in it, within three of its own standard errors. */
+static double without_noise(double rmse, double noise_square, double uncertainty)
+{
+    return fmax(rmse * rmse - noise_square - 3 * uncertainty, 0);
+}
+
+double iso_extrapolated_error_left(const iso_extrapolated *l)
+{
+    const double fine = sqrt(without_noise(l->fine_rmse, l->fine_noise.square, l->fine_noise.uncertainty)) - ISO_EXTRAPOLATION_ROUNDING;
+    const double coarse = sqrt(without_noise(l->coarse_rmse, l->coarse_noise.square, 0));
+    if (isnan(l->fine_rmse) || isnan(l->coarse_rmse))
+        return NAN;
+    return fine <= 0 ? 0 : fine / coarse; /* infinite where there was no error before */
+}
+
+static void mean_of(const iso_image *images, size_t count, iso_image *mean)
+{
+    for (size_t i = 0; i < 4 * mean->width * mean->height; ++i) {
+        double sum = 0;
+        for (size_t k = 0; k < count; ++k)
+            sum += (double)images[k].rgba[i];
+        mean->rgba[i] = (float)(sum / (double)count);
+    }
+}
+
+/* The means over the seeds of each half of images, created. */
+static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *coarse, iso_image *fine, iso_error *err)
+{
+    iso_status status = iso_image_create(coarse, images[0].width, images[0].height, err);
+    if (status == ISO_OK)
+        status = iso_image_create(fine, images[0].width, images[0].height, err);
+    if (status == ISO_OK) {
+        mean_of(images, seeds, coarse);
+        mean_of(images + seeds, seeds, fine);
+    }
+    return status;
+}
+
+/* The mean square error of the mean, over pixels and all four channels (the alpha of a picture may be noisier than its
+ * colours, where volume and background are alike), and how well n images tell it: a variance from n samples has a
+ * variance of 2 / (n - 1) times its square; the channels of a pixel err together. */
+static iso_extrapolated_noise noise_of_mean(const iso_image *images, size_t n, const iso_image *mean)
+{
+    const size_t pixels = mean->width * mean->height;
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        double variance = 0;
+        for (size_t c = 4 * i; c < 4 * i + 4; ++c)
+            for (size_t k = 0; k < n; ++k) {
+                double d = (double)images[k].rgba[c] - (double)mean->rgba[c];
+                variance += d * d / (double)((n - 1) * n);
+            }
+        sum += variance;
+        squares += 2 * variance * variance / (double)(n - 1);
+    }
+    return (iso_extrapolated_noise){sum / (double)(4 * pixels), sqrt(squares) / (double)(4 * pixels)};
+}
+
+/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes: a pixel's
+ * as far as the largest; the mean over the image hides no single pixel, and is held to the step's difference itself. */
+static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double factor,
+                             double largest_step_error, iso_extrapolated *out, iso_error *err)
+{
+    iso_samples samples;
+    if (!isfinite(out->step_bar)) { /* pixels that are no numbers: the row differs, and the others go on */
+        out->noise_bar = INFINITY;
+        out->noise.rejected = out->noise.tests = 4 * reference->width * reference->height;
+        return ISO_OK;
+    }
+    iso_status status = iso_samples_create(&samples, reference, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = iso_samples_add(&samples, &limits[i], err);
+    out->noise_bar = sqrt(noise_of_mean(limits, count, &out->image).square);
+    if (status == ISO_OK)
+        status = iso_samples_test(&samples, ISO_EXTRAPOLATION_SIGNIFICANCE, factor * largest_step_error + ISO_EXTRAPOLATION_ROUNDING,
+                                  out->step_bar + ISO_EXTRAPOLATION_ROUNDING, &out->noise, err);
+    iso_samples_destroy(&samples);
+    return status;
+}
+
+static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
+{
+    iso_metrics m = {0};
+    iso_status status = iso_metrics_measure(a, b, &m, err);
+    *rmse = m.rmse;
+    return status;
+}
+
+iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
+                                 iso_extrapolated *out, iso_error *err)
+{
+    iso_image limits[ISO_EXTRAPOLATION_MAX_SEEDS] = {{0}}, coarse = {0};
+    iso_extrapolation e = {0}, unused;
+    iso_metrics limit = {0};
+    iso_status status = mean_pair(images, seeds, &coarse, &out->fine, err);
+    if (status == ISO_OK)
+        status = iso_richardson(&coarse, &out->fine, 2, ISO_EXTRAPOLATION_ORDER, &out->image, &e, err);
+    out->step_bar = e.error_bar;
+    if (status == ISO_OK)
+        status = rmse_of(&coarse, reference, &out->coarse_rmse, err);
+    if (status == ISO_OK)
+        status = rmse_of(&out->fine, reference, &out->fine_rmse, err);
+    if (status == ISO_OK)
+        status = iso_metrics_measure(&out->image, reference, &limit, err);
+    out->rmse = limit.rmse, out->ssim_dissimilarity = 1 - limit.ssim, out->flip_mean = limit.flip_mean;
+    for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
+        status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_EXTRAPOLATION_ORDER, &limits[i], &unused, err);
+    if (status == ISO_OK && seeds > 1)
+        status = test_noise(limits, seeds, reference, factor, e.error_bar_max, out, err);
+    if (status == ISO_OK && seeds > 1) {
+        out->coarse_noise = noise_of_mean(images, seeds, &coarse);
+        out->fine_noise = noise_of_mean(images + seeds, seeds, &out->fine);
+    }
+    out->order = log2(out->coarse_rmse / out->fine_rmse);
+    out->bar = factor * hypot(out->step_bar, out->noise_bar);
+    out->allowed = out->bar + ISO_EXTRAPOLATION_ROUNDING;
+    for (size_t i = 0; i < ISO_EXTRAPOLATION_MAX_SEEDS; ++i)
+        iso_image_destroy(&limits[i]);
+    iso_image_destroy(&coarse);
+    return status;
+}
+
+iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err)
+{
+    iso_image coarse = {0}, fine = {0};
+    iso_extrapolation unused;
+    iso_status status = mean_pair(images, seeds, &coarse, &fine, err);
+    if (status == ISO_OK)
+        status = iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err);
+    iso_image_destroy(&coarse);
+    iso_image_destroy(&fine);
+    return status;
+}

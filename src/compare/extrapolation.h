@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/* extrapolation.h - the limit of a renderer's images as its step shrinks, from images at two steps, with error bars.
+ *
+ * The error of an image at step h is c h^p, so images at the steps h and 2h give the limit (Richardson extrapolation)
+ * and how far the image at h is from it: its error bar. A renderer with random numbers is run with several seeds at
+ * each step; each seed gives a limit, and the standard error of their mean is part of the bar. The renderer is right
+ * if its limit is the reference, within the bar, for the whole image and for each pixel (compare/statistics.h).
+ *
+ * Only images and numbers: validate/limits.h runs the renderers and chooses the steps. Tolerances that a person sets
+ * are iso_tolerances (compare/metrics.h). */
+#ifndef ISO_EXTRAPOLATION_H
+#define ISO_EXTRAPOLATION_H
+
+#include "compare/statistics.h"
+#include "image/image.h"
+
+/* ---- Richardson extrapolation ------------------------------------------------- */
+
+typedef struct iso_extrapolation {
+    double error_bar;     /* RMSE of the finer image against the limit */
+    double error_bar_max; /* the largest of it */
+} iso_extrapolation;
+
+/* limit = fine + (fine - coarse) / (ratio^order - 1), created; ratio: coarse step over fine step, above 1.
+ * ISO_E_RANGE: sizes, ratio or order. Non-finite pixels make the bar infinite. */
+iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
+                          iso_extrapolation *out, iso_error *err);
+
+/* The order that three images at steps h, h / ratio, h / ratio^2 show: log |a - b| / |b - c| to that base,
+ * in RMSE. NaN when the finer two are equal. */
+iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
+                              iso_error *err);
+
+/* Two limits agree when their RMSE is at most `factor` times the root of the summed squares of their bars,
+ * plus floor (what rounding adds). NaN never agrees. */
+bool iso_extrapolated_agree(double rmse, double bar_a, double bar_b, double factor, double floor);
+
+/* ---- several seeds ------------------------------------------------------------- */
+
+enum { ISO_EXTRAPOLATION_MAX_SEEDS = 32 };
+
+/* The noise of a mean over seeds: its mean square over pixels and channels, and the standard error of that. */
+typedef struct iso_extrapolated_noise {
+    double square, uncertainty;
+} iso_extrapolated_noise;
+
+typedef struct iso_extrapolated {
+    iso_image image;               /* the limit: the mean over the seeds */
+    iso_image fine;                /* at step_voxels; mean over the seeds */
+    double step_voxels;            /* the finer of the last two */
+    size_t planes, intervals;      /* of a renderer with intervals there; else 0 */
+    double coarse_rmse, fine_rmse; /* against the reference, of the means */
+    double rmse, ssim_dissimilarity, flip_mean; /* of the limit against the reference */
+    double order;                  /* observed: log2 (coarse_rmse / fine_rmse) */
+    double step_bar;               /* RMSE of `fine` against the limit */
+    double noise_bar;              /* standard error of the limit over the seeds */
+    iso_extrapolated_noise coarse_noise, fine_noise; /* of the means at both steps; 0 where nothing is random */
+    double bar;                    /* the error bar: both together, times the factor */
+    double allowed;                /* RMSE to the reference: the bar, and rounding */
+    size_t seeds;                  /* 1: the renderer is not random, and `noise` is not filled */
+    iso_noise_test noise;          /* tests the seeds' limits against the reference */
+} iso_extrapolated;
+
+/* With second order, halving the step leaves a quarter of the error. The bends of a TF fall anywhere between samples, so
+ * that single halvings leave less or more: validation allows the square root of two times a quarter. */
+#define ISO_EXTRAPOLATION_ORDER 2.0
+/* An error bar is the difference between the fine image and the limit, times a factor of safety, as in the grid
+ * convergence index of [roache-1994], who takes 3 for two grids. Suppose the errors at the two steps, r e and e, are
+ * independent of each other. Then the limit is off by sqrt(r^2 + 16) / 3 e, and differs from the fine image by
+ * sqrt(r^2 + 1) / 3 e. The first is 1.4 times the second for r = 4, and 1.6 times for the smallest r that passes with
+ * smooth TFs. A TF that the step does not resolve has first order, r = 2, and a ratio of 2. */
+#define ISO_EXTRAPOLATION_FACTOR_SMOOTH 2.0
+#define ISO_EXTRAPOLATION_FACTOR_SHARP 2.5
+/* The rounding of 16 bits a channel (POV-Ray) and of single precision. */
+#define ISO_EXTRAPOLATION_ROUNDING 1e-5
+/* Of the tests of all pixels and channels of an image together, and of that of its bias. */
+#define ISO_EXTRAPOLATION_SIGNIFICANCE 1e-3
+
+void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one */
+
+/* Extrapolates `seeds` images at the double step, followed by `seeds` images at the step; at most
+ * ISO_EXTRAPOLATION_MAX_SEEDS. Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
+iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
+                                 iso_extrapolated *out, iso_error *err);
+
+/* The image of the limit alone, created: the mean over the seeds. */
+iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);
+
+/* The part of the error that halving the step has left, about 1/4; rounding and noise are taken off. 0 where no error is
+ * left. */
+double iso_extrapolated_error_left(const iso_extrapolated *limit);
+
+#endif
