@@ -35,7 +35,7 @@ refuse too_many_views 2 --views "$ISOSHADE" bench consistency --shading --views 
 refuse a_surface_beyond_the_range 2 --surface "$ISOSHADE" bench consistency --shading --surface 1.5 -q
 expect a_missing_volume 3 "$ISOSHADE" "${quick[@]}" missing.nrrd
 
-# Where filters give way: the holes of undefined directions are there, and the default has fewer.
+# Where filters fail: the holes of undefined directions are there, and the default has fewer.
 expect holes_run 0 "$ISOSHADE" bench consistency --holes --size 48 --json -q -o holes
 check the_default_has_fewer_holes python3 - out <<'PY'
 import json, sys

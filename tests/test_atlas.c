@@ -25,15 +25,15 @@ static void a_failure_and_its_fallback_stand(void **state)
     assert_more_than(bad, c->failure_at_least * margin);
     assert_at_most(good * margin, c->fallback_at_most);
     assert_more_than(c->failure_at_least, c->fallback_at_most * contrast);
-    assert_true(iso_atlas_stands(c, &r));
-    /* Planted: a failure that is cured, a fallback that changes nothing, figures that are no numbers. */
-    iso_atlas_result cured = r, broken = r, none = r;
-    cured.values[ISO_ATLAS_FAILURE] = good;
+    assert_true(iso_atlas_is_valid(c, &r));
+    /* Planted: a failure that has disappeared, a fallback that changes nothing, figures that are no numbers. */
+    iso_atlas_result gone = r, broken = r, none = r;
+    gone.values[ISO_ATLAS_FAILURE] = good;
     broken.values[ISO_ATLAS_FALLBACK] = bad;
     none.values[ISO_ATLAS_FALLBACK] = NAN;
-    assert_false(iso_atlas_stands(c, &cured));
-    assert_false(iso_atlas_stands(c, &broken));
-    assert_false(iso_atlas_stands(c, &none));
+    assert_false(iso_atlas_is_valid(c, &gone));
+    assert_false(iso_atlas_is_valid(c, &broken));
+    assert_false(iso_atlas_is_valid(c, &none));
     /* Something is seen in each rendered picture but where the failure is that all has gone. */
     for (int w = 0; w < ISO_ATLAS_WAYS && !c->draw; ++w) {
         double brightest = 0;

@@ -65,7 +65,7 @@ static char *make_report(const char *name, double mm_per_pixel)
             assert_ok(iso_report_add_consistency(r, &row, &err));
         }
     iso_report_agreement row = {.level = 1, .scene = "s", .a = "reference", .b = "gl", .image_a = "fine", .image_b = "m0-1",
-                                .limits = {.rmse = 1}, .error_bar = NAN};
+                                .tolerances = {.rmse = 1}, .error_bar = NAN};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_ok(iso_report_finish(r, &err));
     iso_report_destroy(r);

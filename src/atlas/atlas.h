@@ -84,10 +84,10 @@ typedef struct iso_atlas_result {
 /* Runs a case; the images are created. Release with iso_atlas_clear(). */
 iso_status iso_atlas_run(const iso_atlas_case *c, iso_atlas_result *out, iso_error *err);
 void iso_atlas_clear(iso_atlas_result *out);
-static inline bool iso_atlas_stands(const iso_atlas_case *c, const iso_atlas_result *r)
+static inline bool iso_atlas_is_valid(const iso_atlas_case *c, const iso_atlas_result *r)
 {
     return r->values[ISO_ATLAS_FAILURE] >= c->failure_at_least &&
-           r->values[ISO_ATLAS_FALLBACK] <= c->fallback_at_most; /* NaN does not stand */
+           r->values[ISO_ATLAS_FALLBACK] <= c->fallback_at_most; /* NaN is not valid */
 }
 
 /* ---- stage.c ---- */

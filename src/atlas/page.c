@@ -265,7 +265,7 @@ static void put_section(FILE *html, const drawing *d, const char *command)
 {
     const iso_atlas_case *c = d->c;
     fprintf(html, "<section id=\"%s\"%s><h2>%s</h2>\n<p>%s <em>What to see:</em> %s</p>\n", c->id,
-            iso_atlas_stands(c, d->r) ? "" : " class=\"fallen\"", c->title, c->cause, c->look);
+            iso_atlas_is_valid(c, d->r) ? "" : " class=\"fallen\"", c->title, c->cause, c->look);
     put_pictures(html, d);
     fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. A failure from %g on; corrected up to %g.",
             d->r->values[ISO_ATLAS_FAILURE], d->r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), c->failure_at_least,
@@ -297,7 +297,7 @@ static void add_object(json_t *cases, const drawing *d, const char *command)
                                c->ways[ISO_ATLAS_FAILURE].what, "failure_value", d->r->values[ISO_ATLAS_FAILURE], "failure_at_least",
                                c->failure_at_least, "fallback", c->ways[ISO_ATLAS_FALLBACK].what, "fallback_value",
                                d->r->values[ISO_ATLAS_FALLBACK], "fallback_at_most", c->fallback_at_most, "advice", c->advice, "stands",
-                               iso_atlas_stands(c, d->r), "command", command);
+                               iso_atlas_is_valid(c, d->r), "command", command);
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
         char *lines = commands_of(d, (iso_atlas_which)w), key[32];
         snprintf(key, sizeof key, "%s_commands", iso_atlas_names[w]);

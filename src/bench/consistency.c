@@ -537,7 +537,7 @@ const iso_command iso_bench_consistency = {
     .name = "bench consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
     .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
-    .details = "With --shading, or without a volume, directions are judged; with --filters and --holes, where they give way. Each has\n"
+    .details = "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
                "its own options: isoshade bench consistency --shading --help.\n"
                "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
                "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* filters.c - bench consistency --filters: where each way to make directions holds and where it gives way; and
+/* filters.c - bench consistency --filters: where each way to make directions holds and where it fails; and
  * --holes: the artefact of directions that are not defined where the coarse surface is.
  *
  * Paper: [diaz-garcia-2017] sec. 3, Figure 3 and Eq. 1. Scenes are analytic fields, some with noise; errors are against
@@ -341,7 +341,7 @@ static iso_status run_all(filters_run *run, iso_error *err)
 
 static const iso_command command = {
     .name = "bench consistency",
-    .summary = "where each direction filter holds and gives way, and the holes of undefined directions",
+    .summary = "where each direction filter holds and fails, and the holes of undefined directions",
     .usage = "--filters and/or --holes [-o DIR] [options]",
     .details = "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, plates, shells, two balls that\n"
                "nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each, with its data and script.",

@@ -34,14 +34,14 @@ typedef struct power_result {
     json_t *wrong;                                      /* faults that were missed and clean scenes that were flagged */
 } power_result;
 
-/* Where the time goes, for the estimate: what every scene takes, and what the dear gates take where faults are planted. */
+/* Where the time goes, for the estimate: what every scene takes, and what the slow gates take where faults are planted. */
 typedef struct pace {
     const iso_progress *progress;
     double plain_seconds, dear_seconds;
 } pace;
 
 /* A limit of another program takes seconds. */
-static bool is_dear(iso_power_gate gate, const iso_renderer_info *renderer)
+static bool is_slow(iso_power_gate gate, const iso_renderer_info *renderer)
 {
     return gate == ISO_POWER_LIMIT && iso_renderer_has(renderer, ISO_IS_PROGRAM);
 }
@@ -64,8 +64,8 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
     return status;
 }
 
-/* All wanted gates that are dear, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
-static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault, bool dear,
+/* All wanted gates that are slow, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
+static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault, bool slow,
                             power_result *out, iso_error *err)
 {
     const iso_planted planted = {.fault = fault};
@@ -76,7 +76,7 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
             const iso_renderer_info *renderer = iso_renderer_at(w);
             tally *t = &out->seen[fault][g][w];
             bool rejected;
-            if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_dear(gate, renderer) != dear)
+            if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_slow(gate, renderer) != slow)
                 continue;
             status = iso_power_ask(r, c, gate, renderer, &planted, &rejected, err);
             t->asked += 1;
@@ -91,7 +91,7 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
 
 /* A fault that changes the picture by less than the bar that a limit may have cannot be asked to be seen: it is left out,
  * and counted. */
-static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool dear, power_result *out,
+static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool slow, power_result *out,
                                  iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -101,9 +101,9 @@ static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const
         status = iso_power_change(r, c, &planted, &change, err);
         if (!(change > iso_validate_error_bar(&c->asked)))
             continue;
-        out->changed[f] += !dear;
+        out->changed[f] += !slow;
         if (status == ISO_OK)
-            status = ask_gates(r, o, c, planted.fault, dear, out, err);
+            status = ask_gates(r, o, c, planted.fault, slow, out, err);
     }
     return status;
 }
@@ -152,8 +152,8 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
     const double start = iso_clock_seconds();
     tell(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
-    for (int dear = 0; dear < 2 && status == ISO_OK; ++dear)
-        status = ask_gates(r, o, &c, ISO_FAULT_NONE, dear, out, err);
+    for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
+        status = ask_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
     if (status == ISO_OK)
         status = plant_in_scene(r, o, &c, false, out, err);
     const double plain = iso_clock_seconds();
@@ -397,13 +397,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_power = {
     .name = "bench power",
-    .summary = "planted faults that validation catches, clean scenes that it leaves alone, and how little it sees",
+    .summary = "which planted faults validation finds, how often it flags clean scenes, and the smallest faults that it sees",
     .usage = "[options]",
-    .details = "Each fault is planted into the calibration of each renderer: by how many times its limit the check made for it is\n"
-               "exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many clean ones each gate\n"
-               "of validate flags, and in how many it sees each fault, of those that the fault changes by more than the scene's error\n"
-               "bar. --sensitivity: by how little a volume may be shifted, a light turned ... until each gate says so.\n"
-               "Exit code 1: a fault was not caught, or a clean scene was flagged.",
+    .details = "Each fault is planted into the calibration of each renderer; the figure is how many times the limit of the check\n"
+               "made for it is exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many\n"
+               "clean ones each gate of validate flags, and in how many it finds each fault, of those in which the fault changes the\n"
+               "image by more than the scene's error bar. --sensitivity: the smallest shift of a volume, turn of a light ... that each\n"
+               "gate rejects. Exit code 1: a fault was not found, or a clean scene was flagged.",
     .examples = "  isoshade bench power --with gl --repetitions 2 --size 16\n"
                 "  isoshade bench power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",
     .run = run,

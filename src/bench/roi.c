@@ -358,10 +358,10 @@ const iso_command iso_bench_roi = {
     .name = "bench roi",
     .summary = "the seam round a region of interest: full resolution in the middle third of a coarse level",
     .usage = "VOLUME --scene SCENE.scene.json [options]",
-    .details = "Of what a point emits over a voxel of level 0 (colour and opacity): step, between the limits from both sides of the\n"
-               "faces of the box and of its band (rms and largest); own, what the finest level varies by over one voxel there;\n"
-               "levels, what the two levels differ by in one place (rms), and tone, what their means differ by. image: the step between the pixels on both sides of the box's\n"
-               "faces, seen along them. 1-SSIM and RMSE are of the whole image against level 0.",
+    .details = "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"
+               "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"
+               "levels: between the two levels at the same place (rms). tone: between the means of the two levels. image: between the\n"
+               "pixels on both sides of the box's faces, seen along them. 1-SSIM and RMSE compare the whole image with level 0.",
     .examples = "  isoshade make noise --size 48 --type uint8 -o noise.nrrd\n"
                 "  isoshade bench roi noise.nrrd --scene refscenes/marschner-lobb.scene.json --level 1\n",
     .run = run,

@@ -32,7 +32,7 @@ static iso_status choose(const char *list, bool *wanted, iso_error *err)
 static void print_case(const iso_atlas_case *c, const iso_atlas_result *r)
 {
     printf("%-20s failure %-9.3g fallback %-9.3g %s%s\n", c->id, r->values[ISO_ATLAS_FAILURE], r->values[ISO_ATLAS_FALLBACK],
-           iso_atlas_measure(c), iso_atlas_stands(c, r) ? "" : "  (does not stand)");
+           iso_atlas_measure(c), iso_atlas_is_valid(c, r) ? "" : "  (out of date)");
 }
 
 /* A part of the whole each. */
@@ -58,7 +58,7 @@ static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_p
         if (status != ISO_OK)
             break;
         status = iso_atlas_page_add(page, c, &r, err);
-        *fallen += !iso_atlas_stands(c, &r);
+        *fallen += !iso_atlas_is_valid(c, &r);
         iso_progress_line_hide(cli->progress);
         if (!cli->json)
             print_case(c, &r);
@@ -155,7 +155,7 @@ const iso_command iso_command_atlas = {
     .usage = "-o DIR [--case LIST] [options]",
     .details = "DIR/index.html shows each failure beside what is right and what helps, with the commands that repeat both from\n"
                "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
-               "Exit code 1: a failure is cured, or a fallback no longer corrects it, so that a text somewhere is out of date.",
+               "Exit code 1: a failure has disappeared, or a fallback no longer corrects it, so that the documentation is out of date.",
     .examples = "  isoshade atlas -o atlas\n"
                 "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
                 "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",

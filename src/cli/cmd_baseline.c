@@ -151,10 +151,10 @@ const iso_command iso_command_baseline = {
     .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
     .usage = "REPORT BASELINE.json [--update] [options]",
     .details = "REPORT is a folder that `isoshade validate` wrote. The verdict, the figures, limits and gates of each row of\n"
-               "calibration, agreement and consistency are compared with the accepted ones; other versions and options than then are\n"
-               "told. Exit code 1: a verdict says less than then (reported or refused where it agreed), a figure is worse or missing,\n"
-               "or a limit is wider; 0 where it is better, new or as it was. Only --update writes the baseline, a text of one\n"
-               "line a figure in the order of names, to be kept beside the code.",
+               "calibration, agreement and consistency are compared with the accepted ones; changed versions and options are listed.\n"
+               "Exit code 1: a verdict is weaker than accepted (reported or refused where it agreed), a figure is worse or missing,\n"
+               "or a limit is wider; 0: all is as accepted, better or new. Only --update writes the baseline, a text file with one\n"
+               "line for each figure, sorted by name, to be kept beside the code.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
                 "  isoshade baseline report-base accepted.json --update\n"

@@ -162,14 +162,14 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "of the list below (fit)", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
-         "of gauss and eq1, in voxels of the finer level", "N"},
-        {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "of gauss and eq1", "VOXELS"},
+         "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
+        {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "standard deviation of that Gaussian", "VOXELS"},
         {"eq1-exponent", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.eq1_exponent, 0,
-         "of the gradient magnitude that weighs", "P"},
+         "eq1: exponent of the gradient magnitude in the weights", "P"},
         {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "store the directions as floats, too", NULL},
         {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "store the gradient magnitudes", NULL},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "of buffers, at most", "MB"},
-        {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "go on where a killed build of the same job stood", NULL},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "memory for buffers, at most", "MB"},
+        {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "resume a killed build of the same volume and options", NULL},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };
@@ -205,14 +205,12 @@ const iso_command iso_command_build = {
     .name = "build",
     .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
     .usage = "VOLUME [-o NAME.iso] [options]",
-    .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. Directions come from the\n"
-               "gradients of the finest level, whatever the level. The volume is read in slabs, so it may be larger\n"
-               "than memory. Until it is complete the folder is called .NAME.iso.partial. Levels are made of cells (2x2x2\n"
-               "means). Bricks of mixed resolution (isoshade plan) are made of nodes instead, in memory and from level 0: they\n"
-               "are continuous, and nearer to level 0 than cells under sparse transfer functions\n"
-               "(doc/results/mixed-resolution.md).\n"
-               "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write one\n"
-               "pyramid, with the same bytes; --memory is that of each, --resume takes up what any number of ranks left.",
+    .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"
+               "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
+               "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones. (Bricks of mixed resolution,\n"
+               "isoshade plan, are made in memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
+               "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
+               "files together; each rank takes --memory, and --resume works with any number of ranks.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",

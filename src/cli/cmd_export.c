@@ -175,7 +175,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume", "VALUE"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "only what this plan leaves of the volume (isoshade plan -o), with its --scene", "PLAN.json"},
+        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0, "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),

@@ -222,15 +222,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all", "SCENE.scene.json"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0, "sides to see each scene from, turned round its up axis: the plan holds for all", "N"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "RMSE of each image that is allowed", "E"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0, "views of each scene, turned around its up axis: the plan holds for all", "N"},
+        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "largest RMSE allowed in each image", "E"},
         {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead: bytes that the bricks may take", "BYTES"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "with level 0", "N"},
         {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"update", 0, POPT_ARG_STRING, &a.update, 0, "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan, with the level of each brick", "PLAN.json"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan file to write", "PLAN.json"},
         {"image", 0, POPT_ARG_STRING, &a.image, 0, "the plan rendered, .exr or .png", "FILE"},
         {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "the full model rendered, .exr or .png", "FILE"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -252,9 +252,9 @@ const iso_command iso_command_plan = {
     .name = "plan",
     .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [--error E | --memory BYTES] [options]",
-    .details = "Bricks that no TF shows or that lie outside every view are left out; each other one gets the coarsest level\n"
-               "that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
-               "against all bricks at level 0. `isoshade export --plan` writes what is left.",
+    .details = "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
+               "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
+               "against all bricks at level 0. `isoshade export --plan` writes the planned volume.",
     .examples = "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
                 "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
     .run = run,

@@ -419,7 +419,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
         {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, of_those(&help, ISO_READS_SOURCE, "directions, of the list below (codes)"), "SOURCE"},
         {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette", "FILE.csv"},
-        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures at positions in double precision; slow, for certifying"), NULL},
+        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures at positions in double precision; slow, for validation"), NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
@@ -431,13 +431,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"planes", 0, POPT_ARG_INT, &a.planes, 0, of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, of_those(&help, ISO_READS_SAMPLES, "samples a pixel (1)"), "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of its random numbers"), "N"},
-        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, of_those(&help, ISO_HAS_LIMIT, "the limit of --step (0.25), or --intervals, and its double, as validate compares it"), NULL},
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, whose mean counts (4)"), "N"},
-        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, of_those(&help, ISO_HAS_BRICKS, "by bricks of mixed levels, without seams, in textures of so many bytes: the least error that fits"), "BYTES"},
-        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, of_those(&help, ISO_HAS_BRICKS, "by bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "of these two: voxels a side", "N"},
-        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "of these two: levels of the bricks, with level 0", "N"},
-        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "of these two: texels a side of a texture at most; more textures are made where one is too small", "TEXELS"},
+        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, of_those(&help, ISO_HAS_LIMIT, "extrapolate to step 0 from --step (0.25) or --intervals and twice the step, as validate does"), NULL},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, which are averaged (4)"), "N"},
+        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels without seams, with the least error that fits into textures of so many bytes"), "BYTES"},
+        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "with --cache-bytes or --plan-error: voxels along a side of a brick", "N"},
+        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "with these two: levels of the bricks, with level 0", "N"},
+        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "with these two: most texels along a side of a texture; more textures are made where one is too small", "TEXELS"},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -459,8 +459,8 @@ const iso_command iso_command_render = {
     .name = "render",
     .summary = "render a level with any of the renderers",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
-    .details = "All renderers compute the same integral from the same scene. A volume is made a pyramid in memory; a pyramid on\n"
-               "disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
+    .details = "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"
+               "on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
                 "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"

@@ -419,11 +419,12 @@ const iso_command iso_command_tf = {
     .name = "tf",
     .summary = "adapt transfer functions to levels, convert and show them",
     .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
-    .details = "adapt    writes the transfer function of each coarse level: what level 0 shows where the level has a value.\n"
-               "         Joint histograms are kept in the pyramid. render and export do the same with --adapt.\n"
+    .details = "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
+               "         where the level has that value. Joint histograms are kept in the pyramid. render and export do the same with\n"
+               "         --adapt.\n"
                "convert  from and to the formats below, by the names' endings.\n"
-               "show     a picture by gnuplot, .png or .svg, a panel a transfer function.\n"
-               "triangle the error at the voxels over mixtures of Gaussian, constant and triangular weights.",
+               "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
+               "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
                 "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"

@@ -302,11 +302,11 @@ const iso_command iso_command_validate = {
     .name = "validate",
     .summary = "the main job: is the shading the same at every level, in every renderer? A report",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options] | --suite DIR -o DIR [options]",
-    .details = "Calibrates each renderer on volumes whose images are known in closed form; compares each, at every level, with the\n"
-               "double-precision reference by the same samples, and by the limit of halved steps, which has to lie within its own\n"
-               "error bars; repeats that for each way to make directions and for adapted TFs; measures how far each level is from\n"
-               "level 0 with each of them, under the original TF and the one adapted to the level. --suite does it for scenes that\n"
-               "break renderers, at level 0. DIR/index.html shows it, DIR/report.json holds it.\n"
+    .details = "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
+               "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
+               "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
+               "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
+               "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
                "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
                 "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"

@@ -30,11 +30,11 @@ typedef struct iso_cli_adapted {
 #define ISO_CLI_ADAPT_METHOD_OPTIONS(a)                                                                                        \
     {"average", 0, POPT_ARG_STRING, &(a)->average, 0, "rgba, opacity (default), extinction or transmittance", "WHAT"},          \
     {"weight", 0, POPT_ARG_STRING, &(a)->weight, 0, "gauss, flat (default), triangle or mixed", "WINDOW"},                      \
-    {"window", 0, POPT_ARG_DOUBLE, &(a)->window, 0, "half its width, in deviations of a row (flat 1.75, gauss 3, triangle and mixed 2.5)", "D"},    \
-    {"mix-s", 0, POPT_ARG_DOUBLE, &(a)->mix_s, 0, "mixed: part of the constant", "S"},                                          \
-    {"mix-t", 0, POPT_ARG_DOUBLE, &(a)->mix_t, 0, "mixed: part of the triangle", "T"},                                          \
-    {"bits", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &(a)->bits, 0, "of the joint histogram, 8 to 16", "N"},               \
-    {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt even where the error at the voxels would not fall", NULL}
+    {"window", 0, POPT_ARG_DOUBLE, &(a)->window, 0, "half the width of the window, in standard deviations (flat 1.75, gauss 3, triangle and mixed 2.5)", "D"},    \
+    {"mix-s", 0, POPT_ARG_DOUBLE, &(a)->mix_s, 0, "mixed: weight of the constant", "S"},                                          \
+    {"mix-t", 0, POPT_ARG_DOUBLE, &(a)->mix_t, 0, "mixed: weight of the triangle", "T"},                                          \
+    {"bits", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &(a)->bits, 0, "bits of the joint histogram, 8 to 16", "N"},               \
+    {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt also where that does not lower the error at the voxels", NULL}
 
 #define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* renderers.h - what is known of each renderer, and one call for all of them.
  *
- * A renderer is one file of this folder: a struct iso_renderer_info that says what it is called, what it can do, how exact
- * its images are, and how it renders. ISO_RENDERER_LIST names them all. Whoever lists, checks, calibrates, limits or prints
- * renderers goes over that table and asks the struct; nobody asks for a certain renderer, but for the reference, which the
- * others are compared with. doc/extending.md shows how one is added. */
+ * A renderer is one file of this folder: a struct iso_renderer_info that says what it is called, what it can do, how
+ * exact its images are, and how it renders. ISO_RENDERER_LIST names them all. Code that lists, checks, calibrates or
+ * prints renderers iterates over that table and reads the struct. No code outside this folder asks for a certain
+ * renderer, except for the reference, which the others are compared with. doc/extending.md shows how to add one. */
 #ifndef ISO_RENDERERS_H
 #define ISO_RENDERERS_H
 
@@ -30,7 +30,7 @@ typedef struct iso_render_stats {
                            * reference's floats and codes */
 } iso_render_stats;
 
-/* What a frame depends on besides what is rendered: type, name. All of it is compared to know a frame again. */
+/* The options that an image depends on: type, name. Two frames are the same if all of them are equal. */
 #define ISO_FRAME_FIELDS(X)                                                                                    \
     X(const iso_renderer_info *, renderer)                                                                     \
     X(iso_direction_source, source)   /* of renderers that read one */                                         \
@@ -69,7 +69,7 @@ typedef struct iso_render_request {
 
 /* ---- what is known of a renderer ---- */
 
-/* What it can do, and which options it reads; the others it passes over. */
+/* What a renderer can do, and which options it reads; it ignores the others. */
 typedef enum iso_trait {
     ISO_IS_PROGRAM = 1 << 0,         /* started for each request, which takes seconds, and given an export, which carries
                                       * decoded directions; else it runs in this process */
@@ -93,13 +93,13 @@ typedef enum iso_trait {
 } iso_trait;
 #define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI)
 
-/* How far the same samples may be from the reference's; 0: not asked for. */
+/* How far an image may be from the reference with the same samples; 0: not checked. */
 typedef struct iso_sample_error {
     double rmse, max_abs;
 } iso_sample_error;
 
-/* Where a renderer puts its samples is known: the reference puts its own in the same places, and what is left is how exactly
- * the renderer computes. */
+/* Lock-step: the places of the renderer's samples are known, and the reference takes its samples there too. What
+ * differs then is only how exactly the renderer computes. */
 typedef struct iso_lock_step {
     iso_quadrature quadrature;      /* of the reference, which has the same samples */
     size_t intervals;               /* that both are asked for; 0: the view's step */
@@ -109,7 +109,7 @@ typedef struct iso_lock_step {
     const char *exact_why;
 } iso_lock_step;
 
-/* Of the integers that its images are stored in. Zeroed: floats. */
+/* The integers that a renderer stores its images in. Zeroed: floats. */
 typedef struct iso_render_output {
     unsigned bits;                        /* a channel */
     double (*peak)(const iso_view *view); /* the color that the largest integer stands for */
@@ -118,7 +118,7 @@ typedef struct iso_render_output {
 
 struct iso_renderer_info {
     const char *name;       /* on command lines and in reports: "gl" */
-    const char *title;      /* as people say it: "OpenGL ray caster" */
+    const char *title;      /* for people: "OpenGL ray caster" */
     const char *color;      /* of its marks in charts */
     unsigned traits;        /* iso_trait */
     unsigned quadratures;   /* 1 << iso_quadrature of those that it reads */
@@ -129,16 +129,16 @@ struct iso_renderer_info {
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
 
-    /* "Blender 3.4.1": what answers. ISO_E_MISSING: why nothing does. */
+    /* Its version, such as "Blender 3.4.1". ISO_E_MISSING when it is not there, with the reason. */
     iso_status (*version)(iso_renderers *r, char *text, size_t size, iso_error *err);
     /* Creates the image. Fills stats, but for what the caller sees by itself: setup_seconds of programs, and the time where
      * there is none but that of the call. */
     iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);
     /* `count` frames, from request->options on, by one start; all or none. NULL: one after the other. */
     iso_status (*render_several)(const iso_render_request *request, size_t count, iso_image *images, iso_error *err);
-    /* Asks `count` frames for steps, the last for finest_voxels and each other for the double of the next, so that all samples
-     * of one are halved into those of the next; and so that the last can be halved `spare` times more, a factor of 1 to 4.
-     * NULL: by step_voxels. */
+    /* Asks `count` frames for steps, the last for finest_voxels and each other for the double of the next, so that all
+     * samples of one are halved into those of the next; and so that the last can be halved `spare` times more, a factor
+     * of 1 to 4. NULL: by step_voxels. */
     void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare, iso_render_options *frames);
     /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
     void (*end)(void *kept);
@@ -162,13 +162,13 @@ enum { ISO_MAX_RENDERERS = 16 }; /* for arrays by iso_renderer_index() */
 size_t iso_renderer_count(void);
 const iso_renderer_info *iso_renderer_at(size_t index);
 size_t iso_renderer_index(const iso_renderer_info *r);
-/* What the others are compared with. */
+/* The reference, which the others are compared with. */
 const iso_renderer_info *iso_renderers_truth(void);
-/* Taken where none is named: the quickest. */
+/* The renderer that is used where none is named: the fastest. */
 const iso_renderer_info *iso_renderers_usual(void);
 
-/* Adds a renderer at the end of the table, for as long as the process runs; it is not copied. Before any other call, by one
- * thread. ISO_E_USAGE: its name is taken; ISO_E_RANGE: the table is full. */
+/* Adds a renderer at the end of the table, for as long as the process runs; it is not copied. Before any other call, by
+ * one thread. ISO_E_USAGE: its name is taken; ISO_E_RANGE: the table is full. */
 iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err);
 
 /* ISO_E_USAGE, with the names that there are. */
@@ -176,13 +176,13 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
 /* "gl,povray"; NULL: all. The reference is always wanted. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
-/* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ". Returns
- * text, which is cut where it is too long. */
+/* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ".
+ * Returns text, which is cut where it is too long. */
 const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size);
 
 /* ---- rendering ---- */
 
-/* Something done to each image before anybody sees it. Zeroed: nothing. */
+/* A function that may change each image after it is rendered. Zeroed: none. */
 typedef struct iso_image_hook {
     void (*change)(const void *user, iso_image *image);
     const void *user;
@@ -208,7 +208,7 @@ static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_inf
 
 iso_render_options iso_render_defaults(const iso_renderer_info *r);
 
-/* What the view or the first hit of a value asks for and the renderer does not have: "clip planes"; or NULL. */
+/* What the view or an isosurface needs and the renderer does not have, such as "clip planes"; or NULL. */
 const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_view *view, bool isosurface);
 
 /* Asks frames for steps as iso_renderer_info.ask_steps does. */
@@ -219,8 +219,8 @@ double iso_render_step_voxels(const iso_level *level, const iso_render_options *
 /* The longest ray through a level, in its smallest spacing. */
 double iso_level_chord_voxels(const iso_level *level);
 
-/* ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the view or the
- * options ask for. *seconds may be NULL. */
+/* ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the view or
+ * the options ask for. *seconds may be NULL. */
 iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
                            const iso_render_options *opt, iso_image *image, double *seconds,
                            const iso_progress *progress, iso_error *err);
@@ -229,7 +229,7 @@ iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level,
  * frames->options[i]. All or none are created. */
 iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err);
 
-/* As if the frames of both had been drawn at once; beyond ISO_RENDER_MAX_FRAMES the slowest are forgotten. */
+/* Joins the frames of both; of more than ISO_RENDER_MAX_FRAMES the slowest are dropped. */
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
 /* The fastest, the middle and the slowest of at least one frame. */
 void iso_render_stats_sum_up(iso_render_stats *stats, const double *seconds, size_t count);

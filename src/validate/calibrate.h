@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* calibrate.h - may a renderer be trusted? Four tiny volumes whose images are
- * known in closed form, so that no renderer is measured by another.
+/* calibrate.h - checks of each renderer before it is compared: four tiny volumes whose
+ * images are known in closed form.
  *
  *   placement          a small blob off the centre of a rotated, anisotropic grid: the
  *                      centroid of the optical depth is the projection of the centroid
@@ -28,7 +28,8 @@ typedef struct iso_calibration {
     bool passed;
 } iso_calibration;
 
-/* ISO_OK when all checks could be made, passed or not. planted: spoils the renderer; NULL: nothing. */
+/* ISO_OK when all checks could be made, whether they passed or not. planted: a fault that is put into the renderer;
+ * NULL: none. */
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err);
 

@@ -31,7 +31,7 @@ const char *iso_deviation_unit(iso_deviation d) { return deviations[d].unit; }
 const char *iso_deviation_check(iso_deviation d) { return deviations[d].check; }
 double iso_deviation_most(iso_deviation d) { return deviations[d].most; }
 
-/* ---- what spoils directions --------------------------------------------------- */
+/* ---- faults of directions --------------------------------------------------- */
 
 typedef iso_vec3 (*direction_change)(const void *user, iso_vec3 d);
 
@@ -216,7 +216,7 @@ size_t iso_planted_level(const iso_planted *planted, size_t level)
     return planted && planted->fault == ISO_FAULT_LEVEL ? level + 1 : level;
 }
 
-static void spoil(const void *user, iso_image *image)
+static void change_image(const void *user, iso_image *image)
 {
     const iso_planted *planted = user;
     const float gain = planted->deviation == ISO_DEVIATION_GAIN ? (float)(1 + planted->amount / 100) : 1.0f;
@@ -235,5 +235,5 @@ static void spoil(const void *user, iso_image *image)
 
 iso_image_hook iso_planted_hook(const iso_planted *planted)
 {
-    return planted ? (iso_image_hook){spoil, planted} : (iso_image_hook){0};
+    return planted ? (iso_image_hook){change_image, planted} : (iso_image_hook){0};
 }

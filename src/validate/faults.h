@@ -36,8 +36,8 @@ typedef enum iso_fault {
 const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
 const char *iso_fault_check(iso_fault fault); /* NULL for it */
 
-/* Faults of any amount, for the smallest that is rejected: enum, name, unit of the amount, an amount that nobody could
- * miss, the check. A percentage of 1 makes a length, an exponent ... 1.01 times what it was. */
+/* Faults of any amount, to find the smallest amount that is rejected: enum, name, unit of the amount, an amount that is
+ * obvious, the check. An amount of 1 percent makes a length, an exponent ... 1.01 times what it was. */
 #define ISO_DEVIATION_LIST(X)                                                                      \
     X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
     X(ISO_DEVIATION_SPACING, "voxels are longer along x", "percent", 20.0, "placement")            \
@@ -71,15 +71,14 @@ typedef struct iso_planted {
     double amount;
 } iso_planted;
 
-/* The deviation that undoes one: if the renderer's scene is the reference's with `planted`, the reference's is the
- * renderer's with this. Exact but for the codes of directions. */
+/* The deviation that undoes *planted. Exact, except that directions are encoded again. */
 iso_planted iso_planted_inverse(const iso_planted *planted);
 
-/* Spoils what a renderer is given: level `level` of p, and the view. planted NULL: nothing. */
+/* Puts the fault into what a renderer is given: level `level` of p, and the view. planted NULL: no fault. */
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
 /* The level that is rendered instead of `level`. */
 size_t iso_planted_level(const iso_planted *planted, size_t level);
-/* Faults of the picture itself, by a hook that renderers call without knowing what it does; *planted stays. */
+/* A hook that puts faults of images into each image that is rendered; *planted has to outlive it. */
 iso_image_hook iso_planted_hook(const iso_planted *planted);
 
 /* iso_plant() of a fault alone. */

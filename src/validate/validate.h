@@ -18,10 +18,10 @@
 #include "report/report.h"
 #include "tf/adapt.h"
 
-/* What a level is shown with when the TF is to be adapted to it. Pyramids that differ in their directions alone share it. */
+/* The adapted TF of a level. Pyramids that differ only in their directions share it. */
 typedef struct iso_level_tf {
-    iso_tf_table table;            /* of the level; the original where that is kept */
-    iso_adapt_judgment judgment; /* use_original: adapting was refused; so at level 0 */
+    iso_tf_table table;            /* adapted to the level, or a copy of the original */
+    iso_adapt_judgment judgment; /* use_original: the original is kept, as always at level 0 */
 } iso_level_tf;
 
 /* Why a renderer is not compared. */
@@ -37,13 +37,13 @@ typedef struct iso_validation {
     const char *volume_path, *scene_path, *scene_name;
     const char *make;         /* of a scene of a suite: what `isoshade make` makes the volume of; or NULL */
     const char *image_prefix; /* of the report's images: "" or "NAME-" */
-    /* What sets rows of other directions or TFs apart; "" and ISO_FROM_CODES for the pyramid's own. */
+    /* Names and options of rows with other directions or TFs; "" and ISO_FROM_CODES for the pyramid's own. */
     const char *variant, *build_options, *render_options;
     const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
     bool quick;
     size_t seeds;             /* of random renderers */
-    size_t order;             /* of the rows among those of other parts */
+    size_t order;             /* in which the report lists the rows of this part */
     double row_start;         /* when what a row compares began */
     bool wanted[ISO_MAX_RENDERERS];
     iso_refusal refused[ISO_MAX_RENDERERS];
@@ -69,7 +69,7 @@ size_t iso_validate_workers(const iso_validation *v, size_t count); /* how many 
 typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
 
-/* One level of what v holds: renderers by the same samples, or where theirs are not known by their limits. */
+/* Agreement of one level of v->pyramid: in lock-step, or by extrapolated limits where the samples are not known. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
 
 /* The ways to make directions. */
@@ -83,7 +83,7 @@ extern const size_t iso_method_count;
 /* Level 0's scalar, built again with another direction filter. */
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
 
-/* Makes level_tfs of the view's TF; iso_validate_forget_tfs() releases them, and accepts none. */
+/* Adapts the view's TF to each level and sets level_tfs. iso_validate_forget_tfs() releases them; it accepts none. */
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
 void iso_validate_forget_tfs(iso_validation *v);
 
@@ -94,8 +94,8 @@ enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
-/* The line that makes image b of a row again and compares it with the report's image a; to be freed. NULL where no line
- * does. options: of `isoshade render`, besides v's own. */
+/* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL where
+ * there is no such command. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
                              const char *image_a, const iso_tolerances *tolerances);
 
@@ -127,7 +127,7 @@ typedef struct iso_suite_options {
     size_t width, height; /* of all images; 0: the scenes' own */
     size_t level_count;
     iso_code code;
-    /* Writes the volume that `isoshade make` makes of these words. */
+    /* Writes the volume that `isoshade make` would make with these words as its arguments. */
     iso_status (*make_volume)(const char *words, const char *path, iso_error *err);
 } iso_suite_options;
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);

@@ -20,7 +20,7 @@
     X(ISO_FIELD_SPHERE, "sphere", "1 - |p|: distance to the centre, spherical iso-surfaces")  \
     X(ISO_FIELD_SHELLS, "shells", "two thin concentric Gaussian shells")                      \
     X(ISO_FIELD_PLATE, "plate", "a thin tilted Gaussian plate: opposite gradients close by")  \
-    X(ISO_FIELD_MARSCHNER_LOBB, "marschner-lobb", "the test signal of [marschner-1994]") \
+    X(ISO_FIELD_MARSCHNER_LOBB, "marschner-lobb", "the test signal of Marschner and Lobb [marschner-1994]") \
     X(ISO_FIELD_NOISE, "noise", "smooth band-limited noise: a sum of random plane waves")     \
     X(ISO_FIELD_TUBES, "tubes", "five straight Gaussian tubes of several widths")              \
     X(ISO_FIELD_VESSELS, "vessels", "a branching tree of vessels, ever thinner")               \
