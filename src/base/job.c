@@ -432,10 +432,12 @@ iso_job_state iso_job_look(iso_job *job, double now)
     if (job->part_count == 0)
         return state;
     const double played = fmin(play_rest(job), fmax(job->deadline - now, 0));
-    const double fraction = passed + played > 0 ? passed / (passed + played) : 0;
+    smooth(job, played, now, !isnan(job->left_seconds) ||
+                                 (passed >= KNOWN_SECONDS && passed >= KNOWN_FRACTION * (passed + played)));
+    /* Of what is shown as left, so that the two agree. */
+    const double left = isnan(job->left_seconds) ? played : job->left_seconds;
     /* All but the last per mille: whether it is over is not for an estimate to say. */
-    job->fraction = fmin(fmax(job->fraction, fraction), 0.999);
-    smooth(job, played, now, !isnan(job->left_seconds) || (passed >= KNOWN_SECONDS && job->fraction >= KNOWN_FRACTION));
+    job->fraction = fmin(fmax(job->fraction, passed + left > 0 ? passed / (passed + left) : 0), 0.999);
     state.fraction = job->fraction;
     state.left_seconds = job->left_seconds;
     return state;
