@@ -41,9 +41,9 @@ report one 1 "" gl
 # What a word processor's checks would look at.
 millimetres() { pdfinfo "$1" | awk '/Page size/ {printf "%.0f %.0f", $3 / 72 * 25.4, $5 / 72 * 25.4}'; }
 fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
-# gnuplot 6 draws the colour legend as an image one pixel wide, which has no resolution across.
+# gnuplot 6 draws the color legend as an image one pixel wide, a pixel a shade: that is no picture.
 dense_enough() {
-    pdfimages -list "$1" | awk 'NR > 2 {++n; if (($4 > 1 && $13 < 300) || ($5 > 1 && $14 < 300)) bad = 1} END {exit !(n > 0 && !bad)}'
+    pdfimages -list "$1" | awk 'NR > 2 && $4 > 1 {++n; if ($13 < 300 || $14 < 300) bad = 1} END {exit !(n > 0 && !bad)}'
 }
 # Words may touch no other word, and lie on the page.
 words_are_apart() {
