@@ -183,13 +183,14 @@ static iso_status read_compressed(iso_volume_source *s, unsigned char *out, size
     size_t done = 0;
     while (done < bytes) {
         size_t chunk = bytes - done < GZ_CHUNK_BYTES ? bytes - done : GZ_CHUNK_BYTES;
-        int n = gzread(s->gz, out + done, (unsigned)chunk);
+        int n = gzread(s->gz, out + done, (unsigned)chunk), code;
+        const char *text = gzerror(s->gz, &code);
+        /* All samples may be there though the file breaks off: zlib 1.3.2 forgets that with the next read. */
+        s->gz_end_is_missing = s->gz_end_is_missing || code == Z_BUF_ERROR;
         if (n > 0)
             done += (size_t)n;
         if (n == (int)chunk)
             continue;
-        int code;
-        const char *text = gzerror(s->gz, &code);
         if (code != Z_OK && code != Z_BUF_ERROR)
             return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path, text);
         size_t planes = s->header.geometry.size[2];
@@ -209,9 +210,10 @@ static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
     if (n > 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: too long: compressed samples go on after the %zu bytes that the sizes need",
                         s->path, iso_source_bytes(s));
-    if (n < 0 || code != Z_OK)
+    const bool end_is_missing = s->gz_end_is_missing || code == Z_BUF_ERROR;
+    if (n < 0 || code != Z_OK || end_is_missing)
         return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
-                        code == Z_BUF_ERROR ? "the end is missing" : text);
+                        end_is_missing ? "the end is missing" : text);
     return ISO_OK;
 }
 

@@ -13,6 +13,7 @@ struct iso_volume_source {
     iso_volume header;
     FILE *file;       /* plain samples, or */
     gzFile gz;        /* compressed ones, or */
+    bool gz_end_is_missing;
     char *preloaded;  /* all of them, of encodings that are read at once */
     bool swap_bytes;
     iso_type stored;  /* the type in the file; header.type is another one where the scale is applied */
