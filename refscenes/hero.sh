@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The picture of README.md: a brain at three levels in all renderers, and how far each is from the reference.
+# The picture of README.md: a brain at three levels in several renderers, and how far each is from the reference.
 #   sh refscenes/hero.sh [PICTURE.jpg [WxH]]     WxH: of a panel; what was rendered stays in build/figures and is kept
-#   HERO_RENDERERS="reference gl cycles" sh refscenes/hero.sh     these alone: POV-Ray takes most of the time
+#   HERO_RENDERERS="reference gl cycles povray" sh refscenes/hero.sh     with POV-Ray, which takes as long as the others together
 set -eu
 cd "$(dirname "$0")/.."
 out=${1:-build/figures/hero.jpg}
@@ -12,7 +12,7 @@ volume=/usr/share/mricron/templates/ch2bet.nii.gz
 [ -r "$volume" ] || { echo "hero: $volume is missing; it comes with the Debian package mricron-data" >&2; exit 3; }
 dir=build/figures/hero-$size
 mkdir -p "$dir" "$(dirname "$out")"
-renderers=${HERO_RENDERERS:-reference gl cycles povray}
+renderers=${HERO_RENDERERS:-reference gl cycles}
 for level in 0 1 2; do
     for renderer in $renderers; do
         image=$dir/$renderer-$level
