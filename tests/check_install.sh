@@ -6,6 +6,7 @@ unset MAKEFLAGS MFLAGS # of the make that runs the tests
 to=$dir/stage/opt/iso
 make_it() { make -s -C "$top" SETUP=no config=release PREFIX=/opt/iso DESTDIR="$dir/stage" "$@"; }
 expect it_is_installed 0 make_it install
+[ $failed = 0 ] || exit 1
 lib=$to/lib/libisoshade.so
 version=$("$ISOSHADE" --version | cut -d' ' -f2)
 
@@ -66,6 +67,8 @@ check options_are_completed test "$(complete_words isoshade render --sce)" = --s
 check options_of_the_command_alone test -z "$(complete_words isoshade compare --sce)"
 check values_are_completed test "$(complete_words isoshade export --to b)" = blender
 check values_behind_an_equals_sign_too test "$(complete_words isoshade export --to = b)" = blender
+check values_of_a_list_are_completed test "$(complete_words isoshade build --direction-filter n)" = naive
+check kinds_of_volumes_are_completed test "$(complete_words isoshade make mar)" = marschner-lobb
 check benchmarks_are_completed test "$(complete_words isoshade bench gr)" = gradient
 check with_their_options test "$(complete_words isoshade bench encode --cou)" = --count
 check actions_are_completed test "$(complete_words isoshade tf c)" = convert

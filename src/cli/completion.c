@@ -5,8 +5,61 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/names.h"
 #include "cli/commands.h"
 #include "cli/manual.h"
+#include "encode/code.h"
+#include "gradient/gradient.h"
+#include "palette/palette.h"
+#include "pyramid/pyramid.h"
+#include "scene/field.h"
+#include "targets/targets.h"
+#include "volume/synthetic.h"
+
+/* ---- values that stand in a list of the command's ---- */
+
+static const struct {
+    const char *option;
+    const iso_names *names;
+} lists_of_options[] = {
+    {"to", &iso_export_target_names},
+    {"code", &iso_code_names},
+    {"estimator", &iso_gradient_names},
+    {"scalar-filter", &iso_scalar_filter_names},
+    {"direction-filter", &iso_direction_filter_names},
+    {"shading-from", &iso_direction_source_names},
+    {"method", &iso_palette_method_names},
+};
+
+static bool has_list(const iso_command *c, const iso_names *names)
+{
+    for (const iso_names *const *list = c->lists; list && *list; ++list)
+        if (*list == names)
+            return true;
+    return false;
+}
+
+/* Parted by spaces; to be freed. */
+static char *words_of_list(const iso_names *names)
+{
+    char *words = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&words, &size);
+    for (size_t i = 0; f && i < names->count; ++i)
+        fprintf(f, "%s%s", i ? " " : "", iso_names_name(names, i));
+    if (f)
+        fclose(f);
+    return words;
+}
+
+/* The words that an option of the command chooses from; NULL where it has no list. */
+static char *names_of_option(const iso_command *c, const char *option)
+{
+    for (size_t i = 0; i < sizeof lists_of_options / sizeof *lists_of_options; ++i)
+        if (strcmp(lists_of_options[i].option, option) == 0 && has_list(c, lists_of_options[i].names))
+            return words_of_list(lists_of_options[i].names);
+    return NULL;
+}
 
 /* ---- what texts for people say about values ---- */
 
@@ -64,9 +117,19 @@ static char *listed_values(const char *text)
     return NULL;
 }
 
-/* Usages list what a command does by its first word: "adapt VOLUME ... | convert FILE ...". NULL as above. */
-static char *listed_actions(const char *usage)
+static char *values_of(const iso_command *c, const struct poptOption *o)
 {
+    char *words = names_of_option(c, o->longName);
+    return words || !o->descrip ? words : listed_values(o->descrip);
+}
+
+/* Usages list what a command does by its first word: "adapt VOLUME ... | convert FILE ..."; that of make is a kind of
+ * volume. NULL as above. */
+static char *listed_actions(const iso_command *c)
+{
+    const char *usage = c->usage;
+    if (strcmp(c->name, "make") == 0)
+        return words_of_list(&iso_field_names);
     char *words = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&words, &size);
@@ -101,7 +164,7 @@ static void put_bash_values(void *user, const struct poptOption *o, bool is_comm
     (void)is_common;
     if (!o->argDescrip)
         return;
-    char *values = o->descrip ? listed_values(o->descrip) : NULL;
+    char *values = values_of(w->command, o);
     fprintf(w->f, "    '%s --%s'", w->command->name, o->longName);
     if (o->shortName)
         fprintf(w->f, " | '%s -%c'", w->command->name, o->shortName);
@@ -111,7 +174,7 @@ static void put_bash_values(void *user, const struct poptOption *o, bool is_comm
 
 static void put_bash_command(FILE *f, const iso_command *c)
 {
-    char *actions = listed_actions(c->usage);
+    char *actions = listed_actions(c);
     fprintf(f, "    '%s') actions='%s' options='", c->name, actions ? actions : "");
     iso_cli_visit_options(c, put_bash_option, f);
     fputs("' ;;\n", f);
@@ -194,7 +257,8 @@ static void put_zsh_text(FILE *f, const char *text)
 
 static void put_zsh_option(void *user, const struct poptOption *o, bool is_common)
 {
-    FILE *f = user;
+    const value_writer *w = user;
+    FILE *f = w->f;
     (void)is_common;
     fputs(" \\\n            '", f);
     if (o->shortName)
@@ -205,7 +269,7 @@ static void put_zsh_option(void *user, const struct poptOption *o, bool is_commo
     put_zsh_text(f, o->descrip ? o->descrip : "");
     fputc(']', f);
     if (o->argDescrip) {
-        char *values = o->descrip ? listed_values(o->descrip) : NULL;
+        char *values = values_of(w->command, o);
         fputc(':', f);
         put_zsh_text(f, o->argDescrip);
         if (values)
@@ -219,9 +283,10 @@ static void put_zsh_option(void *user, const struct poptOption *o, bool is_commo
 
 static void put_zsh_command(FILE *f, const iso_command *c)
 {
-    char *actions = listed_actions(c->usage);
+    char *actions = listed_actions(c);
     fprintf(f, "    '%s')\n        _arguments -s", c->name);
-    iso_cli_visit_options(c, put_zsh_option, f);
+    value_writer w = {f, c};
+    iso_cli_visit_options(c, put_zsh_option, &w);
     if (actions)
         fprintf(f, " \\\n            '1:action:(%s)'", actions);
     fputs(" \\\n            '*:file:_files' ;;\n", f);

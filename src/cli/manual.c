@@ -114,6 +114,22 @@ static void put_benchmarks(FILE *f)
     fputs(".PP\nisoshade bench NAME \\-\\-help shows the options of one.\n", f);
 }
 
+/* What options choose from. */
+static void put_list(FILE *f, const iso_names *names)
+{
+    fprintf(f, ".PP\n%c", toupper((unsigned char)names->what[0]));
+    put_text(f, names->what + 1);
+    fputs("s:\n", f);
+    for (size_t i = 0; i < names->count; ++i) {
+        const char *summary = iso_names_summary(names, i);
+        fputs(".TP\n.B ", f);
+        put_text(f, iso_names_name(names, i));
+        fputc('\n', f);
+        put_text(f, summary);
+        fputc('\n', f);
+    }
+}
+
 static void put_command(FILE *f, const iso_command *c)
 {
     fputs(".SS ", f);
@@ -132,6 +148,8 @@ static void put_command(FILE *f, const iso_command *c)
     if (strcmp(c->name, "bench") == 0)
         put_benchmarks(f);
     iso_cli_visit_options(c, put_option, f);
+    for (const iso_names *const *list = c->lists; list && *list; ++list)
+        put_list(f, *list);
 }
 
 static void put_examples(FILE *f, const iso_command *c)
