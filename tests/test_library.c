@@ -95,7 +95,7 @@ static void choices_are_listed(void **state)
         bool found = false;
         size_t i = 0;
         for (const char *name; (name = iso_choice_name(lists[l].what, i)); ++i) {
-            assert_in_range(i, 0, 63);
+            assert_true(i < 64);
             found = found || strcmp(name, lists[l].holds) == 0;
             for (size_t j = 0; j < i; ++j)
                 assert_string_not_equal(name, iso_choice_name(lists[l].what, j));
@@ -176,7 +176,7 @@ static void directions_survive_each_code(void **state)
     for (size_t i = 0; (code = iso_choice_name(ISO_CHOICE_CODE, i)); ++i) {
         uint8_t bytes[2 * 16];
         float back[6];
-        assert_in_range(iso_directions_bytes(code), 1, 16);
+        assert_true(iso_directions_bytes(code) >= 1 && iso_directions_bytes(code) <= 16);
         assert_ok(iso_directions_encode(code, d, 2, bytes, &err));
         assert_ok(iso_directions_decode(code, bytes, 2, back, &err));
         for (int k = 0; k < 2; ++k) {

@@ -67,7 +67,7 @@ static void a_log_has_few_lines(void **state)
     assert_int_equal(lines_of(4), 0);
     assert_int_equal(lines_of(9), 1);
     assert_int_equal(lines_of(100), 9); /* each tenth */
-    assert_in_range(lines_of(3600), 115, 125); /* each half minute */
+    assert_true(lines_of(3600) >= 115 && lines_of(3600) <= 125); /* each half minute */
 }
 
 static void without_a_line_all_is_silent(void **state)
