@@ -43,7 +43,7 @@ while read -r command what; do
 done <<'END'
 info volume format
 tf transfer-function format
-build gradient method
+build gradient estimator
 build direction code
 build direction filter
 build scalar filter
@@ -51,7 +51,7 @@ render direction code
 render direction source
 palette palette method
 chart direction code
-chart gradient method
+chart gradient estimator
 export export target
 END
 

@@ -167,7 +167,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
-        {"to", 0, POPT_ARG_STRING, &a.to, 0, "of the list below", "TARGET"},
+        {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray", "SCENE.scene.json"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},

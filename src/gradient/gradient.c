@@ -10,7 +10,7 @@
 #define ISO_GRADIENT_POINTER(method, row) [ISO_GRADIENT_##method] = &iso_gradient_##row,
 static const iso_gradient_info *const methods[] = {ISO_GRADIENT_LIST(ISO_GRADIENT_POINTER)};
 #undef ISO_GRADIENT_POINTER
-const iso_names iso_gradient_names = ISO_NAMES_OF_POINTERS("gradient method", methods);
+const iso_names iso_gradient_names = ISO_NAMES_OF_POINTERS("gradient estimator", methods);
 
 const iso_gradient_info *iso_gradient_describe(iso_gradient_method method) { return methods[method]; }
 
