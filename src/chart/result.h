@@ -16,6 +16,8 @@
 typedef enum iso_chart_metric { ISO_CHART_RMSE, ISO_CHART_FLIP, ISO_CHART_SSIM, ISO_CHART_METRIC_COUNT } iso_chart_metric;
 /* "rmse", "flip", "ssim" */
 const char *iso_chart_metric_name(iso_chart_metric m);
+/* "RMSE", "mean FLIP", "1 - SSIM": of an axis */
+const char *iso_chart_metric_title(iso_chart_metric m);
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err);
 double iso_chart_error(const iso_chart_case *c, iso_chart_metric m);
 
@@ -40,11 +42,23 @@ typedef struct iso_chart_result {
     char refusal[320];         /* why the first could not */
 } iso_chart_result;
 
+/* Along a front, from the largest error: a setting is named when its error is this part of the last named one's or less.
+ * What gains less is on the front by chance of the clock, or by the last digit of an error. */
+#define ISO_CHART_NAMED_PART 0.95
+
 /* Sorts measured settings before the others, marks and numbers the fronts, and chooses fastest, smallest and best. */
 iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
 
+/* Of a setting, the bytes that the second chart shows; what they and the times are: "device" or "stored", "processor" or "clock". */
+double iso_chart_bytes_of(const iso_chart_case *c, iso_chart_bytes b);
+const char *iso_chart_bytes_kind(const iso_chart_result *r);
+const char *iso_chart_time_kind(const iso_chart_result *r);
+
 /* "isoshade render ..." that gives the setting's image again as setting.exr; to be freed, NULL when memory ends. */
 char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c);
+
+/* "isoshade compare ..." of setting.exr with the chart's reference; to be freed, NULL when memory ends. */
+char *iso_chart_compare_command(const iso_chart_result *r);
 
 json_t *iso_chart_result_json(const iso_chart_result *r);
 /* The folder, whole or not at all. */

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* result_json.c - what a chart found, as data. */
+#include "chart/untried.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/machine.h"
+#include "base/version.h"
+
+static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
+{
+    char shading_from[64], setting[192];
+    iso_chart_name_shading(c, shading_from, sizeof shading_from);
+    iso_chart_describe(c, setting, sizeof setting);
+    char *command = iso_chart_command(r, c);
+    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer", c->renderer->name,
+                          "level", (json_int_t)c->level, "shading_from", shading_from, "filter", iso_direction_filter_name(c->filter),
+                          "estimator", iso_gradient_name(c->estimator), "tf", iso_chart_name_tf(c), "quadrature",
+                          c->preintegrated ? "preintegrated" : "midpoint", "step_voxels", c->step_voxels);
+    if (c->plan_error > 0)
+        json_object_set_new(o, "plan_error", json_real(c->plan_error));
+    json_object_update_new(o, json_pack("{s:f, s:f, s:f, s:I, s:f, s:f, s:f}", "milliseconds", 1e3 * c->took.seconds,
+                                        "milliseconds_median", 1e3 * c->took.median_seconds, "milliseconds_most", 1e3 * c->took.most_seconds,
+                                        "frames", (json_int_t)c->took.count, "setup_milliseconds", 1e3 * c->took.setup_seconds,
+                                        "device_bytes", c->took.bytes, "stored_bytes", c->stored_bytes));
+    json_object_update_new(o, iso_metrics_to_json(&c->metrics));
+    json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
+    json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
+    if (c->number > 0)
+        json_object_set_new(o, "number", json_integer((json_int_t)c->number));
+    json_object_set_new(o, "command", json_string(command ? command : ""));
+    free(command);
+    return o;
+}
+
+static json_t *strings_json(const char (*texts)[320])
+{
+    json_t *o = json_object();
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (texts[i][0])
+            json_object_set_new(o, iso_renderer_at(i)->name, json_string(texts[i]));
+    return o;
+}
+
+static json_t *want_json(const iso_chart_result *r)
+{
+    json_t *want = json_pack("{s:s, s:f}", "metric", iso_chart_metric_name(r->metric), "error", r->want);
+    const char *const keys[] = {"fastest", "smallest", "best"};
+    const size_t chosen[] = {r->fastest, r->smallest, r->best};
+    for (int k = 0; k < 3; ++k)
+        json_object_set_new(want, keys[k], chosen[k] < r->done_count ? case_json(r, &r->cases[chosen[k]]) : json_null());
+    return want;
+}
+
+json_t *iso_chart_result_json(const iso_chart_result *r)
+{
+    json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line), *cases = json_array(), *names = json_array();
+    iso_chart_tags *untried;
+    json_object_set_new(root, "options",
+                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
+                                  iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r), "bytes", iso_chart_bytes_kind(r),
+                                  "budget_seconds", r->budget_seconds, "image", (json_int_t)r->bench->view.width,
+                                  (json_int_t)r->bench->view.height));
+    json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
+    json_object_set_new(root, "versions", strings_json(r->versions));
+    json_object_set_new(root, "machine", iso_machine_describe());
+    json_object_set_new(root, "spent_seconds", json_real(r->spent_seconds));
+    json_object_set_new(root, "reference_seconds", json_real(r->bench->reference_seconds));
+    json_object_set_new(root, "skipped_count", json_integer((json_int_t)(r->count - r->done_count - r->refused_count)));
+    json_object_set_new(root, "refused_count", json_integer((json_int_t)r->refused_count));
+    json_object_set_new(root, "left_out", strings_json(r->left_out));
+    if (iso_chart_find_untried(r, &untried) == ISO_OK)
+        for (size_t i = 0; i < untried->count; ++i)
+            json_array_append_new(names, json_string(untried->tags[i]));
+    iso_chart_free_untried(untried);
+    json_object_set_new(root, "untried", names);
+    if (r->want > 0)
+        json_object_set_new(root, "want", want_json(r));
+    for (size_t i = 0; i < r->done_count; ++i)
+        json_array_append_new(cases, case_json(r, &r->cases[i]));
+    json_object_set_new(root, "cases", cases);
+    return root;
+}
