@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* adapt_level.c - a level's table, adapted or, where that would not bring the voxels nearer, the original one. */
+#include "tf/adapt.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Premultiplied colour and opacity over a length, and the square of their norm. */
+typedef struct seen {
+    double rgba[4], square;
+} seen;
+
+static seen see(const iso_tf_table *tf, double value, double length_mm)
+{
+    seen p;
+    iso_tf_lookup(tf, value, p.rgba);
+    p.rgba[3] = -expm1(-p.rgba[3] * length_mm);
+    for (int c = 0; c < 3; ++c)
+        p.rgba[c] *= p.rgba[3];
+    p.square = p.rgba[0] * p.rgba[0] + p.rgba[1] * p.rgba[1] + p.rgba[2] * p.rgba[2] + p.rgba[3] * p.rgba[3];
+    return p;
+}
+
+/* sum count |z - s|^2 from the row's moments: sum of the squares - 2 s sum + count s^2. */
+static double row_error(const seen *sums, double count, const seen *s)
+{
+    double product = 0;
+    for (int c = 0; c < 4; ++c)
+        product += sums->rgba[c] * s->rgba[c];
+    return fmax(sums->square - 2 * product + count * s->square, 0);
+}
+
+iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
+                           iso_adapt_judgment *judgment, iso_error *err)
+{
+    const double length_mm = iso_geometry_mean_spacing_mm(level0), n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
+    double original_sum = 0, adapted_sum = 0;
+    seen *at_z = malloc(j->z.count * sizeof *at_z);
+    if (!at_z)
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu bins", j->z.count);
+    for (size_t i = 0; i < j->z.count; ++i)
+        at_z[i] = see(tf, j->z.lo + (double)i * j->z.step, length_mm);
+    for (size_t row = 0; row < j->s.count; ++row) {
+        const double s = j->s.lo + (double)row * j->s.step;
+        seen sums = {{0}, 0};
+        double row_count = 0;
+        for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i) {
+            const seen *z = &at_z[j->entry_z[i]];
+            const double count = (double)j->entry_count_of[i];
+            row_count += count;
+            for (int c = 0; c < 4; ++c)
+                sums.rgba[c] += count * z->rgba[c];
+            sums.square += count * z->square;
+        }
+        if (row_count == 0)
+            continue;
+        const seen original = see(tf, s, length_mm), other = see(adapted, s, length_mm);
+        original_sum += row_error(&sums, row_count, &original);
+        adapted_sum += row_error(&sums, row_count, &other);
+    }
+    free(at_z);
+    judgment->rms_original = sqrt(original_sum / n);
+    judgment->rms_adapted = sqrt(adapted_sum / n);
+    judgment->use_original = !(judgment->rms_adapted < judgment->rms_original);
+    return ISO_OK;
+}
+
+static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_error *err)
+{
+    *to = *from;
+    to->entries = malloc(4 * from->count * sizeof *to->entries);
+    if (!to->entries) {
+        *to = (iso_tf_table){0};
+        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", from->count);
+    }
+    memcpy(to->entries, from->entries, 4 * from->count * sizeof *to->entries);
+    return ISO_OK;
+}
+
+iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err)
+{
+    const iso_geometry *level0 = &p->levels[0].geometry;
+    iso_joint joint = {0};
+    iso_adapter *adapter = NULL;
+    iso_adapt_judgment verdict = {.use_original = true};
+    *table = (iso_tf_table){0};
+    if (level == 0) {
+        if (judgment)
+            *judgment = verdict;
+        return copy_table(tf, table, err);
+    }
+    iso_status status =
+        iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads, &joint, err);
+    if (status == ISO_OK)
+        status = iso_adapter_create(&joint, opt, &adapter, err);
+    if (status == ISO_OK)
+        status = iso_adapter_apply(adapter, tf, level0, level, table, err);
+    if (status == ISO_OK)
+        status = iso_adapt_judge(&joint, tf, table, level0, &verdict, err);
+    verdict.use_original = verdict.use_original && opt->fall_back;
+    if (status == ISO_OK && verdict.use_original) {
+        iso_tf_table_destroy(table);
+        status = copy_table(tf, table, err);
+    }
+    if (judgment)
+        *judgment = verdict;
+    iso_adapter_destroy(adapter);
+    iso_joint_destroy(&joint);
+    return status;
+}
+
+iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *err)
+{
+    float largest = 0;
+    for (size_t i = 0; i < table->count; ++i)
+        largest = fmaxf(largest, table->entries[4 * i + 3]);
+    /* Opacities are stated for 1 mm, or less where they would come close to the cap. */
+    double unit_mm = largest > 4 ? 4 / (double)largest : 1;
+    *tf = (iso_tf){.point_count = table->count, .range = {table->lo, table->hi}, .unit_distance = unit_mm, .table_size = table->count};
+    tf->points = malloc(table->count * sizeof *tf->points);
+    if (!tf->points) {
+        *tf = (iso_tf){0};
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu points", table->count);
+    }
+    for (size_t i = 0; i < table->count; ++i) {
+        const float *e = table->entries + 4 * i;
+        iso_tf_point *point = &tf->points[i];
+        point->value = table->lo + (double)i / (double)(table->count - 1) * (table->hi - table->lo);
+        for (int c = 0; c < 3; ++c)
+            point->rgb_linear[c] = e[c];
+        point->opacity = -expm1(-(double)e[3] * unit_mm);
+    }
+    return ISO_OK;
+}
