@@ -66,6 +66,7 @@ const char *iso_version(void);
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 /* name, number (also the exit code of the command that met it), meaning */
+/* clang-format off */
 #define ISO_STATUS_LIST(X)                                                          \
     X(ISO_OK, 0, "success")                                                         \
     X(ISO_E_DIFFERS, 1, "the comparison found a difference")                        \
@@ -77,6 +78,7 @@ const char *iso_version(void);
     X(ISO_E_MISSING, 7, "a needed program or device is missing")                    \
     X(ISO_E_PROGRAM, 8, "an external program or library failed")                    \
     X(ISO_E_UNTRUSTED, 9, "a renderer failed its calibration; comparison refused")
+/* clang-format on */
 
 typedef enum iso_status {
 #define ISO_STATUS_ENUM(name, code, text) name = code,
@@ -166,8 +168,7 @@ typedef struct iso_build_options {
 iso_build_options iso_build_defaults(void);
 
 /* ISO_E_USAGE: an unknown name; ISO_E_RANGE: an option outside its limits, voxels that are not finite; ISO_E_MEMORY. */
-iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid,
-                     iso_error *err);
+iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err);
 
 /* Opens a folder NAME.iso (doc/formats.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err);
@@ -285,8 +286,8 @@ typedef struct iso_metrics {
     double rmse, max_abs, p99_abs; /* p99: 99 % of the pixels differ by less, in their worst channel */
     double psnr_db;                /* peak 1; infinite for equal images */
     double ssim, flip_mean;
-    size_t nonfinite_count;        /* pixels with NaN or infinity in either image; above 0 all metrics are NaN */
-    size_t worst[2];               /* column and row of max_abs */
+    size_t nonfinite_count; /* pixels with NaN or infinity in either image; above 0 all metrics are NaN */
+    size_t worst[2];        /* column and row of max_abs */
     double reserved[8];
 } iso_metrics;
 /* ISO_E_RANGE: empty images, different sizes or origins. Ask `metrics.max_abs <= limit`: NaN is never within. */
@@ -295,7 +296,7 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
 
 typedef struct iso_frame_options {
-    const char *renderer;           /* "reference": exact and slow; others are faster, or other programs */
+    const char *renderer; /* "reference": exact and slow; others are faster, or other programs */
     size_t level;
     size_t width, height;           /* 0: the scene's */
     const iso_tf *tf;               /* NULL: the scene's */

@@ -14,7 +14,8 @@ static inline bool cycles_shows_volumes(void)
 {
     char version[64];
     iso_error err = {""};
-    if (iso_cycles_version(version, sizeof version, &err) != ISO_E_MISSING || !strstr(err.text, "built without NanoVDB"))
+    if (iso_cycles_version(version, sizeof version, &err) != ISO_E_MISSING ||
+        !strstr(err.text, "built without NanoVDB"))
         return true;
     print_message("%s\n", err.text);
     return false;

@@ -15,7 +15,7 @@ static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *
 
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
-    (void)stats; /* the time of the call will do */
+    (void)stats;                                    /* the time of the call will do */
     iso_level level = q->pyramid->levels[q->level]; /* borrowed, but for where it stands */
     iso_reference_options o = iso_reference_defaults();
     level.geometry.origin_mm = iso_geometry_to_world(&level.geometry, iso_v3(shift_voxels, shift_voxels, shift_voxels));
@@ -28,12 +28,19 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 
 /* The reference's own midpoints, in its arithmetic: only the rounding of where the volume stands may tell them apart. */
 static const iso_lock_step lock_step = {
-    .quadrature = ISO_QUADRATURE_MIDPOINT, .why = "the same samples in the same arithmetic",
-    .smooth = {.rmse = 1e-6, .max_abs = 1e-5}, .sharp = {.rmse = 1e-6, .max_abs = 1e-5},
+    .quadrature = ISO_QUADRATURE_MIDPOINT,
+    .why = "the same samples in the same arithmetic",
+    .smooth = {.rmse = 1e-6, .max_abs = 1e-5},
+    .sharp = {.rmse = 1e-6, .max_abs = 1e-5},
 };
 
 const iso_renderer_info iso_renderer_shifted = {
-    .name = "shifted", .title = "Shifted reference", .color = "#cc79a7", .relative_cost = 10,
+    .name = "shifted",
+    .title = "Shifted reference",
+    .color = "#cc79a7",
+    .relative_cost = 10,
     .traits = ISO_HAS_LIMIT | ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI | ISO_READS_SOURCE,
-    .lock_step = &lock_step, .version = version, .render = render,
+    .lock_step = &lock_step,
+    .version = version,
+    .render = render,
 };

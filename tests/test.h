@@ -14,6 +14,7 @@
 #include "base/status.h"
 
 /* The tolerance states its cause in a comment where it is used. */
+/* clang-format off */
 #define assert_within(value, expected, tolerance)                                                       \
     do {                                                                                                \
         double value_ = (value), expected_ = (expected), tolerance_ = (tolerance);                      \
@@ -34,8 +35,10 @@
         if (!(value_ > limit_))                                                            \
             fail_msg("%s = %.17g, must exceed %g", #value, value_, limit_);                \
     } while (0)
+/* clang-format on */
 
 /* Runs a call that takes an iso_error last, named err. */
+/* clang-format off */
 #define assert_ok(call)                                                                    \
     do {                                                                                   \
         iso_error err = {""};                                                              \
@@ -53,5 +56,6 @@
         if (status_ != ISO_OK && !err.text[0])                                             \
             fail_msg("%s: no message", #call);                                             \
     } while (0)
+/* clang-format on */
 
 #endif

@@ -132,7 +132,7 @@ static void coarser_levels_are_looked_up_the_same(void **state)
 {
     (void)state;
     assert_int_equal(misplaced_count(3), 0); /* 2 + 9 + 12 bits: exact */
-    assert_true(misplaced_count(4) <= 8);    /* 2 + 12 + 15 bits: float rounds, so some of 15466 ties fall the other way */
+    assert_true(misplaced_count(4) <= 8); /* 2 + 12 + 15 bits: float rounds, so some of 15466 ties fall the other way */
 }
 
 static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
@@ -184,7 +184,8 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
         size_t end = z + 3 < n[2] ? z + 3 : n[2], first, count;
         iso_joint_needs(b, z, end, &first, &count);
         assert_true(count <= 3 && first + count <= m[2]);
-        assert_ok(iso_joint_add(b, z, end, p.levels[0].scalar + z * n[0] * n[1], p.levels[2].scalar + first * m[0] * m[1], NULL, &err));
+        assert_ok(iso_joint_add(b, z, end, p.levels[0].scalar + z * n[0] * n[1],
+                                p.levels[2].scalar + first * m[0] * m[1], NULL, &err));
     }
     assert_ok(iso_joint_end(b, &other, &err));
     assert_same_joint(&whole, &other);
@@ -257,7 +258,8 @@ static iso_tf_table make_tf(void)
     iso_tf_table t = {.count = BINS, .lo = 10, .hi = 10 + 2 * (BINS - 1)};
     t.entries = malloc(4 * BINS * sizeof *t.entries);
     for (size_t i = 0; i < BINS; ++i) {
-        float e[4] = {0.1f + 0.05f * (float)i, 1 - 0.06f * (float)i, i % 2 ? 0.25f : 0.75f, i < 4 ? 0 : 0.07f * (float)i};
+        float e[4] = {0.1f + 0.05f * (float)i, 1 - 0.06f * (float)i, i % 2 ? 0.25f : 0.75f,
+                      i < 4 ? 0 : 0.07f * (float)i};
         memcpy(t.entries + 4 * i, e, sizeof e);
     }
     return t;
@@ -268,7 +270,8 @@ static iso_geometry spacing_of(double mm)
     return iso_geometry_axis_aligned((size_t[]){8, 8, 8}, (double[]){mm, mm, mm});
 }
 
-static iso_tf_table adapt(const iso_joint *j, const iso_tf_table *tf, iso_adapt_options opt, double spacing_mm, size_t level)
+static iso_tf_table adapt(const iso_joint *j, const iso_tf_table *tf, iso_adapt_options opt, double spacing_mm,
+                          size_t level)
 {
     iso_adapter *a;
     iso_tf_table out;
@@ -289,7 +292,10 @@ static void one_fine_value_a_row_leaves_the_tf_unchanged(void **state)
     iso_tf_table tf = make_tf();
     for (int average = 0; average < ISO_AVERAGE_COUNT; ++average)
         for (int weight = 0; weight < ISO_WEIGHT_COUNT; ++weight) {
-            iso_adapt_options opt = {.average = (iso_adapt_average)average, .weight = (iso_adapt_weight)weight, .mix_s = 0.3, .mix_t = 0.3};
+            iso_adapt_options opt = {.average = (iso_adapt_average)average,
+                                     .weight = (iso_adapt_weight)weight,
+                                     .mix_s = 0.3,
+                                     .mix_t = 0.3};
             iso_tf_table out = adapt(&j, &tf, opt, 1.5, 1);
             assert_int_equal(out.count, BINS);
             assert_within(out.hi, tf.hi, 1e-12);
@@ -323,7 +329,10 @@ static void two_values_average_as_eq_7_says(void **state)
         }
         double k = w[0] + w[1], u[2] = {w[0] / k, w[1] / k};
         for (int average = 0; average < ISO_AVERAGE_COUNT; ++average) {
-            iso_adapt_options opt = {.average = (iso_adapt_average)average, .weight = (iso_adapt_weight)weight, .mix_s = 0.5, .mix_t = 0.25};
+            iso_adapt_options opt = {.average = (iso_adapt_average)average,
+                                     .weight = (iso_adapt_weight)weight,
+                                     .mix_s = 0.5,
+                                     .mix_t = 0.25};
             iso_tf_table out = adapt(&j, &tf, opt, length, 2);
             double span = average == ISO_AVERAGE_TRANSMITTANCE ? length * 2 : length; /* h_0 sqrt(4) */
             double a[2], extinction, color[2] = {u[0], u[1]};
@@ -334,7 +343,8 @@ static void two_values_average_as_eq_7_says(void **state)
             if (average != ISO_AVERAGE_RGBA)
                 color[0] = u[0] * a[0] / mean, color[1] = u[1] * a[1] / mean;
             for (int c = 0; c < 3; ++c)
-                assert_within(out.entries[4 * 7 + c], color[0] * (double)e[0][c] + color[1] * (double)e[1][c], 3e-7); /* floats */
+                assert_within(out.entries[4 * 7 + c], color[0] * (double)e[0][c] + color[1] * (double)e[1][c],
+                              3e-7); /* floats */
             assert_within(out.entries[4 * 7 + 3], extinction, 3e-7);
             iso_tf_table_destroy(&out);
         }
@@ -353,7 +363,8 @@ static void transparent_entries_do_not_darken_the_color(void **state)
     iso_tf_table weighted = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     for (int c = 0; c < 3; ++c)
         assert_within(weighted.entries[4 * 5 + c], (double)tf.entries[4 * 9 + c], 2e-7);
-    iso_tf_table plain = adapt(&j, &tf, (iso_adapt_options){.average = ISO_AVERAGE_RGBA, .weight = ISO_WEIGHT_GAUSS}, 1, 1);
+    iso_tf_table plain = adapt(&j, &tf, (iso_adapt_options){.average = ISO_AVERAGE_RGBA, .weight = ISO_WEIGHT_GAUSS}, 1,
+                               1);
     for (int c = 0; c < 3; ++c) /* the fault that the paper's average has: half as bright */
         assert_within(plain.entries[4 * 5 + c], 0.5 * (double)tf.entries[4 * 9 + c], 2e-7);
     iso_tf_table_destroy(&plain);
@@ -370,7 +381,8 @@ static void rows_of_no_opacity_keep_the_mean_color(void **state)
     iso_tf_table tf = make_tf();
     iso_tf_table out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     for (int c = 0; c < 3; ++c)
-        assert_within(out.entries[4 * 2 + c], 0.5 * ((double)tf.entries[4 * 1 + c] + (double)tf.entries[4 * 3 + c]), 2e-7);
+        assert_within(out.entries[4 * 2 + c], 0.5 * ((double)tf.entries[4 * 1 + c] + (double)tf.entries[4 * 3 + c]),
+                      2e-7);
     assert_within(out.entries[4 * 2 + 3], 0, 0);
     iso_tf_table_destroy(&out);
     iso_tf_table_destroy(&tf);

@@ -29,12 +29,29 @@ static iso_pyramid shared_value_pyramid(void)
 /* Along z, a pixel a fine voxel; 100 is opaque, 50 is not. */
 static iso_view front_view(const iso_pyramid *p)
 {
-    static iso_tf_point points[] = {{0, {1, 0, 0}, 0}, {0.75, {1, 0, 0}, 0}, {0.8, {1, 0, 0}, 0.9}, {1, {1, 0, 0}, 0.9}};
-    const iso_scene scene = {.path = "test", .width = 12, .height = 8, .orthographic = true, .camera_position = {0, 0, 20},
-                             .camera_direction = {0, 0, -1}, .camera_look_at = {0, 0, 0}, .camera_up = {0, 1, 0}, .height_mm = 8,
-                             .light_count = 1, .lights = {{.direction = {0, 0, 1}, .intensity = 1}}, .shading = {.ambient = 1, .power = 1},
+    static iso_tf_point points[] = {{0, {1, 0, 0}, 0},
+                                    {0.75, {1, 0, 0}, 0},
+                                    {0.8, {1, 0, 0}, 0.9},
+                                    {1, {1, 0, 0}, 0.9}};
+    const iso_scene scene = {.path = "test",
+                             .width = 12,
+                             .height = 8,
+                             .orthographic = true,
+                             .camera_position = {0, 0, 20},
+                             .camera_direction = {0, 0, -1},
+                             .camera_look_at = {0, 0, 0},
+                             .camera_up = {0, 1, 0},
+                             .height_mm = 8,
+                             .light_count = 1,
+                             .lights = {{.direction = {0, 0, 1}, .intensity = 1}},
+                             .shading = {.ambient = 1, .power = 1},
                              .step_voxels = 0.25,
-                             .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 4, .points = points}};
+                             .tf = {.fit_range = true,
+                                    .unit_distance = 1,
+                                    .unit_is_voxels = true,
+                                    .table_size = 256,
+                                    .point_count = 4,
+                                    .points = points}};
     iso_view view;
     assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
     return view;
@@ -72,7 +89,8 @@ static void a_2d_transfer_function_of_equal_rows_is_the_1d_one(void **state)
         memcpy(tf_2d.rows[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
     view.tf = table;
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip), second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
+        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip),
+                  second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         for (size_t i = 0; i < 4 * 12 * 8; ++i)
             assert_within(second.rgba[i], (double)plain.rgba[i], 1e-6); /* one more mix of equal floats */
         assert_more_than(alpha_at(&plain, 7), 0.5);

@@ -92,7 +92,8 @@ int main(void)
 {
     struct CMUnitTest *tests = calloc(iso_atlas_case_count + 3, sizeof *tests);
     for (size_t i = 0; i < iso_atlas_case_count; ++i)
-        tests[i] = (struct CMUnitTest){.name = iso_atlas_cases[i].id, .test_func = a_failure_and_its_fallback_stand,
+        tests[i] = (struct CMUnitTest){.name = iso_atlas_cases[i].id,
+                                       .test_func = a_failure_and_its_fallback_stand,
                                        .initial_state = (void *)&iso_atlas_cases[i]};
     tests[iso_atlas_case_count] = (struct CMUnitTest)cmocka_unit_test(an_unknown_option_is_refused);
     tests[iso_atlas_case_count + 1] = (struct CMUnitTest)cmocka_unit_test(ids_are_of_their_own);

@@ -9,11 +9,12 @@
 
 static json_t *report(double rmse, double flip, const char *extra_scene)
 {
-    json_t *r = json_pack("{s:s, s:s, s:{s:s}, s:[{s:s, s:i, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f}], s:[{s:s, s:i, s:f, s:f, s:n}]}",
-                          "schema", "isoshade.validate/1", "command", "isoshade validate v", "versions", "gl", "llvmpipe 1",
-                          "agreement", "scene", "smooth", "level", 1, "a", "reference", "b", "gl", "tier", "tight", "verdict",
-                          "agree", "rmse", rmse, "max_abs", 0.5, "p99_abs", 0.25, "flip_mean", 0.125, "consistency", "method", "naive", "level", 2, "ssim_dissimilarity_mean", 0.1,
-                          "flip_mean", flip, "gradient_angle_mean_deg");
+    json_t *r = json_pack(
+        "{s:s, s:s, s:{s:s}, s:[{s:s, s:i, s:s, s:s, s:s, s:s, s:f, s:f, s:f, s:f}], s:[{s:s, s:i, s:f, s:f, s:n}]}",
+        "schema", "isoshade.validate/1", "command", "isoshade validate v", "versions", "gl", "llvmpipe 1", "agreement",
+        "scene", "smooth", "level", 1, "a", "reference", "b", "gl", "tier", "tight", "verdict", "agree", "rmse", rmse,
+        "max_abs", 0.5, "p99_abs", 0.25, "flip_mean", 0.125, "consistency", "method", "naive", "level", 2,
+        "ssim_dissimilarity_mean", 0.1, "flip_mean", flip, "gradient_angle_mean_deg");
     assert_non_null(r);
     if (extra_scene) {
         json_t *row = json_deep_copy(json_array_get(json_object_get(r, "agreement"), 0));
@@ -56,7 +57,8 @@ static void a_figure_beyond_the_factor_is_worse_and_comes_first(void **state)
     assert_true(r.worse == 1 && r.better == 1 && r.same == 5);
     json_t *first = json_array_get(r.changes, 0);
     assert_string_equal(json_string_value(json_object_get(first, "change")), "worse");
-    assert_string_equal(json_string_value(json_object_get(first, "figure")), "agreement/smooth/level 1/reference/gl/tight/rmse");
+    assert_string_equal(json_string_value(json_object_get(first, "figure")),
+                        "agreement/smooth/level 1/reference/gl/tight/rmse");
     iso_baseline_result_destroy(&r);
     r = run(figures_of(report(1.2e-3, 0.2, NULL)), figures_of(report(1e-3, 0.2, NULL)));
     assert_int_equal(r.worse, 0);
@@ -105,7 +107,8 @@ static void rows_under_either_tf_are_kept_apart(void **state)
     iso_baseline_result_destroy(&r);
     r = run(figures_of(worse), accepted); /* planted: the original's figure under the adapted TF */
     assert_int_equal(r.worse, 1);
-    assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")), "consistency/naive+adapted/level 2/flip_mean");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")),
+                        "consistency/naive+adapted/level 2/flip_mean");
     iso_baseline_result_destroy(&r);
 }
 
@@ -132,10 +135,12 @@ static json_t *with_verdict(const char *verdict)
 static json_t *certain_report(void)
 {
     json_t *r = report(1e-3, 0.2, NULL), *row = json_array_get(json_object_get(r, "agreement"), 0);
-    json_object_update_new(row, json_pack("{s:f, s:f, s:{s:f}, s:[{s:s, s:f, s:f}]}", "ssim", 0.99, "error_bar", 2e-3, "limits", "rmse",
-                                          3e-3, "gates", "name", "bias", "value", -1.0, "limit", 4.0));
-    json_object_set_new(r, "calibration", json_pack("[{s:s, s:s, s:f, s:f, s:s}]", "renderer", "gl", "check", "slab", "value", 1e-4,
-                                                    "limit", 1e-3, "verdict", "pass"));
+    json_object_update_new(row,
+                           json_pack("{s:f, s:f, s:{s:f}, s:[{s:s, s:f, s:f}]}", "ssim", 0.99, "error_bar", 2e-3,
+                                     "limits", "rmse", 3e-3, "gates", "name", "bias", "value", -1.0, "limit", 4.0));
+    json_object_set_new(r, "calibration",
+                        json_pack("[{s:s, s:s, s:f, s:f, s:s}]", "renderer", "gl", "check", "slab", "value", 1e-4,
+                                  "limit", 1e-3, "verdict", "pass"));
     return r;
 }
 
@@ -159,10 +164,12 @@ static void what_is_less_certain_than_before_is_worse(void **state)
     for (size_t i = 0; i < sizeof planted / sizeof *planted; ++i) {
         json_t *now = certain_report();
         assert_int_equal(json_object_update_new(json_array_get(json_object_get(now, planted[i].section), 0),
-                                                json_loads(planted[i].set, 0, NULL)), 0);
+                                                json_loads(planted[i].set, 0, NULL)),
+                         0);
         iso_baseline_result r = run(figures_of(now), figures_of(certain_report()));
         assert_int_equal(r.worse + r.missing, 1);
-        assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")), planted[i].figure);
+        assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")),
+                            planted[i].figure);
         iso_baseline_result_destroy(&r);
     }
     json_t *without = certain_report(); /* a calibration or a gate that is not there any more is missing */
@@ -225,7 +232,8 @@ static void the_same_rows_give_the_same_text_in_any_order(void **state)
 static void bad_files_and_limits_are_refused(void **state)
 {
     (void)state;
-    json_t *other = json_pack("{s:s}", "schema", "other"), *none = json_pack("{s:s}", "schema", "isoshade.validate/1"), *b;
+    json_t *other = json_pack("{s:s}", "schema", "other"), *none = json_pack("{s:s}", "schema", "isoshade.validate/1"),
+           *b;
     json_t *twice = report(1, 1, "smooth"), *good = figures_of(report(1, 1, NULL));
     iso_baseline_result r;
     assert_status(iso_baseline_from_report(other, &b, &err), ISO_E_FORMAT);

@@ -222,7 +222,8 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
     level->geometry = right;
 
     iso_vec3 light = s.view.lights[0].direction;
-    s.view.lights[0].direction = iso_sub(iso_scale(s.view.camera.right, 2 * iso_dot(light, s.view.camera.right)), light);
+    s.view.lights[0].direction = iso_sub(iso_scale(s.view.camera.right, 2 * iso_dot(light, s.view.camera.right)),
+                                         light);
     wrong = reference(&s, 0, &s.view); /* light from the other side */
     assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
     iso_image_destroy(&wrong);
@@ -254,7 +255,7 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
     iso_image pictures[3], alone;
     assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, 3, pictures, NULL, &err));
     assert_ok(iso_cycles_render(&s.pyramid, 0, &s.view, &frames[1], &alone, NULL, &err));
-    assert_at_most(rmse(&pictures[1], &alone), 1e-7); /* threads may differ in the last bit */
+    assert_at_most(rmse(&pictures[1], &alone), 1e-7);         /* threads may differ in the last bit */
     assert_more_than(rmse(&pictures[1], &pictures[0]), 1e-4); /* another step */
     assert_more_than(rmse(&pictures[1], &pictures[2]), 1e-4); /* another seed */
     frames[2].step_voxels = -1;
@@ -409,7 +410,8 @@ static void ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not(void
     assert_more_than(ramp.color_loss, 0.25);
     assert_within(ramp.alpha_loss, 2 * ramp.color_loss, 1e-6); /* colours reach 1/2, opacity 1 */
     free(t.entries);
-    fill_table(&t, 951, 20); /* 19 does not divide 255: knots between the baked entries are cut, 19/255 of a tooth at most */
+    fill_table(&t, 951,
+               20); /* 19 does not divide 255: knots between the baked entries are cut, 19/255 of a tooth at most */
     iso_color_ramp_fit(&t, &ramp);
     assert_more_than(ramp.alpha_loss, 0.001);
     assert_at_most(ramp.alpha_loss, 19.0 / 255);
@@ -463,10 +465,12 @@ static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
     subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
     char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
-    int n = asprintf(&text,
-                     "#!/bin/sh\n"
-                     "sed -i 's/^\\( *\\)thing.data.render.step_size = 0.125/&\\n\\1thing.location = (0.2, 0, 0)/' build_scene.py\n"
-                     "exec %s \"$@\"\n", blender);
+    int n = asprintf(
+        &text,
+        "#!/bin/sh\n"
+        "sed -i 's/^\\( *\\)thing.data.render.step_size = 0.125/&\\n\\1thing.location = (0.2, 0, 0)/' build_scene.py\n"
+        "exec %s \"$@\"\n",
+        blender);
     assert_true(n > 0);
     assert_ok(iso_file_write(wrapper, text, (size_t)n, &err));
     assert_int_equal(chmod(wrapper, 0755), 0);

@@ -13,7 +13,10 @@
 #define CONTINUOUS 1e-12
 
 static iso_random random_state;
-static double random_unit(void) { return iso_random_unit(&random_state); }
+static double random_unit(void)
+{
+    return iso_random_unit(&random_state);
+}
 
 /* White noise: nothing is smooth, every wrong value shows. */
 static iso_node_levels noise_levels(const size_t size[3], size_t brick_voxels, size_t level_count, bool directions)
@@ -306,7 +309,8 @@ static void eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none(void **st
     /* A slot a texture: as many pages as slots; not even one slot in a texture. */
     assert_ok(iso_brick_pack_create(&pack, &n, levels, NULL, pack.slot_side, 0, &err));
     assert_int_equal(pack.page_count, 3);
-    assert_int_equal(iso_brick_pack_texels(&n, levels, NULL, pack.slot_side), 3 * pack.slot_side * pack.slot_side * pack.slot_side);
+    assert_int_equal(iso_brick_pack_texels(&n, levels, NULL, pack.slot_side),
+                     3 * pack.slot_side * pack.slot_side * pack.slot_side);
     size_t slot_side = pack.slot_side;
     iso_brick_pack_destroy(&pack);
     assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, slot_side - 1, 0, &err), ISO_E_RANGE);
@@ -323,7 +327,8 @@ static iso_pyramid make_waves(void)
     float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
     assert_non_null(values);
     for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i)
-        values[i] = (float)(sin((double)(i % 37)) + cos(0.7 * (double)(i / 37 % 41)) + sin(0.9 * (double)(i / 37 / 41)));
+        values[i] = (float)(sin((double)(i % 37)) + cos(0.7 * (double)(i / 37 % 41)) +
+                            sin(0.9 * (double)(i / 37 / 41)));
     v.data = values;
     build.level_count = 3;
     assert_ok(iso_pyramid_build(&v, "waves", &build, &p, NULL, &err));
@@ -365,14 +370,17 @@ static void sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_ra
     assert_at_most(distance_to_level0(&cells, &p.levels[0], 0), 1e-6);
     for (uint8_t l = 1; l < 3; ++l) {
         const double a = distance_to_level0(&smooth, &p.levels[0], l), b = distance_to_level0(&sharp, &p.levels[0], l);
-        printf("level %d: smooth %.3f, sharp %.3f, from cells %.3f\n", l, a, b, distance_to_level0(&cells, &p.levels[0], l));
+        printf("level %d: smooth %.3f, sharp %.3f, from cells %.3f\n", l, a, b,
+               distance_to_level0(&cells, &p.levels[0], l));
         assert_at_most(b, 0.95 * a); /* at level 2 the waves are near the limit of what nodes can show */
         assert_at_most(distance_to_level0(&cells, &p.levels[0], l), 1.3 * a);
     }
     for (size_t l = 0; l < 3; ++l)
         for (size_t i = 0, side = ((size_t)40 >> l) + 1; i < side * side * side; ++i) {
-            assert_true((double)sharp.nodes[l][4 * i] >= p.levels[0].min && (double)sharp.nodes[l][4 * i] <= p.levels[0].max);
-            assert_true((double)cells.nodes[l][4 * i] >= p.levels[0].min && (double)cells.nodes[l][4 * i] <= p.levels[0].max);
+            assert_true((double)sharp.nodes[l][4 * i] >= p.levels[0].min &&
+                        (double)sharp.nodes[l][4 * i] <= p.levels[0].max);
+            assert_true((double)cells.nodes[l][4 * i] >= p.levels[0].min &&
+                        (double)cells.nodes[l][4 * i] <= p.levels[0].max);
         }
     iso_node_levels_destroy(&smooth);
     iso_node_levels_destroy(&sharp);
@@ -414,8 +422,8 @@ static void nodes_from_cells_are_continuous_and_linear_fields_stay_linear(void *
         worst = fmax(worst, fabs(value[0] - (inner[0] - 2 * inner[1] + 0.5 * inner[2])));
     }
     assert_at_most(jump, 40 * CONTINUOUS); /* values up to 80 */
-    assert_at_most(worst, 1e-4);          /* floats of up to 80 */
-    assert_more_than(own_jump, 0.1);      /* at the edge, where a ramp is continued */
+    assert_at_most(worst, 1e-4);           /* floats of up to 80 */
+    assert_more_than(own_jump, 0.1);       /* at the edge, where a ramp is continued */
     iso_node_levels_destroy(&n);
     iso_pyramid_destroy(&p);
     free(values);
@@ -426,7 +434,8 @@ static void bad_bricks_are_refused(void **state)
     (void)state;
     float scalar = 0;
     iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){1, 1, 1}, (const double[3]){1, 1, 1}),
-                       .scalar = &scalar, .max = 1};
+                       .scalar = &scalar,
+                       .max = 1};
     iso_node_levels n;
     assert_status(iso_node_levels_create(&n, &level, 24, 1, false, 1, &err), ISO_E_RANGE);
     assert_status(iso_node_levels_create(&n, &level, 128, 1, false, 1, &err), ISO_E_RANGE);

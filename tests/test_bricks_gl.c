@@ -26,14 +26,17 @@ typedef struct scene {
 static void make_scene(scene *s, iso_field_kind kind)
 {
     const double c = cos(0.4), d = sin(0.4);
-    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33},
+    iso_geometry g = {.size = {40, 56, 33},
+                      .origin_mm = {-17, 5, 40},
+                      .box_index = {40, 56, 33},
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = kind, .geometry = g, .seed = 3};
     iso_volume v;
     iso_scene file;
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     iso_volume_stats stats = iso_volume_measure(&v);
-    *s = (scene){.level = {.geometry = g, .stored_type = ISO_F32, .scalar = v.data, .min = stats.min, .max = stats.max}};
+    *s = (scene){
+        .level = {.geometry = g, .stored_type = ISO_F32, .scalar = v.data, .min = stats.min, .max = stats.max}};
     assert_ok(iso_node_levels_create(&s->nodes, &s->level, 8, 4, true, 0, &err));
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
     file.width = 64, file.height = 56;

@@ -78,8 +78,8 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
             count_failures(which, faults[i].fault, c);
             assert_string_equal(c[at].check, faults[i].check);
             if (c[at].passed)
-                fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c[at].check,
-                         which->name, c[at].value);
+                fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c[at].check, which->name,
+                         c[at].value);
             assert_more_than(c[at].value, 5 * c[at].limit); /* not by a hair */
         }
 }

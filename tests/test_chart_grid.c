@@ -40,8 +40,9 @@ static size_t count_out_of_order(const iso_chart_case *cases, size_t count)
     for (size_t i = 1; i < count; ++i) {
         const iso_chart_case *a = &cases[i - 1], *b = &cases[i];
         wrong += a->departures > b->departures;
-        wrong += a->departures == b->departures && a->needs_pyramid == b->needs_pyramid && a->estimator == b->estimator &&
-                 a->filter == b->filter && iso_renderer_has(a->renderer, ISO_IS_PROGRAM) == iso_renderer_has(b->renderer, ISO_IS_PROGRAM) &&
+        wrong += a->departures == b->departures && a->needs_pyramid == b->needs_pyramid &&
+                 a->estimator == b->estimator && a->filter == b->filter &&
+                 iso_renderer_has(a->renderer, ISO_IS_PROGRAM) == iso_renderer_has(b->renderer, ISO_IS_PROGRAM) &&
                  a->relative_cost > b->relative_cost;
     }
     return wrong;
@@ -67,7 +68,8 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
 {
     (void)state;
     grid g = make(&(iso_chart_words){.with = "gl,reference,povray,cycles"}, true);
-    size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0, preintegrated = 0;
+    size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0,
+           preintegrated = 0;
     for (size_t i = 0; i < g.count; ++i) {
         const iso_chart_case *c = &g.cases[i];
         renderers |= 1u << iso_renderer_index(c->renderer);
@@ -86,8 +88,10 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
         }
     }
     assert_int_equal(renderers, 15);
-    assert_int_equal(sources, 1u << ISO_FROM_CODES | 1u << ISO_FROM_FLOAT | 1u << ISO_FROM_FLIPPED | 1u << ISO_FROM_ON_THE_FLY | 1u << ISO_FROM_PALETTE);
-    assert_int_equal(transfer_functions, 1u << (ISO_SECOND_VALUE_NONE + 8) | 1u << ISO_SECOND_VALUE_NONE | 1u << ISO_SECOND_VALUE_DEVIATION | 1u << ISO_SECOND_VALUE_GRADIENT);
+    assert_int_equal(sources, 1u << ISO_FROM_CODES | 1u << ISO_FROM_FLOAT | 1u << ISO_FROM_FLIPPED |
+                                  1u << ISO_FROM_ON_THE_FLY | 1u << ISO_FROM_PALETTE);
+    assert_int_equal(transfer_functions, 1u << (ISO_SECOND_VALUE_NONE + 8) | 1u << ISO_SECOND_VALUE_NONE |
+                                             1u << ISO_SECOND_VALUE_DEVIATION | 1u << ISO_SECOND_VALUE_GRADIENT);
     assert_int_equal(__builtin_popcountl(filters), 3);
     assert_int_equal(__builtin_popcountl(estimators), 2);
     for (int c = 0; c < ISO_CODE_COUNT; ++c) /* all that a texture filters are in the default */

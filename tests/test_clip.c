@@ -20,7 +20,9 @@ typedef struct scene {
 static void make_scene(scene *s)
 {
     const double c = cos(0.4), d = sin(0.4);
-    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33},
+    iso_geometry g = {.size = {40, 56, 33},
+                      .origin_mm = {-17, 5, 40},
+                      .box_index = {40, 56, 33},
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = g};
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -146,10 +148,18 @@ static void a_slab_cut_at_an_angle_has_its_closed_form(void **state)
         scalar[i] = 0.5f;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
     const iso_level level = {.geometry = g, .stored_type = ISO_F32, .scalar = scalar, .codes = codes, .max = 1};
-    iso_view view = {.width = 16, .height = 16, .tf = {.count = 2, .hi = 1, .entries = entries}, .shading = {.ambient = 1},
-                     .step_voxels = 0.7, .clip_count = 1};
-    view.camera = (iso_camera){.orthographic = true, .position = {0, 0, 20}, .forward = {0, 0, -1}, .right = {1, 0, 0},
-                               .up = {0, 1, 0}, .half_height = 3};
+    iso_view view = {.width = 16,
+                     .height = 16,
+                     .tf = {.count = 2, .hi = 1, .entries = entries},
+                     .shading = {.ambient = 1},
+                     .step_voxels = 0.7,
+                     .clip_count = 1};
+    view.camera = (iso_camera){.orthographic = true,
+                               .position = {0, 0, 20},
+                               .forward = {0, 0, -1},
+                               .right = {1, 0, 0},
+                               .up = {0, 1, 0},
+                               .half_height = 3};
     view.clips[0] = (iso_clip_plane){iso_normalize(iso_v3(1, 0, -2)), 0}; /* z <= x / 2 stays, of -4 <= z <= 4 */
     iso_reference_options exact = iso_reference_defaults();
     iso_gl_options opt = iso_gl_defaults();

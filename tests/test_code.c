@@ -30,7 +30,10 @@ static inline vec3f make_vec3f(double x, double y, double z)
 static const double degree = 0.017453292519943295;
 
 static uint64_t state = 20170613; /* the seed of every random test here */
-static double uniform(void) { return iso_xorshift_unit(&state); }
+static double uniform(void)
+{
+    return iso_xorshift_unit(&state);
+}
 
 static iso_vec3 random_direction(void)
 {
@@ -152,8 +155,9 @@ static void snorm_keeps_the_length(void **unused)
 
 /* The largest errors of each code (bench encode finds them), a little rounded up. */
 static const double limits_deg[ISO_CODE_COUNT] = {
-    [ISO_CODE_SNORM] = 0.3907, [ISO_CODE_FIT] = 0.33,        [ISO_CODE_SHELL] = 0.34,  [ISO_CODE_FREE] = 0.3198,
-    [ISO_CODE_CUBE] = 0.3178,  [ISO_CODE_REGION48] = 0.17304, [ISO_CODE_SQUEEZE] = 0.0945, [ISO_CODE_OCT24] = 0.0397, [ISO_CODE_HALF] = 0.0243,
+    [ISO_CODE_SNORM] = 0.3907,   [ISO_CODE_FIT] = 0.33,     [ISO_CODE_SHELL] = 0.34,
+    [ISO_CODE_FREE] = 0.3198,    [ISO_CODE_CUBE] = 0.3178,  [ISO_CODE_REGION48] = 0.17304,
+    [ISO_CODE_SQUEEZE] = 0.0945, [ISO_CODE_OCT24] = 0.0397, [ISO_CODE_HALF] = 0.0243,
 };
 
 static void every_code_stays_within_its_largest_error(void **unused)
@@ -225,7 +229,8 @@ static void the_decoder_in_float_agrees_with_double(void **unused)
         }
 }
 
-static double mean_error_deg(void (*encode)(const float *, uint8_t *, size_t), iso_code code, const float *in, size_t count)
+static double mean_error_deg(void (*encode)(const float *, uint8_t *, size_t), iso_code code, const float *in,
+                             size_t count)
 {
     uint8_t *bytes = malloc(6 * count);
     float *out = malloc(3 * count * sizeof *out);
@@ -233,7 +238,8 @@ static double mean_error_deg(void (*encode)(const float *, uint8_t *, size_t), i
     encode(in, bytes, count);
     iso_code_decode_all(code, bytes, out, count);
     for (size_t i = 0; i < count; ++i)
-        sum += angle_deg(iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]), iso_v3(in[3 * i], in[3 * i + 1], in[3 * i + 2]));
+        sum += angle_deg(iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]),
+                         iso_v3(in[3 * i], in[3 * i + 1], in[3 * i + 2]));
     free(bytes);
     free(out);
     return sum / (double)count;
@@ -295,7 +301,8 @@ static double nearest_of_all_deg(iso_code code, iso_vec3 d)
  * table's cells, half-way between two codes, in the biggest hole, at the region's edges, and short ones. */
 static iso_vec3 hard_direction(int i)
 {
-    static const iso_vec3 edges[] = {{1, 1, 1}, {1, 1, 0}, {1, 0, 0}, {1, 1, 1e-7}, {1, 1 - 1e-7, 0}, {1, 1e-7, 1e-7}, {1, 0.5, 0.5}};
+    static const iso_vec3 edges[] = {{1, 1, 1},        {1, 1, 0},       {1, 0, 0},    {1, 1, 1e-7},
+                                     {1, 1 - 1e-7, 0}, {1, 1e-7, 1e-7}, {1, 0.5, 0.5}};
     const int edge_count = sizeof edges / sizeof *edges;
     if (i < edge_count)
         return edges[i];
@@ -310,7 +317,8 @@ static iso_vec3 hard_direction(int i)
         return iso_v3(1, y / 640.0, (int)(y * uniform()) / 640.0);
     }
     if (i % 3 == 1) { /* between a code and the next one */
-        const int a = 255 - 2 * (int)(80 * uniform()), b = 1 + 2 * (int)((a - 1) / 2 * uniform()), c = 1 + 2 * (int)((b - 1) / 2 * uniform());
+        const int a = 255 - 2 * (int)(80 * uniform()), b = 1 + 2 * (int)((a - 1) / 2 * uniform()),
+                  c = 1 + 2 * (int)((b - 1) / 2 * uniform());
         double p[3], q[3];
         iso_code_decode(ISO_CODE_SQUEEZE, (double[3]){a / 255.0, b / 255.0, c / 255.0}, p);
         iso_code_decode(ISO_CODE_SQUEEZE, (double[3]){a / 255.0, b / 255.0, (c + 2) / 255.0}, q);
@@ -361,6 +369,7 @@ static void encoders_with_and_without_avx2_give_the_same_bytes(void **unused)
     for (size_t i = 0; i < COUNT; i += 5) /* zeros, short ones and long ones too */
         for (int a = 0; a < 3; ++a)
             in[3 * i + (size_t)a] *= (float)(i % 7) * 0.2f;
+/* clang-format off */
 #define SAME_BYTES(name)                                                                              \
     name(in, fast, COUNT);                                                                            \
     name##_baseline(in, baseline, COUNT);                                                             \
@@ -369,6 +378,7 @@ static void encoders_with_and_without_avx2_give_the_same_bytes(void **unused)
         name##_differ += fast[i] != baseline[i];                                                      \
     /* Only region48 fuses products: candidates that are equally near to 1e-5 may change places. */   \
     assert_true(name##_differ <= ((void (*)(const float *, uint8_t *, size_t))name == iso_encode_region48 ? 30 : 0));
+    /* clang-format on */
     ISO_ENCODER_LIST(SAME_BYTES)
 #undef SAME_BYTES
 }
@@ -480,7 +490,8 @@ static void the_default_code_keeps_its_promises_between_voxels(void **unused)
     (void)unused;
     iso_code_error_options opt = iso_code_error_defaults();
     iso_code_error fit, snorm, at_voxels;
-    const iso_scheme fit_scheme = {"fit", ISO_CODE_FIT, NULL, NULL}, snorm_scheme = {"snorm", ISO_CODE_SNORM, NULL, NULL};
+    const iso_scheme fit_scheme = {"fit", ISO_CODE_FIT, NULL, NULL},
+                     snorm_scheme = {"snorm", ISO_CODE_SNORM, NULL, NULL};
     opt.count = 20000;
     assert_ok(iso_code_error_measure(&fit_scheme, &opt, &at_voxels, &err));
     opt.apart_deg = 15;
@@ -510,7 +521,8 @@ static void the_papers_table_finds_what_the_exact_search_finds(void **unused)
     iso_code_decode_all(ISO_CODE_REGION48, bytes, out, COUNT);
     assert_true(out[0] == 0 && out[1] == 0 && out[2] == 0);
     for (size_t i = 1; i < COUNT; ++i) /* Table 4: 0.165 in a sample; 128^3 adds less than 1e-3 to 0.1730 */
-        assert_at_most(angle_deg(iso_v3(in[3 * i], in[3 * i + 1], in[3 * i + 2]), iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2])),
+        assert_at_most(angle_deg(iso_v3(in[3 * i], in[3 * i + 1], in[3 * i + 2]),
+                                 iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2])),
                        0.174);
     iso_paper_table_destroy(&table);
     assert_status(iso_paper_table_create(1, &table, &err), ISO_E_RANGE);

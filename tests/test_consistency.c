@@ -24,14 +24,29 @@ static int end(void **state)
 /* A thin shell under one light, which coarse values widen: what adapting is for. */
 static iso_scene make_scene(void)
 {
-    static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0}, {0.4, {0.9, 0.7, 0.4}, 0}, {0.5, {1, 0.9, 0.6}, 0.5},
-                                    {0.6, {0.3, 0.6, 0.9}, 0}, {1, {0.3, 0.6, 0.9}, 0}};
-    return (iso_scene){.path = "test", .width = pixels, .height = pixels, .camera_fit = true, .orthographic = true,
-                       .camera_direction = {0, 1, 0}, .camera_up = {0, 0, 1}, .margin = 1, .light_count = 1,
+    static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
+                                    {0.4, {0.9, 0.7, 0.4}, 0},
+                                    {0.5, {1, 0.9, 0.6}, 0.5},
+                                    {0.6, {0.3, 0.6, 0.9}, 0},
+                                    {1, {0.3, 0.6, 0.9}, 0}};
+    return (iso_scene){.path = "test",
+                       .width = pixels,
+                       .height = pixels,
+                       .camera_fit = true,
+                       .orthographic = true,
+                       .camera_direction = {0, 1, 0},
+                       .camera_up = {0, 0, 1},
+                       .margin = 1,
+                       .light_count = 1,
                        .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1}, .step_voxels = 0.5,
-                       .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256,
-                              .point_count = 5, .points = points}};
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
+                       .tf = {.fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 256,
+                              .point_count = 5,
+                              .points = points}};
 }
 
 typedef struct subject {
@@ -44,7 +59,8 @@ typedef struct subject {
 
 static void open_subject(subject *s, iso_field_kind kind, const char *name)
 {
-    const iso_field field = {.kind = kind, .seed = 3,
+    const iso_field field = {.kind = kind,
+                             .seed = 3,
                              .geometry = iso_geometry_axis_aligned((size_t[]){30, 27, 22}, (double[]){1, 1.2, 0.9})};
     const iso_report_about about = {.title = name};
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -56,8 +72,13 @@ static void open_subject(subject *s, iso_field_kind kind, const char *name)
     iso_volume_destroy(&volume);
     const iso_level *l = &s->pyramid.levels[0];
     assert_ok(iso_scene_resolve(&s->scene, &l->geometry, l->min, l->max, &s->view, &err));
-    s->validation = (iso_validation){.pyramid = &s->pyramid, .scene = &s->scene, .view = &s->view, .scene_name = name,
-                                     .consistency_size = pixels, .consistency_views = views, .threads = 1,
+    s->validation = (iso_validation){.pyramid = &s->pyramid,
+                                     .scene = &s->scene,
+                                     .view = &s->view,
+                                     .scene_name = name,
+                                     .consistency_size = pixels,
+                                     .consistency_views = views,
+                                     .threads = 1,
                                      .renderers = renderers};
     s->validation.wanted[iso_renderer_index(&iso_renderer_gl)] = true;
     assert_ok(iso_report_create(&s->validation.report, s->dir, &about, &err));
@@ -90,7 +111,8 @@ static const json_t *row_of(const subject *s, const char *wanted, size_t level)
     const json_t *found = NULL;
     json_t *row;
     size_t i;
-    json_array_foreach(rows_of(s), i, row) {
+    json_array_foreach(rows_of(s), i, row)
+    {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
         if (strcmp(name, wanted) == 0 && (size_t)json_integer_value(json_object_get(row, "level")) == level) {
@@ -158,7 +180,8 @@ static void every_method_has_a_row_under_either_tf_at_every_level(void **state)
             assert_true(json_is_null(json_object_get(b, "original_kept")));
             assert_string_equal(json_string_value(json_object_get(a, "tf")), "original");
             assert_string_equal(json_string_value(json_object_get(b, "tf")), "adapted");
-            assert_string_not_equal(json_string_value(json_object_get(a, "image")), json_string_value(json_object_get(b, "image")));
+            assert_string_not_equal(json_string_value(json_object_get(a, "image")),
+                                    json_string_value(json_object_get(b, "image")));
             /* What adapting is for: the level comes nearer to level 0, whatever its directions. */
             assert_at_most(figure(b, "ssim_dissimilarity_mean"), 0.8 * figure(a, "ssim_dissimilarity_mean"));
             assert_at_most(figure(b, "flip_mean"), 0.8 * figure(a, "flip_mean"));
@@ -177,7 +200,8 @@ static void a_row_is_of_its_own_level_and_tf(void **state)
     open_subject(&s, ISO_FIELD_SHELLS, "own");
     measure(&s);
     for (size_t level = 1; level < levels; ++level) {
-        const iso_tf_table *own = &s.validation.level_tfs[level].table, *others = &s.validation.level_tfs[levels - level].table;
+        const iso_tf_table *own = &s.validation.level_tfs[level].table,
+                           *others = &s.validation.level_tfs[levels - level].table;
         double adapted = dissimilarity(&s, "moments+adapted", level);
         assert_within(dissimilarity(&s, "moments", level), measure_by_hand(&s, level, &s.view.tf), rounding);
         assert_within(adapted, measure_by_hand(&s, level, own), rounding);
@@ -225,7 +249,8 @@ static void a_refused_adaptation_is_said_with_the_originals_figures(void **state
         const json_t *a = row_of(&s, "naive", level), *b = row_of(&s, "naive+adapted", level);
         assert_non_null(strstr(json_string_value(json_object_get(b, "original_kept")), "off at the voxels"));
         assert_within(figure(b, "ssim_dissimilarity_mean"), figure(a, "ssim_dissimilarity_mean"), 0);
-        assert_string_equal(json_string_value(json_object_get(a, "image")), json_string_value(json_object_get(b, "image")));
+        assert_string_equal(json_string_value(json_object_get(a, "image")),
+                            json_string_value(json_object_get(b, "image")));
     }
     close_subject(&s);
 }

@@ -13,24 +13,40 @@
 
 enum { pixels = 20 };
 
-static int begin(void **state) { return iso_renderers_register(&iso_renderer_shifted, NULL) == ISO_OK ? make_folder(state) : -1; }
+static int begin(void **state)
+{
+    return iso_renderers_register(&iso_renderer_shifted, NULL) == ISO_OK ? make_folder(state) : -1;
+}
 
 static iso_scene make_scene(void)
 {
     static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0}, {0.5, {1, 0.9, 0.6}, 0.2}, {1, {0.3, 0.6, 0.9}, 0.4}};
-    return (iso_scene){.path = "test", .width = pixels, .height = pixels, .camera_fit = true, .fov_y_deg = 30,
-                       .camera_direction = {1, 2, -0.7}, .camera_up = {0, 0, 1}, .margin = 1, .light_count = 1,
+    return (iso_scene){.path = "test",
+                       .width = pixels,
+                       .height = pixels,
+                       .camera_fit = true,
+                       .fov_y_deg = 30,
+                       .camera_direction = {1, 2, -0.7},
+                       .camera_up = {0, 0, 1},
+                       .margin = 1,
+                       .light_count = 1,
                        .lights = {{.direction = {0.3, 0.5, 0.8}, .intensity = 1}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1}, .step_voxels = 0.5,
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
                        .agreement = {.tier = ISO_TIER_CONVERGENCE, .why = "a smooth transfer function"},
-                       .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 64,
-                              .point_count = 3, .points = points}};
+                       .tf = {.fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 64,
+                              .point_count = 3,
+                              .points = points}};
 }
 
 /* The report of a validation of the renderer with that shift, to be destroyed. */
 static iso_report *validate(double shift, const char *name)
 {
-    const iso_field field = {.kind = ISO_FIELD_NOISE, .seed = 5,
+    const iso_field field = {.kind = ISO_FIELD_NOISE,
+                             .seed = 5,
                              .geometry = iso_geometry_axis_aligned((size_t[]){13, 11, 9}, (double[]){1, 1.2, 0.9})};
     const iso_report_about about = {.title = name};
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -44,9 +60,18 @@ static iso_report *validate(double shift, const char *name)
     iso_volume_destroy(&volume);
     const iso_level *l = &pyramid.levels[0];
     assert_ok(iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, &err));
-    iso_validation v = {.pyramid = &pyramid, .scene = &scene, .view = &view, .volume_path = "v.nrrd", .scene_path = "s.scene.json",
-                        .scene_name = name, .image_prefix = "", .variant = "", .build_options = "", .render_options = "",
-                        .input_options = "", .seeds = 2};
+    iso_validation v = {.pyramid = &pyramid,
+                        .scene = &scene,
+                        .view = &view,
+                        .volume_path = "v.nrrd",
+                        .scene_path = "s.scene.json",
+                        .scene_name = name,
+                        .image_prefix = "",
+                        .variant = "",
+                        .build_options = "",
+                        .render_options = "",
+                        .input_options = "",
+                        .seeds = 2};
     char *dir = iso_path_join(folder, name);
     shift_voxels = shift;
     assert_ok(iso_renderers_from_list("shifted", v.wanted, &err));
@@ -61,17 +86,19 @@ static iso_report *validate(double shift, const char *name)
 }
 
 /* The verdict of the one row whose keys have these values. */
-static const char *verdict_of(const iso_report *r, const char *list, const char *key, const char *value, const char *key2, const char *value2)
+static const char *verdict_of(const iso_report *r, const char *list, const char *key, const char *value,
+                              const char *key2, const char *value2)
 {
     const char *found = NULL;
     json_t *row;
     size_t i;
-    json_array_foreach(json_object_get(iso_report_json(r), list), i, row)
-        if (strcmp(json_string_value(json_object_get(row, key)), value) == 0 &&
-            strcmp(json_string_value(json_object_get(row, key2)), value2) == 0) {
-            assert_null(found);
-            found = json_string_value(json_object_get(row, "verdict"));
-        }
+    json_array_foreach(json_object_get(iso_report_json(r), list), i,
+                       row) if (strcmp(json_string_value(json_object_get(row, key)), value) == 0 &&
+                                strcmp(json_string_value(json_object_get(row, key2)), value2) == 0)
+    {
+        assert_null(found);
+        found = json_string_value(json_object_get(row, "verdict"));
+    }
     if (!found)
         fail_msg("%s has no row with %s %s and %s %s", list, key, value, key2, value2);
     return found;
@@ -89,15 +116,22 @@ static void expect_trust(const iso_report *r)
         assert_string_equal(calibration(r, checks[i]), "pass");
 }
 
-static const char *lock_step_of(const iso_report *r) { return verdict_of(r, "agreement", "b", "shifted", "tier", "lock-step"); }
-static const char *limit_of(const iso_report *r) { return verdict_of(r, "agreement", "b", "shifted, limit", "tier", "convergence"); }
+static const char *lock_step_of(const iso_report *r)
+{
+    return verdict_of(r, "agreement", "b", "shifted", "tier", "lock-step");
+}
+static const char *limit_of(const iso_report *r)
+{
+    return verdict_of(r, "agreement", "b", "shifted, limit", "tier", "convergence");
+}
 
 static void it_is_listed_with_the_others(void **state)
 {
     (void)state;
     char names[256];
     const iso_renderer_info *found;
-    assert_string_equal(iso_renderers_with(0, ", ", " and ", names, sizeof names), "reference, gl, cycles, povray and shifted");
+    assert_string_equal(iso_renderers_with(0, ", ", " and ", names, sizeof names),
+                        "reference, gl, cycles, povray and shifted");
     assert_ok(iso_renderer_from_name("shifted", &found, &err));
     assert_ptr_equal(found, &iso_renderer_shifted);
     iso_error why = {""};

@@ -54,8 +54,12 @@ static char *make_report(const char *name, double mm_per_pixel)
             char image[32];
             snprintf(image, sizeof image, "m%d-%zu", m, level);
             add_picture(r, image, 0.125 * (double)level, mm_per_pixel);
-            iso_report_consistency row = {.level = level, .views = 1, .method = methods[m], .image = image,
-                                          .ssim_dissimilarity_mean = 0.0321, .reference_image = "fine"};
+            iso_report_consistency row = {.level = level,
+                                          .views = 1,
+                                          .method = methods[m],
+                                          .image = image,
+                                          .ssim_dissimilarity_mean = 0.0321,
+                                          .reference_image = "fine"};
             assert_ok(iso_report_add_consistency(r, &row, &err));
             /* Adapted, half as far off; refused at level 1. */
             row.adapted = true;
@@ -64,8 +68,14 @@ static char *make_report(const char *name, double mm_per_pixel)
             add_picture(r, image, level == 1 ? 0.125 : 0.0625 * (double)level, mm_per_pixel);
             assert_ok(iso_report_add_consistency(r, &row, &err));
         }
-    iso_report_agreement row = {.level = 1, .scene = "s", .a = "reference", .b = "gl", .image_a = "fine", .image_b = "m0-1",
-                                .tolerances = {.rmse = 1}, .error_bar = NAN};
+    iso_report_agreement row = {.level = 1,
+                                .scene = "s",
+                                .a = "reference",
+                                .b = "gl",
+                                .image_a = "fine",
+                                .image_b = "m0-1",
+                                .tolerances = {.rmse = 1},
+                                .error_bar = NAN};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_ok(iso_report_finish(r, &err));
     iso_report_destroy(r);
@@ -85,10 +95,11 @@ static size_t read_rows(const char *dir, row *rows, size_t room)
     read_text(dir, "figure.csv", &text, &size);
     for (char *line = strchr(text, '\n') + 1; *line && count < room; line = strchr(line, '\n') + 1) {
         row *r = &rows[count++];
-        assert_int_equal(sscanf(line, "%d,%31[^,],%lf,%lf,%lf,%lf,%lf,%lf,%95[^,],%95[^,],%95[^,],%lf,%31[^,],%lf,%lf,%lf,%lf,%lf",
-                                &r->kind, r->file, &r->w, &r->h, &r->left, &r->right, &r->bottom, &r->top, r->title, r->note,
-                                r->side, &r->bar, r->bar_text, &r->low, &r->high, &r->logs, &r->figure_width,
-                                &r->figure_height), 18);
+        assert_int_equal(
+            sscanf(line, "%d,%31[^,],%lf,%lf,%lf,%lf,%lf,%lf,%95[^,],%95[^,],%95[^,],%lf,%31[^,],%lf,%lf,%lf,%lf,%lf",
+                   &r->kind, r->file, &r->w, &r->h, &r->left, &r->right, &r->bottom, &r->top, r->title, r->note,
+                   r->side, &r->bar, r->bar_text, &r->low, &r->high, &r->logs, &r->figure_width, &r->figure_height),
+            18);
     }
     free(text);
     return count;
@@ -184,11 +195,13 @@ static void the_adapted_tf_can_be_asked_for(void **state)
     assert_int_equal(read_rows(out, rows, 32), 10);
     assert_string_equal(rows[0].side, "d");
     assert_string_equal(rows[5].side, "d (adapted TF)");
-    assert_non_null(strstr(rows[4].note, "RMSE 0.153")); /* of level 2: 1/4 in 3 of 4 channels of half the pixels */
+    assert_non_null(strstr(rows[4].note, "RMSE 0.153"));  /* of level 2: 1/4 in 3 of 4 channels of half the pixels */
     assert_non_null(strstr(rows[9].note, "RMSE 0.0765")); /* planted otherwise: the original's */
     read_text(out, "caption.txt", &data, &size);
     assert_non_null(strstr(data, "d, level 1: "));
-    assert_non_null(strstr(data, "d with the adapted transfer function, level 1: 1 - SSIM 0.0321, FLIP 0, direction error 0 degrees (adapting refused, the original kept)."));
+    assert_non_null(strstr(
+        data,
+        "d with the adapted transfer function, level 1: 1 - SSIM 0.0321, FLIP 0, direction error 0 degrees (adapting refused, the original kept)."));
     free(data);
     opt.methods = "zz+adapted";
     iso_error why = {""};
@@ -254,15 +267,21 @@ static void the_pixel_of_a_view_is_measured_at_the_center(void **state)
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         iso_view view = {.width = 50, .height = 40};
-        view.camera = (iso_camera){.orthographic = orthographic, .position = iso_v3(3, 4, 200), .forward = iso_v3(0, 0, -1),
-                                   .right = iso_v3(1, 0, 0), .up = iso_v3(0, 1, 0), .half_height = orthographic ? 30 : 0.2};
+        view.camera = (iso_camera){.orthographic = orthographic,
+                                   .position = iso_v3(3, 4, 200),
+                                   .forward = iso_v3(0, 0, -1),
+                                   .right = iso_v3(1, 0, 0),
+                                   .up = iso_v3(0, 1, 0),
+                                   .half_height = orthographic ? 30 : 0.2};
         iso_ray a = iso_camera_ray(&view.camera, 50, 40, 24, 20), b = iso_camera_ray(&view.camera, 50, 40, 25, 20);
         double z = iso_geometry_box_center_mm(&g).z;
         double xa = a.origin.x + a.direction.x * (z - a.origin.z) / a.direction.z;
         double xb = b.origin.x + b.direction.x * (z - b.origin.z) / b.direction.z;
         assert_within(iso_view_mm_per_pixel(&view, &g), xb - xa, 1e-12);
     }
-    iso_view behind = {.width = 50, .height = 40, .camera = {.position = {0, 0, 200}, .forward = {0, 0, 1}, .half_height = 1}};
+    iso_view behind = {.width = 50,
+                       .height = 40,
+                       .camera = {.position = {0, 0, 200}, .forward = {0, 0, 1}, .half_height = 1}};
     assert_within(iso_view_mm_per_pixel(&behind, &g), 0, 0);
 }
 

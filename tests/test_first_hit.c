@@ -30,7 +30,9 @@ static iso_camera orthographic(iso_vec3 position, iso_vec3 forward, iso_vec3 up,
 static void make_scene(scene *s, iso_field_kind kind, double part_of_range, size_t level_count)
 {
     const double c = cos(0.4), d = sin(0.4);
-    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33},
+    iso_geometry g = {.size = {40, 56, 33},
+                      .origin_mm = {-17, 5, 40},
+                      .box_index = {40, 56, 33},
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = kind, .geometry = g, .seed = 3};
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -106,7 +108,8 @@ static difference compare(const iso_image *a, const iso_image *b)
 static const char *const output_names[] = {"color", "position", "normal"};
 
 /* Both renderers on the same field: bricks, or a level of the pyramid. */
-static difference measure(scene *s, const iso_brick_field *bricks, size_t level, iso_surface_output output, double gl_iso)
+static difference measure(scene *s, const iso_brick_field *bricks, size_t level, iso_surface_output output,
+                          double gl_iso)
 {
     iso_surface surface = {.iso = gl_iso, .output = output};
     iso_reference_options exact = iso_reference_defaults();
@@ -128,8 +131,8 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
     }
     difference d = compare(&a, &b);
     if (getenv("ISOSHADE_TEST_VERBOSE"))
-        printf("%s %s: %zu hits, worst %.2e, 99 %% %.2e, %zu apart\n", bricks ? "bricks" : "level", output_names[output],
-               d.hits, d.worst, d.p99, d.apart);
+        printf("%s %s: %zu hits, worst %.2e, 99 %% %.2e, %zu apart\n", bricks ? "bricks" : "level",
+               output_names[output], d.hits, d.worst, d.p99, d.apart);
     iso_image_destroy(&a);
     iso_image_destroy(&b);
     return d;
@@ -187,7 +190,10 @@ static void a_sheet_of_one_voxel_has_no_holes(void **state)
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
     const iso_level level = {.geometry = g, .stored_type = ISO_F32, .scalar = scalar, .codes = codes, .max = 1};
     static float white[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-    iso_view view = {.width = 48, .height = 48, .tf = {.count = 2, .hi = 1, .entries = white}, .shading = {.ambient = 1}};
+    iso_view view = {.width = 48,
+                     .height = 48,
+                     .tf = {.count = 2, .hi = 1, .entries = white},
+                     .shading = {.ambient = 1}};
     const iso_vec3 forward = iso_normalize(iso_v3(0.3, 0.4, -1));
     view.camera = orthographic(iso_madd(iso_geometry_box_center_mm(&g), forward, -60), forward, iso_v3(0, 1, 0), 8);
     const iso_surface surface = {.iso = 0.999};
@@ -205,7 +211,8 @@ static void a_sheet_of_one_voxel_has_no_holes(void **state)
 /* Two columns of rays, a two-thousandth of a voxel to both sides of a plane where bricks meet: the x axis is stretched,
  * so that pixels are narrow along it alone. Returns the part of the pairs whose places differ by more than `slack`
  * voxels, and the largest difference of normals among the others' in *turn. */
-static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_brick_faces faces, double slack, double *turn)
+static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_brick_faces faces, double slack,
+                                 double *turn)
 {
     const iso_brick_field f = {nodes, s->levels, faces};
     size_t apart = 0, pairs = 0;
@@ -255,8 +262,8 @@ static void surfaces_do_not_step_where_bricks_meet(void **state)
     /* Half a thousandth of a voxel apart on a surface as steep as 20: 0.01. */
     double turn[2], baked = steps_across_faces(&s, &nodes, ISO_FACES_BAKED, 0.01, &turn[0]);
     double own = steps_across_faces(&s, &nodes, ISO_FACES_OWN, 0.01, &turn[1]);
-    printf("pairs of rays whose hits are apart: baked %.4f, on their own %.4f; normals turn by %.2e and %.2e\n", baked, own,
-           turn[0], turn[1]);
+    printf("pairs of rays whose hits are apart: baked %.4f, on their own %.4f; normals turn by %.2e and %.2e\n", baked,
+           own, turn[0], turn[1]);
     assert_at_most(baked, 0.005); /* glancing rays */
     assert_more_than(own, 0.3);
     assert_more_than(turn[1], 10 * turn[0]);

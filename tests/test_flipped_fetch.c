@@ -25,7 +25,8 @@ static shortness near_the_middle(const iso_level *level, iso_direction_source so
         const double step = 0.5 / iso_geometry_min_spacing_mm(g);
         iso_vec3 index = {3 + (double)(i * 7919 % 10007) / 10007 * ((double)g->size[0] - 6),
                           3 + (double)(i * 104729 % 20011) / 20011 * ((double)g->size[1] - 6), 0};
-        const iso_vec3 foot = iso_geometry_to_world(g, index), lifted = iso_geometry_to_world(g, iso_v3(index.x, index.y, 1));
+        const iso_vec3 foot = iso_geometry_to_world(g, index),
+                       lifted = iso_geometry_to_world(g, iso_v3(index.x, index.y, 1));
         index.z = -iso_dot(foot, normal) / (lifted.z - foot.z) / normal.z + ((double)(i % 101) / 100 - 0.5) * step;
         if (index.z < 2 || index.z > (double)g->size[2] - 2)
             continue;
@@ -61,7 +62,8 @@ static void a_thin_plate_keeps_its_normal(void **state)
 {
     (void)state;
     iso_pyramid p = make_plate(ISO_DIRECTION_MOMENTS);
-    const shortness flipped = near_the_middle(&p.levels[0], ISO_FROM_FLIPPED), plain = near_the_middle(&p.levels[0], ISO_FROM_CODES);
+    const shortness flipped = near_the_middle(&p.levels[0], ISO_FROM_FLIPPED),
+                    plain = near_the_middle(&p.levels[0], ISO_FROM_CODES);
     /* Central differences over two voxels of so thin a plate bend directions by 11 degrees, whose cosine is .98. */
     assert_more_than(flipped.least, 0.95);
     assert_at_most(plain.least, 0.2); /* the planted fault: the plain fetch has no direction in the middle */
@@ -74,7 +76,8 @@ static void a_coarse_plate_keeps_its_normal(void **state)
 {
     (void)state;
     iso_pyramid p = make_plate(ISO_DIRECTION_TENSOR);
-    const shortness flipped = near_the_middle(&p.levels[1], ISO_FROM_FLIPPED), plain = near_the_middle(&p.levels[1], ISO_FROM_CODES);
+    const shortness flipped = near_the_middle(&p.levels[1], ISO_FROM_FLIPPED),
+                    plain = near_the_middle(&p.levels[1], ISO_FROM_CODES);
     assert_more_than(flipped.least, 0.95);
     assert_at_most(plain.least, 0.2);
     iso_pyramid_destroy(&p);

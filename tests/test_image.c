@@ -79,7 +79,8 @@ static void the_data_window_places_the_pixels(void **state)
     for (size_t y = 0; y < HEIGHT; ++y)
         for (size_t x = 0; x < WIDTH; ++x)
             for (size_t c = 0; c < 4; ++c)
-                assert_within(b.rgba[4 * (y * WIDTH + x) + c], x < 2 || y < 1 ? 0 : a.rgba[4 * ((y - 1) * WIDTH + x - 2) + c], 0);
+                assert_within(b.rgba[4 * (y * WIDTH + x) + c],
+                              x < 2 || y < 1 ? 0 : a.rgba[4 * ((y - 1) * WIDTH + x - 2) + c], 0);
     assert_ok(iso_metrics_measure(&a, &b, &m, &err));
     assert_true(m.max_abs > 0.2); /* the same pixels elsewhere were "agree" */
     iso_image_destroy(&b);

@@ -20,15 +20,19 @@ typedef struct truth {
 } truth;
 
 typedef struct errors {
-    double kind[KINDS];  /* what all parts of a kind are wrong by */
-    double part;         /* and each by itself, up to this factor either way */
-    double sharing;      /* 1: lanes share the machine, 0: they do not slow each other down */
-    bool flat;           /* the job knows neither costs nor kinds */
+    double kind[KINDS]; /* what all parts of a kind are wrong by */
+    double part;        /* and each by itself, up to this factor either way */
+    double sharing;     /* 1: lanes share the machine, 0: they do not slow each other down */
+    bool flat;          /* the job knows neither costs nor kinds */
 } errors;
 
-static double between(iso_random *r, double factor) { return pow(factor, 2 * iso_random_unit(r) - 1); }
+static double between(iso_random *r, double factor)
+{
+    return pow(factor, 2 * iso_random_unit(r) - 1);
+}
 
-static void add(iso_job *job, truth *t, size_t phase, size_t lane, const char *name, size_t kind, double cost, const errors *e, iso_random *r)
+static void add(iso_job *job, truth *t, size_t phase, size_t lane, const char *name, size_t kind, double cost,
+                const errors *e, iso_random *r)
 {
     iso_job_add_part(job, name, e->flat ? "any" : kind_names[kind], e->flat ? 1 : cost);
     t->seconds[phase][lane][t->parts[phase][lane]++] = cost * e->kind[kind] * between(r, e->part);

@@ -25,7 +25,9 @@ typedef struct scene {
 static void make_scene(scene *s, iso_field_kind kind, unsigned seed)
 {
     const size_t size[3] = {18, 21, 11};
-    iso_field f = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, (const double[]){1, 0.7, 2}), .seed = seed};
+    iso_field f = {.kind = kind,
+                   .geometry = iso_geometry_axis_aligned(size, (const double[]){1, 0.7, 2}),
+                   .seed = seed};
     assert_ok(iso_field_sample(&f, ISO_F32, &s->volume, &err));
     iso_volume_stats stats = iso_volume_measure(&s->volume);
     iso_level level = {.geometry = f.geometry, .scalar = s->volume.data, .min = stats.min, .max = stats.max};
@@ -87,7 +89,9 @@ static void sample_lattice(const iso_lattice *l, const double q[3], double out[I
         size_t node = at[0] + l->size[0] * (at[1] + l->size[1] * at[2]);
         inside = inside && l->active[node];
         for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
-            out[k] += weight * (inside ? (double)l->nodes[ISO_NODE_CHANNELS * node + (size_t)k] : k == 0 ? l->background : 0);
+            out[k] += weight * (inside   ? (double)l->nodes[ISO_NODE_CHANNELS * node + (size_t)k]
+                                : k == 0 ? l->background
+                                         : 0);
     }
 }
 
@@ -124,7 +128,12 @@ static double largest_difference(const scene *s, const iso_lattice *l, bool merg
 
 static iso_lattice_options options_of(const scene *s, bool merged, size_t level)
 {
-    return (iso_lattice_options){.drawn = s->drawn, .seen = s->seen, .tfs = &s->tf, .tf_count = 1, .merged = merged, .level = level,
+    return (iso_lattice_options){.drawn = s->drawn,
+                                 .seen = s->seen,
+                                 .tfs = &s->tf,
+                                 .tf_count = 1,
+                                 .merged = merged,
+                                 .level = level,
                                  .threads = 1};
 }
 
@@ -200,8 +209,10 @@ static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
                 }
                 bool shows = false;
                 for (size_t i = 0; i + 1 < s.tf.count; ++i) {
-                    double v = s.tf.lo + (double)i * (s.tf.hi - s.tf.lo) / 64, w = s.tf.lo + (double)(i + 1) * (s.tf.hi - s.tf.lo) / 64;
-                    shows = shows || ((s.tf.entries[4 * i + 3] > 0 || s.tf.entries[4 * i + 7] > 0) && w > min && v < max);
+                    double v = s.tf.lo + (double)i * (s.tf.hi - s.tf.lo) / 64,
+                           w = s.tf.lo + (double)(i + 1) * (s.tf.hi - s.tf.lo) / 64;
+                    shows = shows ||
+                            ((s.tf.entries[4 * i + 3] > 0 || s.tf.entries[4 * i + 7] > 0) && w > min && v < max);
                 }
                 for (int c = 0; c < 8 && complete && shows; ++c)
                     needed[corners[c]] = 1;

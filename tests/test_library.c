@@ -22,7 +22,10 @@ static const char scene_text[] =
     "               {\"value\": 1, \"r\": 1, \"g\": 0.5, \"b\": 0, \"opacity\": 0.5}]}}";
 
 /* A ramp along (1, 2, 3) with unequal spacings, so that a swapped axis shows. */
-static iso_grid ramp_grid(void) { return iso_grid_axis_aligned((size_t[3]){NX, NY, NZ}, (double[3]){1, 2, 0.5}); }
+static iso_grid ramp_grid(void)
+{
+    return iso_grid_axis_aligned((size_t[3]){NX, NY, NZ}, (double[3]){1, 2, 0.5});
+}
 
 static iso_volume *ramp(void)
 {
@@ -372,6 +375,7 @@ static void work_reports_its_progress(void **state)
 
 /* ---- errors -------------------------------------------------------------------- */
 
+/* clang-format off */
 #define assert_fails(call, wanted, words)                                       \
     do {                                                                        \
         iso_error err = {""};                                                   \
@@ -379,6 +383,7 @@ static void work_reports_its_progress(void **state)
         if (status_ != (wanted) || !strstr(err.text, words))                    \
             fail_msg("%s: status %d, wanted %d: %s", #call, (int)status_, (int)(wanted), err.text); \
     } while (0)
+/* clang-format on */
 
 static void missing_files_are_named(void **state)
 {
@@ -495,8 +500,10 @@ static void bad_points_are_refused(void **state)
 {
     (void)state;
     iso_tf *tf;
-    const iso_tf_point falling[] = {{1, {0, 0, 0}, 0}, {0, {0, 0, 0}, 0}}, bright[] = {{0, {0, 0, 0}, 0}, {1, {0, 2, 0}, 0}},
-                       flat[] = {{1, {0, 0, 0}, 0}, {1, {0, 0, 0}, 0}}, opaque[] = {{0, {0, 0, 0}, 0}, {1, {0, 0, 0}, NAN}};
+    const iso_tf_point falling[] = {{1, {0, 0, 0}, 0}, {0, {0, 0, 0}, 0}},
+                       bright[] = {{0, {0, 0, 0}, 0}, {1, {0, 2, 0}, 0}},
+                       flat[] = {{1, {0, 0, 0}, 0}, {1, {0, 0, 0}, 0}},
+                       opaque[] = {{0, {0, 0, 0}, 0}, {1, {0, 0, 0}, NAN}};
     assert_fails(iso_tf_from_points(falling, 1, 1, &tf, &err), ISO_E_RANGE, "1 points");
     assert_fails(iso_tf_from_points(falling, 2, 1, &tf, &err), ISO_E_RANGE, "point 1");
     assert_fails(iso_tf_from_points(bright, 2, 1, &tf, &err), ISO_E_RANGE, "point 1");
@@ -524,7 +531,8 @@ static void bad_scenes_are_refused(void **state)
     iso_scene *scene;
     assert_fails(iso_scene_from_text("{", &scene, &err), ISO_E_FORMAT, "not JSON");
     assert_fails(iso_scene_from_text("[]", &scene, &err), ISO_E_FORMAT, "object");
-    assert_fails(iso_scene_from_text("{\"schema\": \"isoshade.scene/1\", \"lamp\": 1}", &scene, &err), ISO_E_FORMAT, "lamp");
+    assert_fails(iso_scene_from_text("{\"schema\": \"isoshade.scene/1\", \"lamp\": 1}", &scene, &err), ISO_E_FORMAT,
+                 "lamp");
     assert_null(scene);
 }
 

@@ -35,7 +35,10 @@ static subject open_subject(iso_field_kind kind, bool colors, bool step)
     iso_field field = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 4};
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_volume volume;
-    subject s = {.view = {.width = pixels, .height = pixels, .light_count = 1, .step_voxels = 0.5,
+    subject s = {.view = {.width = pixels,
+                          .height = pixels,
+                          .light_count = 1,
+                          .step_voxels = 0.5,
                           .shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.3, .power = 5}}};
     build.level_count = 2;
     assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
@@ -80,7 +83,8 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 }
 
 /* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
-static const char *judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp, char gate[64])
+static const char *judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp,
+                         char gate[64])
 {
     iso_extrapolated limit;
     iso_limit_options opt = iso_limit_defaults();
@@ -88,7 +92,8 @@ static const char *judge(const subject *s, const iso_image *truth, const iso_ren
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 1.0 / 16;
     opt.factor = sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, which, &opt, &limit, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, which,
+                             &opt, &limit, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     gate[0] = 0;
@@ -124,8 +129,8 @@ static void the_reference_meets_the_closed_form(void **state)
 static void planted_faults_miss_the_closed_form(void **state)
 {
     (void)state;
-    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_MIRRORED, ISO_FAULT_STALE, ISO_FAULT_UNIT,
-                                ISO_FAULT_RANGE, ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED};
+    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_MIRRORED,  ISO_FAULT_STALE, ISO_FAULT_UNIT,
+                                ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED};
     subject s = open_subject(ISO_FIELD_RAMP, false, false);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
         subject wrong = open_subject(ISO_FIELD_RAMP, false, false);
@@ -144,11 +149,13 @@ static void a_closed_form_is_refused_where_there_is_none(void **state)
     iso_image image;
     iso_error why = {""};
     subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colorful = open_subject(ISO_FIELD_RAMP, true, false);
-    assert_int_equal(iso_closed_form_render(&bent.pyramid.levels[0], bent.pyramid.options.code, &bent.view, &image, &why),
+    assert_int_equal(iso_closed_form_render(&bent.pyramid.levels[0], bent.pyramid.options.code, &bent.view, &image,
+                                            &why),
                      ISO_E_RANGE);
     assert_non_null(strstr(why.text, "linear"));
     assert_int_equal(iso_closed_form_render(&colorful.pyramid.levels[0], colorful.pyramid.options.code, &colorful.view,
-                                            &image, &why), ISO_E_RANGE);
+                                            &image, &why),
+                     ISO_E_RANGE);
     assert_non_null(strstr(why.text, "colours"));
     close_subject(&bent);
     close_subject(&colorful);
@@ -171,8 +178,9 @@ static void the_ray_caster_has_the_reference_for_its_limit(void **state)
 static void planted_faults_move_the_limit_out_of_its_bars(void **state)
 {
     (void)state;
-    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_UNIT, ISO_FAULT_SRGB, ISO_FAULT_RANGE, ISO_FAULT_AXIS_SWAP,
-                                ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED, ISO_FAULT_STALE, ISO_FAULT_MIRRORED};
+    const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_UNIT,      ISO_FAULT_SRGB,
+                                ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT,
+                                ISO_FAULT_ONE_SIDED,  ISO_FAULT_STALE,     ISO_FAULT_MIRRORED};
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
@@ -197,7 +205,8 @@ static const char *judge_from_afar(const subject *s, const iso_image *truth, boo
     iso_report_agreement row = {.a = "a", .b = "b"};
     opt.step_voxels = 0.25;
     opt.hopeless = hopeless;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, &iso_renderer_gl, &opt, &limit, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth,
+                             &iso_renderer_gl, &opt, &limit, &err));
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     *step = limit.step_voxels;
@@ -241,7 +250,8 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     iso_extrapolated limit;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = opt.finest_voxels = 0.5;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &limit, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                             &iso_renderer_gl, &opt, &limit, &err));
     iso_report_agreement row = {.a = "a", .b = "b"};
     assert_ok(iso_metrics_measure(&truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
@@ -260,16 +270,20 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     iso_extrapolated coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &coarse, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                             &iso_renderer_gl, &opt, &coarse, &err));
     assert_within(coarse.step_voxels, 1, 0);
     opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = coarse.step_bar / 10;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &fine, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                             &iso_renderer_gl, &opt, &fine, &err));
     assert_at_most(fine.step_voxels, 0.5);
     assert_at_most(fine.bar, opt.wanted_bar);
     opt.seeds = 1;
     iso_extrapolated none;
-    assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &none, &err), ISO_E_RANGE);
+    assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                                 &iso_renderer_gl, &opt, &none, &err),
+                  ISO_E_RANGE);
     iso_extrapolated_destroy(&coarse);
     iso_extrapolated_destroy(&fine);
     iso_image_destroy(&truth);
@@ -286,10 +300,12 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     iso_extrapolated blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &blind, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                             &iso_renderer_gl, &opt, &blind, &err));
     opt.wanted_ssim_dissimilarity = blind.ssim_dissimilarity / 20;
     opt.wanted_flip = blind.flip_mean / 4;
-    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, &iso_renderer_gl, &opt, &seeing, &err));
+    assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                             &iso_renderer_gl, &opt, &seeing, &err));
     assert_within(blind.step_voxels, 1, 0);
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
@@ -308,7 +324,8 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
     const iso_geometry *g = &s.pyramid.levels[0].geometry;
     const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
     for (double step = 1; step > 0.005; step /= 2) {
-        iso_render_options frames[2] = {iso_render_defaults(&iso_renderer_povray), iso_render_defaults(&iso_renderer_povray)};
+        iso_render_options frames[2] = {iso_render_defaults(&iso_renderer_povray),
+                                        iso_render_defaults(&iso_renderer_povray)};
         iso_render_ask_steps(&iso_renderer_povray, &s.pyramid.levels[0], step, 2, fmin(fmax(64 * step, 1), 4), frames);
         const iso_render_options coarse = frames[0], fine = frames[1];
         assert_int_equal(fine.intervals, 2 * coarse.intervals);
@@ -333,14 +350,17 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
         iso_image again, other;
         iso_limit_options opt = iso_limit_defaults();
         opt.step_voxels = 1, opt.finest_voxels = 0.5, opt.wanted_bar = 0; /* halved once */
-        assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth, which[i], &opt, &found, &err));
+        assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
+                                 which[i], &opt, &found, &err));
         assert_within(found.step_voxels, 0.5, 0);
         opt = iso_limit_defaults();
         opt.step_voxels = found.step_voxels, opt.planes = found.planes, opt.intervals = found.intervals;
-        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i], &opt, &again, &err));
+        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i],
+                                   &opt, &again, &err));
         assert_within(largest_difference(&found.image, &again), 0, 0);
         opt.step_voxels /= 2, opt.intervals = 2 * ((opt.intervals + 2) / 3);
-        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i], &opt, &other, &err));
+        assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i],
+                                   &opt, &other, &err));
         assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
         iso_image_destroy(&again);
         iso_image_destroy(&other);

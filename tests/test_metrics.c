@@ -215,8 +215,10 @@ static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **sta
 {
     (void)state;
     enum { n = 21 };
-    const struct { double m, d, amplitude_a, amplitude_b; } pairs[] = {
-        {0.5, 0, 0.2, 0.1},   {0.5, 0, 0.05, 0.15},   {0.4, 0.3, 0.1, 0.1},     {0.3, 0.1, 0.02, 0.05},
+    const struct {
+        double m, d, amplitude_a, amplitude_b;
+    } pairs[] = {
+        {0.5, 0, 0.2, 0.1},    {0.5, 0, 0.05, 0.15},     {0.4, 0.3, 0.1, 0.1}, {0.3, 0.1, 0.02, 0.05},
         {0.2, 0, 0.004, 0.01}, {0.02, 0.03, 0.01, 0.01}, {0.5, 0, 0.2, -0.2},
     };
     double alternating = 0, sum = 0;
@@ -236,10 +238,12 @@ static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **sta
         for (size_t y = 5; y < n - 5; ++y)
             for (size_t x = 5; x < n - 5; ++x) {
                 double s = (x + y) % 2 ? -q : q, ma = m + s * A, mb = m + d + s * B, v = 1 - q * q;
-                expected += (2 * ma * mb + c1) * (2 * v * A * B + c2) / ((ma * ma + mb * mb + c1) * (v * A * A + v * B * B + c2));
+                expected += (2 * ma * mb + c1) * (2 * v * A * B + c2) /
+                            ((ma * ma + mb * mb + c1) * (v * A * A + v * B * B + c2));
             }
         assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
-        assert_within(mean, expected / ((n - 10) * (n - 10)), 2e-6); /* float pixels of 6e-8 against contrasts of .004 */
+        assert_within(mean, expected / ((n - 10) * (n - 10)),
+                      2e-6); /* float pixels of 6e-8 against contrasts of .004 */
         iso_image_destroy(&a);
         iso_image_destroy(&b);
     }
@@ -331,7 +335,7 @@ static void ssim_is_the_mean_of_its_definition(void **state)
         for (size_t x = 5; x < 18; ++x)
             sum += direct_ssim(&a, &b, x, y);
     assert_within(mean, sum / (7 * 13), 1e-10); /* one pass against two: rounding only */
-    assert_more_than(fabs(mean - 1), 1e-3);      /* and the pair does differ */
+    assert_more_than(fabs(mean - 1), 1e-3);     /* and the pair does differ */
     iso_image_destroy(&a);
     iso_image_destroy(&b);
 }
@@ -414,7 +418,8 @@ static void flip_of_uniform_grays_is_the_closed_form(void **state)
     const double largest = largest_flip_color();
     const double levels[] = {0, 0.5, 0.02, 0.9};
     for (int i = 0; i < 4; ++i) {
-        iso_image a = uniform(12, 12, 1, 1, 1), b = uniform(12, 12, (float)levels[i], (float)levels[i], (float)levels[i]);
+        iso_image a = uniform(12, 12, 1, 1, 1),
+                  b = uniform(12, 12, (float)levels[i], (float)levels[i], (float)levels[i]);
         double lightness = levels[i] > 0.0088565 ? 116 * cbrt((float)levels[i]) - 16 : 0;
         double d = pow(100 - lightness, 0.7), knee = 0.4 * largest;
         double expected = d < knee ? 0.95 / knee * d : 0.95 + (d - knee) / (largest - knee) * 0.05;
@@ -669,12 +674,12 @@ static void planted_faults_are_rejected(void **state)
                 const float *turned = a.rgba + 4 * (x * n + y);
                 for (int c = 0; c < 3; ++c)
                     switch (fault) {
-                    case 0: p[c] = 0.5f * (p[c] + right[c]); break;                /* half a pixel aside */
-                    case 1: p[c] = turned[c]; break;                               /* axes swapped */
-                    case 2: p[c] = powf(p[c], 1 / 2.2f); break;                    /* encoded twice */
-                    case 3: p[c] *= 0.9f; break;                                   /* premultiplied twice */
+                    case 0: p[c] = 0.5f * (p[c] + right[c]); break;                  /* half a pixel aside */
+                    case 1: p[c] = turned[c]; break;                                 /* axes swapped */
+                    case 2: p[c] = powf(p[c], 1 / 2.2f); break;                      /* encoded twice */
+                    case 3: p[c] *= 0.9f; break;                                     /* premultiplied twice */
                     case 4: p[c] = a.rgba[4 * (y * n + x) + (size_t)(2 - c)]; break; /* blue for red */
-                    default: p[c] = fminf(p[c], 0.6f); break;                      /* highlights clipped */
+                    default: p[c] = fminf(p[c], 0.6f); break;                        /* highlights clipped */
                     }
             }
         iso_metrics m = measure(&a, &b);
@@ -682,7 +687,8 @@ static void planted_faults_are_rejected(void **state)
         assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = tolerances.max_abs}));
         assert_false(iso_metrics_within(&m, &(iso_tolerances){.flip_mean = tolerances.flip_mean}));
         if (fault != 3) /* SSIM hardly sees a change of brightness: why it is never the only gate */
-            assert_false(iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = tolerances.ssim_dissimilarity}));
+            assert_false(
+                iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = tolerances.ssim_dissimilarity}));
         iso_image_destroy(&b);
     }
     iso_image_destroy(&a);

@@ -127,7 +127,8 @@ static void regular_faces_come_in_opposite_pairs(void **state)
     for (size_t i = 0; i < 240; ++i) {
         double best = 1;
         for (size_t j = 0; j < 240; ++j)
-            best = fmin(best, (double)(xyz[3 * i] * xyz[3 * j] + xyz[3 * i + 1] * xyz[3 * j + 1] + xyz[3 * i + 2] * xyz[3 * j + 2]));
+            best = fmin(best, (double)(xyz[3 * i] * xyz[3 * j] + xyz[3 * i + 1] * xyz[3 * j + 1] +
+                                       xyz[3 * i + 2] * xyz[3 * j + 2]));
         assert_within(best, -1, 1e-6); /* floats */
     }
 }
@@ -544,8 +545,12 @@ static void streaming_a_volume_equals_the_volume_in_memory(void **state)
     assert_ok(iso_volume_save(&v, path, false, &err));
     iso_gradient_options gradient = iso_gradient_defaults();
     float table[2] = {0, 1};
-    const iso_palette_weighting w = {.by_magnitude = true, .value_span = 65535, .by_value = table, .by_value_count = 2,
-                                     .by_value_lo = 0, .by_value_hi = 65535};
+    const iso_palette_weighting w = {.by_magnitude = true,
+                                     .value_span = 65535,
+                                     .by_value = table,
+                                     .by_value_count = 2,
+                                     .by_value_lo = 0,
+                                     .by_value_hi = 65535};
     for (int weighted = 0; weighted < 2; ++weighted) {
         iso_direction_pool *a, *b;
         iso_direction_set in_memory, streamed;
@@ -664,7 +669,8 @@ static void annealing_lowers_its_own_error_and_the_nearest_is_not_worse(void **s
                 if (depth > best) {
                     const float *n = p.xyz + 3 * (f + 1);
                     best = depth;
-                    cost = 1 - ((double)n[0] * (double)u[0] + (double)n[1] * (double)u[1] + (double)n[2] * (double)u[2]);
+                    cost = 1 -
+                           ((double)n[0] * (double)u[0] + (double)n[1] * (double)u[1] + (double)n[2] * (double)u[2]);
                 }
             }
             again += cost;
@@ -713,7 +719,7 @@ static void shading_table_is_the_shading_of_each_entry(void **state)
     iso_palette_shade(&p, &shading, shade);
     double hh = 0.36 + 1.8 * 1.8; /* |l + v|^2 */
     assert_within(shade[0], 0.2, 1e-7);
-    assert_within(shade[1], 0.2 + 0.5 * (0.6 * 0.6 + 0.4 * 0.36 / hh), 1e-7); /* floats */
+    assert_within(shade[1], 0.2 + 0.5 * (0.6 * 0.6 + 0.4 * 0.36 / hh), 1e-7);      /* floats */
     assert_within(shade[2], 0.2 + 0.5 * (0.6 * 0.8 + 0.4 * 1.8 * 1.8 / hh), 1e-7); /* two-sided */
     iso_palette_destroy(&p);
 }
@@ -730,9 +736,14 @@ static void csv_survives_and_bad_ones_are_refused(void **state)
     assert_int_equal(p.count, q.count);
     assert_memory_equal(p.xyz, q.xyz, 3 * p.count * sizeof *p.xyz);
     iso_palette_destroy(&q);
-    const char *const bad[] = {"", "index,x,y,z\n", "a,b\n0,0,0,0\n", "index,x,y,z\n0,0,0,1\n",
-                               "index,x,y,z\n0,0,0,0\n1,1,1,0\n", "index,x,y,z\n0,0,0,0\n2,1,0,0\n",
-                               "index,x,y,z\n0,0,0,0\n1,nan,0,0\n", "index,x,y,z\n0,0,0,0\n1,1,0\n",
+    const char *const bad[] = {"",
+                               "index,x,y,z\n",
+                               "a,b\n0,0,0,0\n",
+                               "index,x,y,z\n0,0,0,1\n",
+                               "index,x,y,z\n0,0,0,0\n1,1,1,0\n",
+                               "index,x,y,z\n0,0,0,0\n2,1,0,0\n",
+                               "index,x,y,z\n0,0,0,0\n1,nan,0,0\n",
+                               "index,x,y,z\n0,0,0,0\n1,1,0\n",
                                "index,x,y,z\n0,0,0,0\n1,1,0,0 x\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         assert_ok(iso_file_write(path, bad[i], strlen(bad[i]), &err));

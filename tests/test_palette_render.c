@@ -37,7 +37,8 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
     assert_ok(iso_pyramid_build(&v, "test", &opt, &s->pyramid, NULL, &err));
     iso_volume_destroy(&v);
     iso_level *level = &s->pyramid.levels[0];
-    assert_ok(iso_direction_set_create(&set, level->directions, NULL, iso_geometry_voxel_count(&level->geometry), &err));
+    assert_ok(
+        iso_direction_set_create(&set, level->directions, NULL, iso_geometry_voxel_count(&level->geometry), &err));
     fit.method = directions > set.count ? ISO_PALETTE_KMEANS : ISO_PALETTE_KMEANSPP;
     fit.directions = directions;
     assert_ok(iso_palette_fit(&set, &fit, &s->palette, NULL, &err));
@@ -177,8 +178,7 @@ static void shade_table_is_the_shading_for_a_viewer_far_away(void **state)
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         subject s;
         subject_create(&s, 254, orthographic);
-        difference d =
-            compare(by_gl(&s, ISO_FROM_PALETTE_NEAREST, true), by_gl(&s, ISO_FROM_PALETTE_NEAREST, false));
+        difference d = compare(by_gl(&s, ISO_FROM_PALETTE_NEAREST, true), by_gl(&s, ISO_FROM_PALETTE_NEAREST, false));
         /* Shades of an entry by doubles against floats, with n = d / sqrt(1 + eps^2) in the shader: eps is about one
          * step of an 8-bit code, 1/127^2 / 2 = 3e-5 of the shade. */
         if (orthographic)
@@ -201,7 +201,8 @@ static void a_level_without_palette_is_refused(void **state)
     opt.source = reference.source = ISO_FROM_PALETTE;
     assert_status(iso_gl_render(gl, &s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, NULL, &err),
                   ISO_E_RANGE);
-    assert_status(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &reference, &image, NULL, &err),
+    assert_status(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &reference, &image, NULL,
+                                       &err),
                   ISO_E_RANGE);
     subject_destroy(&s);
 }

@@ -20,7 +20,9 @@ typedef struct scene {
 static void make_scene(scene *s, iso_field_kind kind)
 {
     const size_t size[3] = {41, 44, 33};
-    iso_field f = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 0.9, 1.2}), .seed = 1};
+    iso_field f = {.kind = kind,
+                   .geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 0.9, 1.2}),
+                   .seed = 1};
     iso_scene file;
     assert_ok(iso_field_sample(&f, ISO_F32, &s->volume, &err));
     iso_volume_stats stats = iso_volume_measure(&s->volume);
@@ -88,7 +90,8 @@ static void prediction_bounds_the_model_and_is_near_the_measured_error(void **st
         assert_at_most(predicted, wanted[i]);
         assert_true(nodes_of(&p, &s.nodes) <= last);
         if (getenv("ISOSHADE_TEST_VERBOSE"))
-            printf("wanted %g: predicted %g, measured %g, %zu nodes\n", wanted[i], predicted, measured, nodes_of(&p, &s.nodes));
+            printf("wanted %g: predicted %g, measured %g, %zu nodes\n", wanted[i], predicted, measured,
+                   nodes_of(&p, &s.nodes));
         assert_at_most(measured, 4 * wanted[i] + 1e-4);
         last = nodes_of(&p, &s.nodes);
         iso_image_destroy(&image);

@@ -35,7 +35,8 @@ static void fill_level(iso_level *level, const iso_geometry *g, iso_type type)
     for (size_t i = 0; i < count; ++i) {
         const size_t x = i % g->size[0], y = i / g->size[0] % g->size[1], z = i / g->size[0] / g->size[1];
         iso_vec3 gradient;
-        double value = field(iso_geometry_to_world(g, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5)), &gradient);
+        double value = field(iso_geometry_to_world(g, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5)),
+                             &gradient);
         const iso_vec3 d = iso_normalize(gradient);
         value = type == ISO_U16 ? round(65535 * value) : value;
         level->scalar[i] = (float)value;
@@ -174,7 +175,9 @@ typedef struct comparison {
 
 static comparison lock_step(size_t level, bool orthographic, size_t table)
 {
-    comparison c = {.pyramid = two_levels(), .level = level, .options = iso_povray_defaults(),
+    comparison c = {.pyramid = two_levels(),
+                    .level = level,
+                    .options = iso_povray_defaults(),
                     .quadrature = ISO_QUADRATURE_POVRAY};
     c.view = oblique_view(&c.pyramid.levels[0].geometry, orthographic, table);
     c.options.planes = 0;
@@ -249,7 +252,8 @@ static void lock_step_agrees_from_inside_the_volume(void **state)
 {
     (void)state;
     comparison c = lock_step(0, false, 256);
-    c.view.camera.position = iso_madd(iso_geometry_box_center_mm(&c.pyramid.levels[0].geometry), c.view.camera.right, 5);
+    c.view.camera.position = iso_madd(iso_geometry_box_center_mm(&c.pyramid.levels[0].geometry), c.view.camera.right,
+                                      5);
     check_lock_step(c);
 }
 
@@ -304,7 +308,8 @@ static void plant_light_from_the_wrong_side(comparison *c)
 }
 
 typedef void (*fault)(comparison *);
-static const fault faults[] = {plant_half_voxel_shift, plant_swapped_axes, plant_srgb_tf, plant_light_from_the_wrong_side};
+static const fault faults[] = {plant_half_voxel_shift, plant_swapped_axes, plant_srgb_tf,
+                               plant_light_from_the_wrong_side};
 
 /* Each fault, planted into what the reference sees, is far beyond the threshold that the clean comparison keeps. */
 static void check_faults(comparison (*make)(size_t level), bool by_rmse, double threshold)
@@ -324,7 +329,10 @@ static void check_faults(comparison (*make)(size_t level), bool by_rmse, double 
     end_comparison(&c);
 }
 
-static comparison lock_step_of_level(size_t level) { return lock_step(level, false, 256); }
+static comparison lock_step_of_level(size_t level)
+{
+    return lock_step(level, false, 256);
+}
 
 static void lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults(void **state)
 {
@@ -454,14 +462,16 @@ static void an_isosurface_is_the_first_hit_of_the_reference(void **state)
 /* A level whose value is 1 - |p| and whose directions are radial, in a cube of 2 mm. */
 static iso_level sphere_level(size_t n)
 {
-    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){2.0 / (double)n, 2.0 / (double)n, 2.0 / (double)n});
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n},
+                                                     (double[]){2.0 / (double)n, 2.0 / (double)n, 2.0 / (double)n});
     const size_t count = n * n * n;
     iso_level level = {.geometry = g, .stored_type = ISO_F32, .min = -1, .max = 1};
     level.scalar = malloc(count * sizeof(float));
     level.codes = calloc(3, count);
     level.directions = malloc(3 * count * sizeof(float));
     for (size_t i = 0; i < count; ++i) {
-        const iso_vec3 p = iso_geometry_to_world(&g, iso_v3((double)(i % n) + 0.5, (double)(i / n % n) + 0.5, (double)(i / n / n) + 0.5));
+        const iso_vec3 p = iso_geometry_to_world(&g, iso_v3((double)(i % n) + 0.5, (double)(i / n % n) + 0.5,
+                                                            (double)(i / n / n) + 0.5));
         const iso_vec3 d = iso_normalize(p);
         level.scalar[i] = (float)(1 - iso_norm(p));
         level.directions[3 * i] = (float)d.x;
@@ -499,8 +509,9 @@ static double sphere_error(size_t n)
         double shade = view.shading.ambient;
         for (size_t l = 0; l < 2; ++l) {
             const iso_vec3 half = iso_normalize(iso_sub(view.lights[l].direction, ray.direction));
-            shade += view.lights[l].intensity * (view.shading.diffuse * fabs(iso_dot(normal, view.lights[l].direction)) +
-                                                 view.shading.specular * pow(fabs(iso_dot(normal, half)), view.shading.power));
+            shade += view.lights[l].intensity *
+                     (view.shading.diffuse * fabs(iso_dot(normal, view.lights[l].direction)) +
+                      view.shading.specular * pow(fabs(iso_dot(normal, half)), view.shading.power));
         }
         sum += fabs((double)image.rgba[4 * i] - shade);
         assert_within((double)image.rgba[4 * i + 3], 1, 0);
@@ -551,7 +562,13 @@ static void df3_files_are_big_endian_with_a_rim_of_edge_values(void **state)
         for (int z = 0; z < 4; ++z)
             for (int y = 0; y < 5; ++y)
                 for (int x = 0; x < 6; ++x) {
-                    const int cx = x < 1 ? 0 : x > 4 ? 3 : x - 1, cy = y < 1 ? 0 : y > 3 ? 2 : y - 1, cz = z < 2 ? 0 : 1;
+                    const int cx = x < 1   ? 0
+                                   : x > 4 ? 3
+                                           : x - 1,
+                              cy = y < 1   ? 0
+                                   : y > 3 ? 2
+                                           : y - 1,
+                              cz = z < 2 ? 0 : 1;
                     const double value = 1000 * cz + 100 * cy + cx;
                     const uint32_t sample = big_endian(data + 6 + (size_t)((z * 5 + y) * 6 + x) * bits / 8, bits / 8);
                     assert_int_equal(sample, (uint32_t)(bits == 8 ? floor(value / 10 + 0.5) : value));
@@ -571,8 +588,9 @@ static void an_exported_folder_renders_where_it_lies(void **state)
     comparison c = lock_step(1, true, 300);
     char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
     assert_ok(iso_povray_export(&c.pyramid, 1, &c.view, dir, &c.options, NULL, &err));
-    static const char *const names[] = {"two_words.pov", "two_words.inc", "two_words.ini", "two_words_scalar.df3",
-                                        "two_words_dx.df3", "two_words_dy.df3", "two_words_dz.df3"};
+    static const char *const names[] = {"two_words.pov",        "two_words.inc",    "two_words.ini",
+                                        "two_words_scalar.df3", "two_words_dx.df3", "two_words_dy.df3",
+                                        "two_words_dz.df3"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         char *path = iso_path_join(dir, names[i]);
         assert_true(iso_path_exists(path));

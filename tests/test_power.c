@@ -75,7 +75,8 @@ static void deviations_change_a_picture_in_proportion(void **state)
         double tenth = change(&c, (iso_planted){.deviation = (iso_deviation)d, .amount = most / 80});
         /* 0.3 degrees are below the directions' codes, which then turn by all or nothing */
         if (!(tenth > 0.05 * whole && tenth < 0.3 * whole))
-            fail_msg("%s: %g by an eighth of %g, %g by a tenth of that", iso_deviation_name((iso_deviation)d), whole, most, tenth);
+            fail_msg("%s: %g by an eighth of %g, %g by a tenth of that", iso_deviation_name((iso_deviation)d), whole,
+                     most, tenth);
     }
     iso_power_close(&c);
 }
@@ -104,8 +105,8 @@ static void a_bright_scene_of_povray_passes(void **state)
     assert_more_than(c.lock_step[iso_renderer_index(&iso_renderer_povray)].max_abs, 2.5e-5);
     assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, NULL, &rejected, &err));
     assert_false(rejected);
-    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, &(iso_planted){.fault = ISO_FAULT_CLIPPED},
-                            &rejected, &err));
+    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray,
+                            &(iso_planted){.fault = ISO_FAULT_CLIPPED}, &rejected, &err));
     assert_true(rejected);
     iso_power_close(&c);
 }
@@ -114,7 +115,8 @@ static void a_bright_scene_of_povray_passes(void **state)
 static void clean_scenes_pass_and_faulty_ones_do_not(void **state)
 {
     (void)state;
-    const iso_fault faults[] = {ISO_FAULT_MIRRORED, ISO_FAULT_PREMULTIPLIED, ISO_FAULT_CLIPPED, ISO_FAULT_LEVEL, ISO_FAULT_ONE_SIDED};
+    const iso_fault faults[] = {ISO_FAULT_MIRRORED, ISO_FAULT_PREMULTIPLIED, ISO_FAULT_CLIPPED, ISO_FAULT_LEVEL,
+                                ISO_FAULT_ONE_SIDED};
     iso_power_case c = open_case(505);
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g) {
         const iso_power_gate gate = (iso_power_gate)g;
@@ -132,7 +134,8 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
 {
     (void)state;
     iso_power_case c = open_case(504);
-    const iso_planted tiny = {.deviation = ISO_DEVIATION_UNIT, .amount = 0.01}, little = {.deviation = ISO_DEVIATION_UNIT, .amount = 2};
+    const iso_planted tiny = {.deviation = ISO_DEVIATION_UNIT, .amount = 0.01},
+                      little = {.deviation = ISO_DEVIATION_UNIT, .amount = 2};
     assert_true(is_rejected(&c, ISO_POWER_LOCK_STEP, &tiny));
     assert_false(is_rejected(&c, ISO_POWER_LIMIT, &tiny));
     assert_true(is_rejected(&c, ISO_POWER_LIMIT, &little));
@@ -151,8 +154,8 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
     for (size_t d = 0; d < sizeof asked / sizeof *asked; ++d)
         for (double part = 1e-6; part < 0.1; part *= 100) {
             const iso_planted planted = {.deviation = asked[d], .amount = part * iso_deviation_most(asked[d])};
-            const iso_planted twice = iso_planted_inverse(&(iso_planted){.deviation = asked[d],
-                                                                        .amount = iso_planted_inverse(&planted).amount});
+            const iso_planted twice = iso_planted_inverse(
+                &(iso_planted){.deviation = asked[d], .amount = iso_planted_inverse(&planted).amount});
             assert_within(twice.amount / planted.amount, 1, 1e-6); /* 1 + a few 1e-8 and back */
             for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g) {
                 bool there;

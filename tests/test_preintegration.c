@@ -42,8 +42,8 @@ static void sum_mean(const iso_tf_table *tf, double a, double b, double mean[4])
 static void means_are_those_of_a_fine_sum(void **state)
 {
     (void)state;
-    static const double ends[][2] = {{-3, 7}, {7, -3}, {-0.3, 0.2}, {0.001, 0.0011}, {-0.02, 0.13}, {2.9, 3.4},
-                                     {-20, 0.5}, {5, 40}, {-9, 30}, {-9, -5}, {8, 11}};
+    static const double ends[][2] = {{-3, 7},    {7, -3}, {-0.3, 0.2}, {0.001, 0.0011}, {-0.02, 0.13}, {2.9, 3.4},
+                                     {-20, 0.5}, {5, 40}, {-9, 30},    {-9, -5},        {8, 11}};
     iso_tf_table tf = make_table();
     iso_tf_integral integral;
     assert_ok(iso_tf_integral_create(&integral, &tf, &err));
@@ -80,7 +80,10 @@ static iso_level make_ramp(void)
 {
     const size_t size[3] = {3, 3, 8};
     const double spacing[3] = {1, 1, 1};
-    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing), .stored_type = ISO_F32, .min = 0, .max = 1};
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing),
+                       .stored_type = ISO_F32,
+                       .min = 0,
+                       .max = 1};
     level.scalar = malloc(72 * sizeof(float));
     level.codes = calloc(72, 3);
     for (size_t i = 0; i < 72; ++i)
@@ -91,8 +94,12 @@ static iso_level make_ramp(void)
 static iso_view make_ramp_view(float *table)
 {
     iso_view view = {.width = 2, .height = 2, .shading = {.ambient = 1, .power = 1}, .step_voxels = 1};
-    view.camera = (iso_camera){.orthographic = true, .forward = {0, 0, 1}, .right = {1, 0, 0}, .up = {0, -1, 0},
-                               .half_height = 0.5, .position = {0, 0, -50}};
+    view.camera = (iso_camera){.orthographic = true,
+                               .forward = {0, 0, 1},
+                               .right = {1, 0, 0},
+                               .up = {0, -1, 0},
+                               .half_height = 0.5,
+                               .position = {0, 0, -50}};
     view.tf = (iso_tf_table){.count = 1001, .lo = 0, .hi = 1, .entries = table};
     return view;
 }
@@ -169,14 +176,16 @@ static void destroy_scene(scene_of_field *s)
     iso_pyramid_destroy(&s->pyramid);
 }
 
-static iso_image render_gl(iso_gl *gl, const scene_of_field *s, size_t level, bool preintegrated, iso_gl_skip skip, double step)
+static iso_image render_gl(iso_gl *gl, const scene_of_field *s, size_t level, bool preintegrated, iso_gl_skip skip,
+                           double step)
 {
     iso_image image;
     iso_gl_options opt = iso_gl_defaults();
     opt.preintegrated = preintegrated;
     opt.skip = skip;
     opt.step_voxels = step;
-    assert_ok(iso_gl_render(gl, &s->pyramid.levels[level], s->pyramid.options.code, &s->view, &opt, &image, NULL, &err));
+    assert_ok(
+        iso_gl_render(gl, &s->pyramid.levels[level], s->pyramid.options.code, &s->view, &opt, &image, NULL, &err));
     return image;
 }
 
@@ -205,7 +214,8 @@ static void the_ray_caster_agrees_with_the_reference(void **state)
                 iso_image wanted, dense = render_gl(gl, &s, k, true, ISO_GL_SKIP_NEVER, step),
                                   sparse = render_gl(gl, &s, k, true, ISO_GL_SKIP_ALWAYS, step),
                                   midpoint = render_gl(gl, &s, k, false, ISO_GL_SKIP_NEVER, step);
-                assert_ok(iso_reference_render(&s.pyramid.levels[k], s.pyramid.options.code, &s.view, &opt, &wanted, NULL, &err));
+                assert_ok(iso_reference_render(&s.pyramid.levels[k], s.pyramid.options.code, &s.view, &opt, &wanted,
+                                               NULL, &err));
                 assert_at_most(worst_difference(&wanted, &dense), 5e-5);
                 assert_at_most(worst_difference(&wanted, &sparse), 5e-5);
                 assert_more_than(worst_difference(&wanted, &midpoint), 1e-3);
@@ -233,7 +243,8 @@ static void it_is_nearer_to_the_converged_image_than_the_midpoint_rule(void **st
         double sum = 0;
         opt.quadrature = q ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
         opt.step_voxels = 0.5;
-        assert_ok(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, NULL, &err));
+        assert_ok(
+            iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, NULL, &err));
         for (size_t i = 0; i < 4 * 48 * 48; ++i)
             sum += pow((double)image.rgba[i] - (double)wanted.rgba[i], 2);
         rmse[q] = sqrt(sum / (4 * 48 * 48));

@@ -18,7 +18,8 @@ static const char *text_of(const char *part, double fraction, double left, size_
 static void the_line_has_the_part_the_percent_and_the_time_left(void **state)
 {
     (void)state;
-    assert_string_equal(text_of("level 1: cycles-limit", 0.439, 78, 0), "validate: level 1: cycles-limit    43 %, about 1 min 20 s left");
+    assert_string_equal(text_of("level 1: cycles-limit", 0.439, 78, 0),
+                        "validate: level 1: cycles-limit    43 %, about 1 min 20 s left");
     assert_string_equal(text_of("report", 0.999, 0.1, 0), "validate: report    99 %, about a few seconds left");
     assert_string_equal(text_of("", 0.5, 43, 0), "validate:   50 %, about 45 s left");
     assert_string_equal(text_of("build", 0, NAN, 0), "validate: build     0 %");
@@ -37,11 +38,13 @@ static void times_are_as_round_as_an_estimate_knows_them(void **state)
 static void a_narrow_terminal_shortens_the_part_and_then_the_rest(void **state)
 {
     (void)state;
-    assert_string_equal(text_of("level 1: cycles-limit", 0.43, 78, 52), "validate: level 1: cy    43 %, about 1 min 20 s left");
+    assert_string_equal(text_of("level 1: cycles-limit", 0.43, 78, 52),
+                        "validate: level 1: cy    43 %, about 1 min 20 s left");
     for (size_t columns = 1; columns < 80; ++columns)
         assert_true(strlen(text_of("level 1: cycles-limit", 0.43, 78, columns)) <= columns);
     /* Two bytes a letter: cut between letters, and as many of them as there are columns. */
-    assert_string_equal(text_of("\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9", 0.43, NAN, 20), "validate: \xc3\xa9\xc3\xa9    43 %");
+    assert_string_equal(text_of("\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9", 0.43, NAN, 20),
+                        "validate: \xc3\xa9\xc3\xa9    43 %");
 }
 
 /* Lines of a job of so many seconds that is looked at each second. */
@@ -66,7 +69,7 @@ static void a_log_has_few_lines(void **state)
     (void)state;
     assert_int_equal(lines_of(4), 0);
     assert_int_equal(lines_of(9), 1);
-    assert_int_equal(lines_of(100), 9); /* each tenth */
+    assert_int_equal(lines_of(100), 9);                          /* each tenth */
     assert_true(lines_of(3600) >= 115 && lines_of(3600) <= 125); /* each half minute */
 }
 

@@ -80,8 +80,8 @@ static void a_constant_gradient_is_kept_at_every_level(void **state)
 
 static double smooth(iso_vec3 p, iso_vec3 *gradient)
 {
-    *gradient = iso_v3(2 * cos(2 * p.x) - sin(1.5 * p.y + p.x), -1.5 * sin(1.5 * p.y + p.x) + 0.7 * cos(1.7 * p.z + p.y),
-                       1.19 * cos(1.7 * p.z + p.y));
+    *gradient = iso_v3(2 * cos(2 * p.x) - sin(1.5 * p.y + p.x),
+                       -1.5 * sin(1.5 * p.y + p.x) + 0.7 * cos(1.7 * p.z + p.y), 1.19 * cos(1.7 * p.z + p.y));
     return sin(2 * p.x) + cos(1.5 * p.y + p.x) + 0.7 * sin(1.7 * p.z + p.y);
 }
 
@@ -96,7 +96,9 @@ static double smooth_error(size_t n, size_t level, iso_direction_filter filter, 
     for (size_t i = 0; i < n * n * n; ++i) {
         size_t at[3];
         place(&g, i, at);
-        ((double *)v.data)[i] = smooth(iso_geometry_to_world(&g, iso_v3((double)at[0] + 0.5, (double)at[1] + 0.5, (double)at[2] + 0.5)), &gradient);
+        ((double *)v.data)[i] = smooth(iso_geometry_to_world(&g, iso_v3((double)at[0] + 0.5, (double)at[1] + 0.5,
+                                                                        (double)at[2] + 0.5)),
+                                       &gradient);
     }
     iso_pyramid_options opt = keeping(filter);
     opt.gradient.method = method;
@@ -113,7 +115,9 @@ static double smooth_error(size_t n, size_t level, iso_direction_filter filter, 
             inside = inside && 4 * at[a] >= l->geometry.size[a] && 4 * (at[a] + 1) <= 3 * l->geometry.size[a];
         if (!inside)
             continue;
-        smooth(iso_geometry_to_world(&l->geometry, iso_v3((double)at[0] + 0.5, (double)at[1] + 0.5, (double)at[2] + 0.5)), &gradient);
+        smooth(iso_geometry_to_world(&l->geometry,
+                                     iso_v3((double)at[0] + 0.5, (double)at[1] + 0.5, (double)at[2] + 0.5)),
+               &gradient);
         sum += pow(iso_norm(iso_cross(iso_normalize(direction_at(l, i)), gradient)), 2);
         ++count;
     }
@@ -154,9 +158,11 @@ static void directions_stay_in_the_cone_of_their_children(void **state)
     (void)state;
     const iso_geometry g = plain(16, 15, 17);
     iso_volume v = cone_volume(&g);
-    const struct { iso_direction_filter filter; size_t radius, exponent; } cases[] = {
-        {ISO_DIRECTION_MOMENTS, 2, 1}, {ISO_DIRECTION_NAIVE, 2, 1}, {ISO_DIRECTION_TENSOR, 2, 1},
-        {ISO_DIRECTION_EQ1, 1, 1},     {ISO_DIRECTION_EQ1, 3, 0},   {ISO_DIRECTION_EQ1, 2, 4}};
+    const struct {
+        iso_direction_filter filter;
+        size_t radius, exponent;
+    } cases[] = {{ISO_DIRECTION_MOMENTS, 2, 1}, {ISO_DIRECTION_NAIVE, 2, 1}, {ISO_DIRECTION_TENSOR, 2, 1},
+                 {ISO_DIRECTION_EQ1, 1, 1},     {ISO_DIRECTION_EQ1, 3, 0},   {ISO_DIRECTION_EQ1, 2, 4}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
         iso_pyramid_options opt = keeping(cases[c].filter);
         opt.gauss_radius = cases[c].radius;
@@ -269,7 +275,8 @@ static double largest_turned_difference(const iso_pyramid *p, const iso_pyramid 
     double largest = 0;
     for (size_t k = 0; k < p->level_count; ++k)
         for (size_t i = 0; i < iso_geometry_voxel_count(&p->levels[k].geometry); ++i) {
-            const double d = iso_norm(iso_sub(iso_mul(turn, direction_at(&p->levels[k], i)), direction_at(&q->levels[k], i)));
+            const double d = iso_norm(
+                iso_sub(iso_mul(turn, direction_at(&p->levels[k], i)), direction_at(&q->levels[k], i)));
             if (!(d <= largest))
                 largest = d;
         }
@@ -328,7 +335,8 @@ static void exchanging_axes_exchanges_components(void **state)
             for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
                 size_t at[3];
                 place(&p.levels[k].geometry, i, at);
-                const iso_vec3 a = direction_at(&p.levels[k], i), b = direction_at(&q.levels[k], (at[1] * n[1] + at[0]) * n[0] + at[2]);
+                const iso_vec3 a = direction_at(&p.levels[k], i),
+                               b = direction_at(&q.levels[k], (at[1] * n[1] + at[0]) * n[0] + at[2]);
                 largest = fmax(largest, iso_norm(iso_sub(iso_mul(turn, a), b)));
                 unturned = fmax(unturned, iso_norm(iso_sub(a, b)));
             }
@@ -369,8 +377,8 @@ static void flipping_an_axis_flips_the_codes(void **state)
                     place(g, i, at);
                     at[axis] = g->size[axis] - 1 - at[axis];
                     const int8_t *a = (const int8_t *)p.levels[k].codes + 3 * i;
-                    const int8_t *b =
-                        (const int8_t *)q.levels[k].codes + 3 * ((at[2] * g->size[1] + at[1]) * g->size[0] + at[0]);
+                    const int8_t *b = (const int8_t *)q.levels[k].codes +
+                                      3 * ((at[2] * g->size[1] + at[1]) * g->size[0] + at[0]);
                     unflipped += abs(a[axis] - b[axis]) > tolerance;
                     for (int c = 0; c < 3; ++c)
                         assert_true(abs(a[c] - (c == axis ? -b[c] : b[c])) <= tolerance);
@@ -399,7 +407,9 @@ static size_t codes_apart(const iso_pyramid *p, const iso_pyramid *q, bool oppos
 static void scaling_and_offsetting_the_values_changes_no_direction(void **state)
 {
     (void)state;
-    const struct { double a, b; } maps[] = {{0x1p-90, 0}, {0x1p+100, 0}, {3, 0}, {-1, 0}, {0.25, 0.5}};
+    const struct {
+        double a, b;
+    } maps[] = {{0x1p-90, 0}, {0x1p+100, 0}, {3, 0}, {-1, 0}, {0.25, 0.5}};
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_volume v = noise(9, 8, 10), w = noise(9, 8, 10);
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
@@ -430,7 +440,8 @@ static size_t codes_not_shifted(const iso_pyramid *p, const iso_pyramid *q, size
     size_t count = 0;
     for (size_t row = 0; row < m[1] * m[2]; ++row)
         for (size_t x = margin; x + s + margin < m[0]; ++x)
-            count += memcmp(q->levels[k].codes + 3 * (row * m[0] + x), p->levels[k].codes + 3 * (row * m[0] + x + s), 3) != 0;
+            count += memcmp(q->levels[k].codes + 3 * (row * m[0] + x), p->levels[k].codes + 3 * (row * m[0] + x + s),
+                            3) != 0;
     return count;
 }
 
@@ -445,7 +456,11 @@ static void shifting_by_whole_coarse_voxels_shifts_the_codes(void **state)
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
         iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
         for (size_t k = 0; k < 4; ++k) /* what the ends reach: a stencil's voxel, or the kernels of all levels below */
-            assert_int_equal(codes_not_shifted(&p, &q, k, shift, filter == ISO_DIRECTION_EQ1 ? 3 : k == 3 ? 1 : (size_t)1 << (3 - k)), 0);
+            assert_int_equal(codes_not_shifted(&p, &q, k, shift,
+                                               filter == ISO_DIRECTION_EQ1 ? 3
+                                               : k == 3                    ? 1
+                                                                           : (size_t)1 << (3 - k)),
+                             0);
         /* the fault: half of a voxel of level 3 */
         for (size_t i = 0; i + 4 < count; ++i)
             ((float *)w.data)[i] = ((float *)v.data)[i + 4];
@@ -487,7 +502,8 @@ static double moments_from_below(const iso_pyramid *p, bool directions_alone)
                 square += s;
             }
             const double coherence = iso_norm(sum) / square;
-            largest = fmax(largest, iso_norm(iso_sub(iso_scale(iso_normalize(sum), coherence * coherence), direction_at(l, i))));
+            largest = fmax(largest,
+                           iso_norm(iso_sub(iso_scale(iso_normalize(sum), coherence * coherence), direction_at(l, i))));
         }
     }
     return largest;
@@ -519,7 +535,8 @@ static size_t changed_elsewhere(const iso_pyramid *p, const iso_pyramid *q, cons
                 fine[s / 2] += s % 2 ? 1 : (size_t)-1;
                 above = above || (fine[0] >> k == at[0] && fine[1] >> k == at[1] && fine[2] >> k == at[2]);
             }
-            count += !above && memcmp(p->levels[k].directions + 3 * i, q->levels[k].directions + 3 * i, 3 * sizeof(float)) != 0;
+            count += !above &&
+                     memcmp(p->levels[k].directions + 3 * i, q->levels[k].directions + 3 * i, 3 * sizeof(float)) != 0;
         }
     return count;
 }

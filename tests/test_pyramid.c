@@ -200,8 +200,12 @@ static void check_eq1(const eq1_case *c)
         /* gradients are below 2; weights, products and sums of up to 32^3 float terms, of which few weigh: 20
          * roundings */
         assert_at_most(eq1_difference(l, expected), 3e-6);
-        const struct { size_t radius, exponent; double sigma; } faults[] = {
-            {c->radius + 1, c->exponent, c->sigma}, {c->radius, c->exponent + 1, c->sigma}, {c->radius, c->exponent, 0.8 * c->sigma}};
+        const struct {
+            size_t radius, exponent;
+            double sigma;
+        } faults[] = {{c->radius + 1, c->exponent, c->sigma},
+                      {c->radius, c->exponent + 1, c->sigma},
+                      {c->radius, c->exponent, 0.8 * c->sigma}};
         for (size_t f = 0; f < 3; ++f) {
             /* at radius 1 all eight weights are one, and nearly so under a flat Gaussian; beyond 2 sigma a tap more is
              * little */
@@ -224,11 +228,12 @@ static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(
 {
     (void)state;
     const eq1_case cases[] = {
-        {2, 1, {9, 12, 7}, 1},  {1, 1, {9, 12, 7}, 0.7}, {3, 1, {9, 12, 7}, 1.6}, /* radius, with sigma */
-        {2, 1, {8, 6, 10}, 0.4}, {2, 1, {8, 6, 10}, 100},                         /* a narrow Gaussian, and a flat one */
-        {2, 0, {9, 12, 7}, 1},  {2, 2, {9, 12, 7}, 1},   {1, 3, {6, 9, 7}, 1},    {3, 4, {6, 9, 7}, 1.2}, /* exponents */
-        {2, 1, {5, 1, 3}, 1},   {3, 2, {1, 7, 2}, 1},    {2, 1, {1, 1, 9}, 1},    /* axes of one voxel */
-        {16, 1, {5, 6, 7}, 6},  {9, 1, {3, 20, 5}, 3},                            /* kernels wider than the volume: all border */
+        {2, 1, {9, 12, 7}, 1},   {1, 1, {9, 12, 7}, 0.7}, {3, 1, {9, 12, 7}, 1.6}, /* radius, with sigma */
+        {2, 1, {8, 6, 10}, 0.4}, {2, 1, {8, 6, 10}, 100}, /* a narrow Gaussian, and a flat one */
+        {2, 0, {9, 12, 7}, 1},   {2, 2, {9, 12, 7}, 1},   {1, 3, {6, 9, 7}, 1},
+        {3, 4, {6, 9, 7}, 1.2},                                                 /* exponents */
+        {2, 1, {5, 1, 3}, 1},    {3, 2, {1, 7, 2}, 1},    {2, 1, {1, 1, 9}, 1}, /* axes of one voxel */
+        {16, 1, {5, 6, 7}, 6},   {9, 1, {3, 20, 5}, 3}, /* kernels wider than the volume: all border */
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c)
         check_eq1(&cases[c]);
@@ -363,7 +368,8 @@ static void gaussian_scalars_equal_their_direct_sum(void **state)
                     double w = exp(-0.5 * r2 / (1.3 * 1.3));
                     weights += w;
                     sum += w * ((float *)v.data)[(clamp_index((long)(2 * at[2]) + z, 5) * 6 +
-                                                  clamp_index((long)(2 * at[1]) + y, 6)) * 7 +
+                                                  clamp_index((long)(2 * at[1]) + y, 6)) *
+                                                     7 +
                                                  clamp_index((long)(2 * at[0]) + x, 7)];
                 }
         assert_within(l->scalar[i], sum / weights, 1e-6); /* float sums of 64 values below 1 */
@@ -377,7 +383,9 @@ static void gaussian_scalars_equal_their_direct_sum(void **state)
 static void levels_of_a_single_voxel_are_left_out(void **state)
 {
     (void)state;
-    const struct { size_t size[3], levels; } cases[] = {{{4, 1, 1}, 2}, {{1, 1, 1}, 1}, {{8, 5, 2}, 3}, {{9, 1, 1}, 4}};
+    const struct {
+        size_t size[3], levels;
+    } cases[] = {{{4, 1, 1}, 2}, {{1, 1, 1}, 1}, {{8, 5, 2}, 3}, {{9, 1, 1}, 4}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
         iso_volume v = noise(cases[c].size[0], cases[c].size[1], cases[c].size[2]);
         iso_pyramid_options opt = iso_pyramid_defaults();
@@ -554,7 +562,10 @@ static void truncated_tampered_and_missing_files_are_refused(void **state)
 static void a_description_with_impossible_values_is_refused(void **state)
 {
     (void)state;
-    const struct { const char *from, *to; iso_status status; } changes[] = {
+    const struct {
+        const char *from, *to;
+        iso_status status;
+    } changes[] = {
         {"\"moments\"", "\"moment!\"", ISO_E_FORMAT}, {"\"float\"", "\"flint\"", ISO_E_USAGE},
         {"\"float\"", "\"int32\"", ISO_E_FORMAT},     {"\"level_1.nrrd\"", "\"../el_1.nrrd\"", ISO_E_FORMAT},
         {"\"fit\"", "\"fat\"", ISO_E_FORMAT},         {"\"box_index\"", "\"box_indey\"", ISO_E_FORMAT},

@@ -96,7 +96,10 @@ static iso_view make_view(view_kind kind, const iso_level *level0)
     const iso_geometry *g = &level0->geometry;
     double radius = iso_geometry_box_radius_mm(g);
     iso_vec3 center = iso_geometry_box_center_mm(g);
-    iso_view v = {.width = 48, .height = 40, .step_voxels = 0.6, .light_count = 2,
+    iso_view v = {.width = 48,
+                  .height = 40,
+                  .step_voxels = 0.6,
+                  .light_count = 2,
                   .shading = {.ambient = 0.3, .diffuse = 0.4, .specular = 0.3, .power = 20},
                   .background = {0.2, 0.1, 0.4}};
     iso_camera *c = &v.camera;
@@ -109,7 +112,8 @@ static iso_view make_view(view_kind kind, const iso_level *level0)
     v.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.9};
     /* In camera space, resolved: right, up, backwards. */
     v.lights[1] = (iso_light){.direction = iso_normalize(iso_sub(iso_add(c->right, c->up), c->forward)),
-                              .in_camera_space = true, .intensity = 0.5};
+                              .in_camera_space = true,
+                              .intensity = 0.5};
     make_tf(&v.tf, level0);
     return v;
 }
@@ -284,8 +288,8 @@ static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
             iso_view view = make_view((view_kind)kind, &p.levels[0]);
             char what[96];
             snprintf(what, sizeof what, "%s, %s", iso_type_name(types[t]), views[kind]);
-            check_agreement(&p.levels[0], ISO_CODE_SNORM, &view,
-                            kind == INSIDE ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES, what);
+            check_agreement(&p.levels[0], ISO_CODE_SNORM, &view, kind == INSIDE ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES,
+                            what);
             iso_view_destroy(&view);
         }
         iso_pyramid_destroy(&p);
@@ -454,8 +458,11 @@ static void volume_beyond_the_texture_limit_is_refused_with_both_sizes(void **st
 {
     (void)state;
     float scalar = 0;
-    iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){100000, 1, 1}, (const double[3]){1, 1, 1}),
-                       .stored_type = ISO_F32, .scalar = &scalar, .max = 1};
+    iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){100000, 1, 1},
+                                                             (const double[3]){1, 1, 1}),
+                       .stored_type = ISO_F32,
+                       .scalar = &scalar,
+                       .max = 1};
     iso_view view = make_view(PERSPECTIVE, &level);
     iso_gl_options opt = iso_gl_defaults();
     iso_image image;

@@ -12,7 +12,10 @@
 /* A level whose directions all point along +z of the world. */
 static iso_level make_level(const size_t size[3], const double spacing[3], double (*value)(iso_vec3 world))
 {
-    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing), .stored_type = ISO_F32, .min = 0, .max = 1};
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing),
+                       .stored_type = ISO_F32,
+                       .min = 0,
+                       .max = 1};
     size_t count = iso_geometry_voxel_count(&level.geometry), i = 0;
     level.scalar = malloc(count * sizeof(float));
     level.codes = malloc(3 * count);
@@ -39,7 +42,8 @@ static iso_view make_view(iso_vec3 forward, const float entries[8])
 {
     memcpy(line_entries, entries, sizeof line_entries);
     iso_vec3 helper = fabs(forward.z) < 0.9 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0);
-    iso_view view = {.width = 5, .height = 4, .shading = {.ambient = 1, .power = 1}, .light_count = 1, .step_voxels = 0.25};
+    iso_view view = {
+        .width = 5, .height = 4, .shading = {.ambient = 1, .power = 1}, .light_count = 1, .step_voxels = 0.25};
     view.lights[0] = (iso_light){.direction = {0, 0, 1}, .intensity = 1};
     view.camera = (iso_camera){.orthographic = true, .forward = forward, .half_height = 0.5};
     view.camera.right = iso_normalize(iso_cross(forward, helper));
@@ -56,10 +60,20 @@ static iso_image render(const iso_level *level, const iso_view *view, const iso_
     return image;
 }
 
-static double constant(iso_vec3 p) { (void)p; return 0.5; }
+static double constant(iso_vec3 p)
+{
+    (void)p;
+    return 0.5;
+}
 /* size 6 along z at spacing 2: voxel centres at -5 .. 5; 0.1 to 0.9 between them */
-static double ramp(iso_vec3 p) { return 0.5 + 0.08 * p.z; }
-static double paraboloid(iso_vec3 p) { return fmax(0, 1 - iso_dot(p, p)); }
+static double ramp(iso_vec3 p)
+{
+    return 0.5 + 0.08 * p.z;
+}
+static double paraboloid(iso_vec3 p)
+{
+    return fmax(0, 1 - iso_dot(p, p));
+}
 
 static const size_t small_size[3] = {4, 5, 6};
 static const double small_spacing[3] = {1, 1.5, 2};

@@ -23,7 +23,8 @@ static iso_image ball(size_t size, double shift, double bias, double blur)
             double u = (2 * ((double)x + 0.5 - shift) / (double)size - 1) / 0.8;
             double v = (2 * ((double)y + 0.5) / (double)size - 1) / 0.8, r2 = u * u + v * v;
             double a = 1 / (1 + exp((r2 - 1) * 30 / (1 + blur))), z = sqrt(fmax(1 - r2, 0));
-            double shade = 0.2 + 0.8 * fabs(0.5 * -u + 0.6 * -v + 0.62 * z) + 0.08 * sin(20 * u) * sin(17 * v) / (1 + blur);
+            double shade = 0.2 + 0.8 * fabs(0.5 * -u + 0.6 * -v + 0.62 * z) +
+                           0.08 * sin(20 * u) * sin(17 * v) / (1 + blur);
             const double color[3] = {0.85, 0.55 + 0.2 * v, 0.35};
             for (int c = 0; c < 3; ++c)
                 image.rgba[4 * (y * size + x) + (size_t)c] = (float)(a * shade * color[c] + bias);
@@ -55,17 +56,35 @@ static void add_consistency(iso_report *r)
             snprintf(name, sizeof name, "level%zu-method%d", level, m);
             add_image(r, name, &image);
             iso_image_destroy(&image);
-            assert_ok(iso_report_add_consistency(r, &(iso_report_consistency){
-                .level = level, .views = 20, .method = methods[m], .ssim_dissimilarity_mean = error, .flip_mean = error / 2,
-                .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error, .gradient_angle_p95_deg = 120 * error, .image = name,
-                .reference_image = "reference-0"}, &err));
+            assert_ok(
+                iso_report_add_consistency(r,
+                                           &(iso_report_consistency){.level = level,
+                                                                     .views = 20,
+                                                                     .method = methods[m],
+                                                                     .ssim_dissimilarity_mean = error,
+                                                                     .flip_mean = error / 2,
+                                                                     .gradient_angle_mean_deg = m == 0 ? NAN
+                                                                                                       : 40 * error,
+                                                                     .gradient_angle_p95_deg = 120 * error,
+                                                                     .image = name,
+                                                                     .reference_image = "reference-0"},
+                                           &err));
             /* Under the adapted TF: at level 1 adapting is refused. */
             double part = level == 1 ? 1 : 0.6;
-            assert_ok(iso_report_add_consistency(r, &(iso_report_consistency){
-                .level = level, .views = 20, .method = methods[m], .adapted = true,
-                .original_kept = level == 1 ? "it would be \"no\" nearer" : NULL, .ssim_dissimilarity_mean = part * error,
-                .flip_mean = part * error / 2, .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error,
-                .gradient_angle_p95_deg = 120 * error, .image = name, .reference_image = "reference-0"}, &err));
+            assert_ok(iso_report_add_consistency(
+                r,
+                &(iso_report_consistency){.level = level,
+                                          .views = 20,
+                                          .method = methods[m],
+                                          .adapted = true,
+                                          .original_kept = level == 1 ? "it would be \"no\" nearer" : NULL,
+                                          .ssim_dissimilarity_mean = part * error,
+                                          .flip_mean = part * error / 2,
+                                          .gradient_angle_mean_deg = m == 0 ? NAN : 40 * error,
+                                          .gradient_angle_p95_deg = 120 * error,
+                                          .image = name,
+                                          .reference_image = "reference-0"},
+                &err));
         }
 }
 
@@ -91,7 +110,11 @@ static void add_agreement(iso_report *r)
             assert_ok(iso_report_add_agreement(r, &row, &err));
             iso_image_destroy(&image);
         }
-    iso_report_agreement refused = {.level = 1, .scene = "thin shells", .a = "reference", .b = "cycles, h/16", .error_bar = NAN,
+    iso_report_agreement refused = {.level = 1,
+                                    .scene = "thin shells",
+                                    .a = "reference",
+                                    .b = "cycles, h/16",
+                                    .error_bar = NAN,
                                     .refused = "Cycles failed its slab calibration: 0.02, limit 0.001",
                                     .tolerances = {.rmse = 1e-3}};
     assert_ok(iso_report_add_agreement(r, &refused, &err));
@@ -148,9 +171,16 @@ static void every_file_is_there_and_the_data_is_whole(void **state)
     char *dir = inside("whole");
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
-    const char *const files[] = {"index.html", "report.json", "images/reference-0.exr", "images/reference-0.png",
-                                 "charts/agreement.svg", "charts/agreement.csv", "charts/agreement.gp",
-                                 "charts/consistency.svg", "charts/consistency.csv", "charts/consistency.gp",
+    const char *const files[] = {"index.html",
+                                 "report.json",
+                                 "images/reference-0.exr",
+                                 "images/reference-0.png",
+                                 "charts/agreement.svg",
+                                 "charts/agreement.csv",
+                                 "charts/agreement.gp",
+                                 "charts/consistency.svg",
+                                 "charts/consistency.csv",
+                                 "charts/consistency.gp",
                                  "charts/style.gp"};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i) {
         char *path = iso_path_join(dir, files[i]);
@@ -165,9 +195,17 @@ static void every_file_is_there_and_the_data_is_whole(void **state)
     assert_string_equal(json_string_value(json_object_get(root, "verdict")), "differ");
     assert_int_equal(json_array_size(json_object_get(root, "agreement")), 9);
     assert_int_equal(json_array_size(json_object_get(root, "consistency")), 18);
-    const char *const keys[] = {"level", "scene", "a", "b", "rmse", "max_abs", "p99_abs", "error_bar", "verdict", "limits", "why"};
-    const char *const more[] = {"level", "method", "tf", "original_kept", "views", "ssim_dissimilarity_mean", "flip_mean",
-                                "gradient_angle_mean_deg", "gradient_angle_p95_deg"};
+    const char *const keys[] = {"level",   "scene",     "a",       "b",      "rmse", "max_abs",
+                                "p99_abs", "error_bar", "verdict", "limits", "why"};
+    const char *const more[] = {"level",
+                                "method",
+                                "tf",
+                                "original_kept",
+                                "views",
+                                "ssim_dissimilarity_mean",
+                                "flip_mean",
+                                "gradient_angle_mean_deg",
+                                "gradient_angle_p95_deg"};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
         assert_non_null(json_object_get(json_array_get(json_object_get(root, "agreement"), 3), keys[i]));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; ++i)
@@ -219,7 +257,7 @@ static void the_page_needs_nothing_from_outside(void **state)
     assert_int_equal(count_of(page, "src=\""), 0);
     assert_int_equal(count_of(page, "url("), 0);
     assert_int_equal(count_of(page, "@import"), 0);
-    assert_int_equal(count_of(page, "</script>"), 3); /* its own: text in the data cannot end one */
+    assert_int_equal(count_of(page, "</script>"), 3);                   /* its own: text in the data cannot end one */
     assert_int_equal(count_of(page, "data:image/png;base64,"), 18 + 8); /* images and differences */
     assert_int_equal(count_of(page, "data:image/svg+xml;base64,"), 2);
     iso_report_summary summary = iso_report_summarise(r);
@@ -288,12 +326,15 @@ static void junit_counts_failures_and_escapes(void **state)
     (void)state;
     char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
     iso_report *r = example(dir);
-    assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program"}, &err));
+    assert_ok(
+        iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program"},
+                                   &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
     assert_int_equal(count_of(xml, "<testcase "), 14);
-    assert_int_equal(count_of(xml, "<failure "), 3); /* one differs, one calibration fails, one scene is refused whole */
-    assert_int_equal(count_of(xml, "<error "), 1);   /* and one renderer is not there */
+    assert_int_equal(count_of(xml, "<failure "),
+                     3);                           /* one differs, one calibration fails, one scene is refused whole */
+    assert_int_equal(count_of(xml, "<error "), 1); /* and one renderer is not there */
     assert_int_equal(count_of(xml, "<skipped "), 2); /* one is refused, one only reported */
     assert_non_null(strstr(xml, "tests=\"4\" failures=\"1\" errors=\"1\" skipped=\"0\""));
     assert_non_null(strstr(xml, "tests=\"10\" failures=\"2\" errors=\"0\" skipped=\"2\""));
@@ -302,7 +343,8 @@ static void junit_counts_failures_and_escapes(void **state)
     /* Consistency has no limit: figures beside the cases, not cases that cannot fail. */
     assert_non_null(strstr(xml, "name=\"consistency\""));
     assert_non_null(strstr(xml, "tests=\"0\" failures=\"0\" errors=\"0\" skipped=\"0\""));
-    assert_non_null(strstr(xml, "<property name=\"level 2: naive average+adapted: ssim_dissimilarity_mean\" value=\"0.0432\"/>"));
+    assert_non_null(
+        strstr(xml, "<property name=\"level 2: naive average+adapted: ssim_dissimilarity_mean\" value=\"0.0432\"/>"));
     assert_int_equal(count_of(xml, "original_kept\" value=\"it would be &quot;no&quot; nearer\"/>"), 3);
     free(xml);
     free(path);
@@ -347,7 +389,12 @@ static void gates_decide_too(void **state)
     iso_report *r;
     const iso_report_about about = {.title = "t"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = 1e-4, .tolerances = {.rmse = 1}, .gate_count = 2,
+    iso_report_agreement row = {.scene = "s",
+                                .a = "a",
+                                .b = "b",
+                                .error_bar = 1e-4,
+                                .tolerances = {.rmse = 1},
+                                .gate_count = 2,
                                 .gates = {{ISO_GATE_ERROR_BAR, 1e-4, 4e-4}, {ISO_GATE_PIXELS, 0, 0}}};
     assert_string_equal(iso_report_verdict(&row), "agree");
     row.tolerances = (iso_tolerances){0}; /* gates alone are enough */
@@ -370,7 +417,8 @@ static void gates_decide_too(void **state)
     const json_t *kept = json_array_get(json_object_get(iso_report_json(r), "agreement"), 0);
     assert_int_equal(json_array_size(json_object_get(kept, "gates")), 2);
     const json_t *last = json_array_get(json_object_get(kept, "gates"), 1);
-    assert_string_equal(json_string_value(json_object_get(last, "gate")), "pixels"); /* for programs; the name is for people */
+    assert_string_equal(json_string_value(json_object_get(last, "gate")),
+                        "pixels"); /* for programs; the name is for people */
     assert_string_equal(json_string_value(json_object_get(last, "name")), "pixels beyond chance");
     assert_within(json_number_value(json_object_get(json_object_get(kept, "statistics"), "order")), 1.5, 0);
     assert_true(json_is_null(json_object_get(kept, "severity"))); /* infinite: a gate at 0 was passed by */

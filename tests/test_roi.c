@@ -39,13 +39,30 @@ static iso_pyramid field_pyramid(iso_field_kind kind, size_t scale, bool turned)
 
 static iso_scene make_scene(void)
 {
-    static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0}, {0.45, {0.9, 0.3, 0.2}, 0}, {0.55, {0.9, 0.8, 0.3}, 0.2}, {0.65, {0.2, 0.5, 0.9}, 0.02},
+    static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0},
+                                    {0.45, {0.9, 0.3, 0.2}, 0},
+                                    {0.55, {0.9, 0.8, 0.3}, 0.2},
+                                    {0.65, {0.2, 0.5, 0.9}, 0.02},
                                     {1, {0.3, 0.9, 0.5}, 0.3}};
-    return (iso_scene){.path = "test", .width = 32, .height = 26, .camera_fit = true, .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
-                       .camera_up = {0, 0, 1}, .margin = 1.05, .fov_y_deg = 30, .light_count = 1,
+    return (iso_scene){.path = "test",
+                       .width = 32,
+                       .height = 26,
+                       .camera_fit = true,
+                       .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
+                       .camera_up = {0, 0, 1},
+                       .margin = 1.05,
+                       .fov_y_deg = 30,
+                       .light_count = 1,
                        .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.9}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12}, .background = {0.1, 0.2, 0.05}, .step_voxels = 0.5,
-                       .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 5, .points = points}};
+                       .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12},
+                       .background = {0.1, 0.2, 0.05},
+                       .step_voxels = 0.5,
+                       .tf = {.fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 256,
+                              .point_count = 5,
+                              .points = points}};
 }
 
 static iso_view make_view(const iso_pyramid *p)
@@ -87,11 +104,14 @@ static void weights_and_places_are_those_of_the_definition(void **state)
     iso_roi f = make_roi(&p, 2, &view.tf, 2);
     assert_within(iso_roi_weight(&f, iso_v3(2.6, 4, 2)), 1, 0);
     assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 1, 4, 2)), 0.5, 1e-15); /* half the band: u = 1/2 */
-    assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 0.5, 21.0 / 4 + 1.5, 2)), 0.25 * 0.25 * 2.5, 1e-15); /* the larger counts */
+    assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 0.5, 21.0 / 4 + 1.5, 2)), 0.25 * 0.25 * 2.5,
+                  1e-15); /* the larger counts */
     assert_within(iso_roi_weight(&f, iso_v3(2.6, 4, 11.0 / 4 + 2)), 0, 0);
-    for (size_t i = 0; i < iso_geometry_voxel_count(&f.level.geometry); ++i) { /* the crop's voxels are where they were */
+    for (size_t i = 0; i < iso_geometry_voxel_count(&f.level.geometry);
+         ++i) { /* the crop's voxels are where they were */
         const size_t *n = f.level.geometry.size, *m = p.levels[0].geometry.size;
-        const iso_vec3 at = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5, (double)(i / (n[0] * n[1])) + 0.5};
+        const iso_vec3 at = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5,
+                             (double)(i / (n[0] * n[1])) + 0.5};
         const iso_vec3 q = iso_geometry_to_index(&p.levels[0].geometry, iso_geometry_to_world(&f.level.geometry, at));
         const size_t from = (size_t)q.x + m[0] * ((size_t)q.y + m[1] * (size_t)q.z);
         assert_within(f.level.scalar[i], (double)p.levels[0].scalar[from], 0);
@@ -129,7 +149,8 @@ static void boxes_that_are_none_are_refused(void **state)
 
 /* ---- the seam ---------------------------------------------------------------------------- */
 
-static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *around, double band)
+static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *around,
+                                 double band)
 {
     iso_roi f = make_roi(p, level, &view->tf, band);
     iso_roi_setup setup;
@@ -149,7 +170,8 @@ static void no_step_is_left_at_the_faces_of_box_and_band(void **state)
     iso_view view = make_view(&p);
     for (size_t level = 1; level < 3; ++level) {
         iso_tf_table adapted = adapted_table(&p, level, &view.tf);
-        iso_roi_step blended = measure_step(&p, level, &view, &adapted, 2), hard = measure_step(&p, level, &view, &adapted, 0);
+        iso_roi_step blended = measure_step(&p, level, &view, &adapted, 2),
+                     hard = measure_step(&p, level, &view, &adapted, 0);
         print_message("level %zu: step %.2g, hard %.2g, own %.2g\n", level, blended.largest, hard.largest, blended.own);
         assert_at_most(blended.largest, STEP_LIMIT);
         assert_more_than(hard.largest, 100 * STEP_LIMIT); /* planted: a hard switch */
@@ -257,7 +279,8 @@ static void close_subject(subject *s)
     iso_pyramid_destroy(&s->pyramid);
 }
 
-static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table *tf, iso_roi *roi, const iso_render_options *reference)
+static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table *tf, iso_roi *roi,
+                           const iso_render_options *reference)
 {
     iso_image want = render(&s->pyramid, 1, &s->view, tf, roi, reference);
     iso_metrics m;
@@ -267,7 +290,8 @@ static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table
 }
 
 /* The image meets the reference, and no reference with a fault would have been met. */
-static void check_image(const iso_image *have, subject *s, const iso_render_options *reference, const char *name, double max_abs, double rmse)
+static void check_image(const iso_image *have, subject *s, const iso_render_options *reference, const char *name,
+                        double max_abs, double rmse)
 {
     iso_metrics m = against(have, s, &s->adapted, &s->roi, reference);
     print_message("%s: rmse %.3g, max %.3g\n", name, m.rmse, m.max_abs);
@@ -283,7 +307,8 @@ static void the_ray_caster_blends_as_the_reference(void **state)
 {
     (void)state;
     subject s = open_subject();
-    iso_render_options gl = iso_render_defaults(&iso_renderer_gl), reference = iso_render_defaults(&iso_renderer_reference);
+    iso_render_options gl = iso_render_defaults(&iso_renderer_gl),
+                       reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
     check_image(&have, &s, &reference, "gl", 2e-5, 1e-6); /* the same samples in float */
@@ -295,7 +320,8 @@ static void povray_blends_as_the_reference(void **state)
 {
     (void)state;
     subject s = open_subject();
-    iso_render_options povray = iso_render_defaults(&iso_renderer_povray), reference = iso_render_defaults(&iso_renderer_reference);
+    iso_render_options povray = iso_render_defaults(&iso_renderer_povray),
+                       reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
     iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
@@ -349,7 +375,8 @@ static void inside_the_box_nothing_but_the_finer_level_is_seen(void **state)
     const iso_roi_options all = {.hi = {(double)n[0], (double)n[1], (double)n[2]}, .band = 2};
     iso_roi f;
     assert_ok(iso_roi_create(&s.pyramid, 1, &s.view.tf, &all, &f, &err));
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &f, &reference), want = render(&s.pyramid, 0, &s.view, &s.view.tf, NULL, &same);
+    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &f, &reference),
+              want = render(&s.pyramid, 0, &s.view, &s.view.tf, NULL, &same);
     iso_metrics m;
     assert_ok(iso_metrics_measure(&have, &want, &m, &err));
     assert_at_most(m.max_abs, 1e-6); /* indices are halved and doubled: rounding, and floats in the image */

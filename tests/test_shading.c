@@ -41,7 +41,8 @@ static iso_pyramid pyramid_of(const iso_field *f)
 
 static iso_field field_of(iso_field_kind kind)
 {
-    return (iso_field){.kind = kind, .seed = 1,
+    return (iso_field){.kind = kind,
+                       .seed = 1,
                        .geometry = iso_geometry_axis_aligned((size_t[]){48, 54, 60}, (double[]){1, 0.9, 1.2})};
 }
 
@@ -56,15 +57,17 @@ static void level_0_is_at_no_distance_from_itself(void **state)
     iso_shading_error e;
     assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
     assert_true(s.point_count > 500);
-    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0}, &e, &err));
-    assert_within(e.dssim_mean, 0, 1e-12);      /* equal sums, rounded */
-    assert_within(e.angle_mean_deg, 0, 1e-4);   /* acos near 1 turns 1e-16 into 1e-6 degrees */
-    assert_more_than(e.truth_mean_deg, 0.01);   /* central differences are not the truth, */
-    assert_at_most(e.truth_mean_deg, 8);        /* but near it: a tube is a few voxels thick */
+    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0},
+                                  &e, &err));
+    assert_within(e.dssim_mean, 0, 1e-12);    /* equal sums, rounded */
+    assert_within(e.angle_mean_deg, 0, 1e-4); /* acos near 1 turns 1e-16 into 1e-6 degrees */
+    assert_more_than(e.truth_mean_deg, 0.01); /* central differences are not the truth, */
+    assert_at_most(e.truth_mean_deg, 8);      /* but near it: a tube is a few voxels thick */
     assert_ok(iso_shading_floor(&s, &p.levels[0], &p.levels[0], 0, ISO_CODE_SNORM, &e, &err));
     assert_within(e.dssim_mean, 0, 1e-6); /* the scalar is resampled at its own centres */
     /* the fault that both must see: level 2 */
-    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[2], 2, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0}, &e, &err));
+    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[2], 2, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0},
+                                  &e, &err));
     assert_more_than(e.dssim_mean, 0.01);
     assert_ok(iso_shading_floor(&s, &p.levels[0], &p.levels[2], 2, ISO_CODE_SNORM, &e, &err));
     assert_more_than(e.dssim_mean, 0.01);
@@ -93,11 +96,15 @@ static void angles_are_those_by_which_directions_were_turned(void **state)
             turned[3 * i + 1] = (float)d.y;
             turned[3 * i + 2] = (float)d.z;
         }
-        assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0}, &e, &err));
-        assert_within(e.truth_mean_deg, 10, 0.01); /* the sampler's epsilon shortens, it does not turn; floats do by 1e-5 */
+        assert_ok(iso_shading_measure(&s,
+                                      &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0},
+                                      &e, &err));
+        assert_within(e.truth_mean_deg, 10,
+                      0.01); /* the sampler's epsilon shortens, it does not turn; floats do by 1e-5 */
     }
     memset(turned, 0, 3 * count * sizeof *turned);
-    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0}, &e, &err));
+    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[0], 0, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0},
+                                  &e, &err));
     assert_within(e.angle_mean_deg, 90, 1e-9); /* no direction */
     iso_shading_end(&s);
     iso_pyramid_destroy(&p);
@@ -131,14 +138,16 @@ static void the_default_is_nearer_to_level_0_than_gradients_on_the_fly(void **st
     iso_shading_error own, fly, unit;
     iso_level *l = &p.levels[1];
     assert_ok(iso_shading_measure(&s, &(iso_shading_shown){l, 1, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0}, &own, &err));
-    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){l, 1, ISO_CODE_SNORM, ISO_FROM_ON_THE_FLY, NULL, 0}, &fly, &err));
+    assert_ok(
+        iso_shading_measure(&s, &(iso_shading_shown){l, 1, ISO_CODE_SNORM, ISO_FROM_ON_THE_FLY, NULL, 0}, &fly, &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
         float *d = l->directions + 3 * i;
         const float length = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         for (int c = 0; c < 3 && length > 0; ++c)
             d[c] /= length;
     }
-    assert_ok(iso_shading_measure(&s, &(iso_shading_shown){l, 1, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0}, &unit, &err));
+    assert_ok(
+        iso_shading_measure(&s, &(iso_shading_shown){l, 1, ISO_CODE_SNORM, ISO_FROM_FLOAT, NULL, 0}, &unit, &err));
     /* measured: DSSIM .0287 against .0303 and, without lengths, .0291; 4.7 degrees against 10.5 and 6.3 */
     assert_at_most(own.dssim_mean, 0.96 * fly.dssim_mean);
     assert_at_most(own.truth_mean_deg, 0.55 * fly.truth_mean_deg);
@@ -167,8 +176,9 @@ static void views_are_evenly_spread_and_off_the_axes(void **state)
         faces[i] = iso_view_through_face(i);
     for (int i = 0; i < ISO_DIAGONAL_VIEWS; ++i)
         diagonals[i] = iso_view_along_diagonal(i);
-    assert_within(nearest(faces, ISO_FACE_VIEWS, false), sqrt(5) / 3, 1e-12);       /* a dodecahedron's edge: 41.8 degrees */
-    assert_within(nearest(diagonals, ISO_DIAGONAL_VIEWS, true), 1 / sqrt(5), 1e-12); /* six equal angles, 63.4 degrees */
+    assert_within(nearest(faces, ISO_FACE_VIEWS, false), sqrt(5) / 3, 1e-12); /* a dodecahedron's edge: 41.8 degrees */
+    assert_within(nearest(diagonals, ISO_DIAGONAL_VIEWS, true), 1 / sqrt(5),
+                  1e-12); /* six equal angles, 63.4 degrees */
     for (int i = 0; i < ISO_FACE_VIEWS + ISO_DIAGONAL_VIEWS; ++i) {
         const iso_vec3 d = i < ISO_FACE_VIEWS ? faces[i] : diagonals[i - ISO_FACE_VIEWS];
         assert_within(iso_norm(d), 1, 1e-15);

@@ -139,7 +139,8 @@ typedef struct rates {
 } rates;
 
 /* offset: of channel 0 in standard deviations of the noise; of all pixels, or of one alone. */
-static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double significance, double offset, bool everywhere)
+static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double significance, double offset,
+                           bool everywhere)
 {
     uint64_t state = 0x1234567 + n;
     iso_image reference, image;
@@ -241,7 +242,8 @@ static void a_planted_offset_is_caught_as_often_as_computed(void **state)
         const double freedom = (double)n - 1, alpha = 1 - pow(0.95, 1.0 / small_tests), channel = 1 - pow(0.95, 0.25);
         const double offset = n == 4 ? 6 : 2.5, mean_offset = 0.3;
         const double one = noncentral_tail(critical(alpha, freedom), freedom, offset * sqrt((double)n));
-        const double all = noncentral_tail(critical(channel, freedom), freedom, mean_offset * sqrt((double)n * small_tests / 4));
+        const double all = noncentral_tail(critical(channel, freedom), freedom,
+                                           mean_offset * sqrt((double)n * small_tests / 4));
         rates r = measure_rates(NOISE_NORMAL, n, 1500, 0.05, offset, false);
         assert_true(one > 0.2 && one < 0.95 && all > 0.2 && all < 0.95); /* neither never nor always */
         expect_rate("one pixel", r.pixels, 1 - (1 - one) * pow(0.95, 1 - 1.0 / small_tests), 1500);

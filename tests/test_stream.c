@@ -142,7 +142,8 @@ static char *partial_of(const char *name)
 static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state)
 {
     (void)state;
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "b.iso");
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+         *b = iso_path_join(folder, "b.iso");
     for (size_t i = 0; i < JOB_COUNT; ++i) {
         iso_volume v = make_volume(jobs[i].size, jobs[i].type, source);
         build_in_memory(&jobs[i], &v, source, a);
@@ -152,7 +153,8 @@ static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state
                 iso_stream_report r = stream(&jobs[i], source, b, threads, how, ISO_OK);
                 const char *differs = first_difference(a, b);
                 if (differs)
-                    fail_msg("job %zu, %d threads, slabs of %zu planes: %s differs", i, threads, r.slab_planes, differs);
+                    fail_msg("job %zu, %d threads, slabs of %zu planes: %s differs", i, threads, r.slab_planes,
+                             differs);
                 assert_true(slab > 0 || r.slab_planes <= 16);
             }
         }
@@ -166,7 +168,8 @@ static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state
 static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state)
 {
     (void)state;
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "c.iso");
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+         *b = iso_path_join(folder, "c.iso");
     char *partial = partial_of("c.iso");
     for (size_t i = 0; i < JOB_COUNT; ++i) {
         if (jobs[i].size[2] < 20)
@@ -175,11 +178,13 @@ static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state
         build_in_memory(&jobs[i], &v, source, a);
         for (size_t stop = 1; stop < jobs[i].size[2] - 16; stop += 17) {
             iso_remove_tree(b);
-            stream(&jobs[i], source, b, 2, (iso_stream_options){.max_slab = 1, .direct = stop % 2, .stop_after = stop}, ISO_E_PROGRAM);
+            stream(&jobs[i], source, b, 2, (iso_stream_options){.max_slab = 1, .direct = stop % 2, .stop_after = stop},
+                   ISO_E_PROGRAM);
             assert_false(iso_path_exists(b)); /* nothing looks finished */
             assert_true(iso_path_is_dir(partial));
             assert_false(iso_pyramid_is_one(partial));
-            iso_stream_report r = stream(&jobs[i], source, b, 1, (iso_stream_options){.max_slab = 1, .resume = true}, ISO_OK);
+            iso_stream_report r = stream(&jobs[i], source, b, 1, (iso_stream_options){.max_slab = 1, .resume = true},
+                                         ISO_OK);
             assert_true(r.resumed_at_plane >= stop);
             assert_false(iso_path_exists(partial));
             const char *differs = first_difference(a, b);
@@ -197,7 +202,8 @@ static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state
 static void what_does_not_fit_is_not_taken_up(void **state)
 {
     (void)state;
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"), *b = iso_path_join(folder, "d.iso");
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+         *b = iso_path_join(folder, "d.iso");
     job other = jobs[0];
     iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);

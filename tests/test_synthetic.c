@@ -53,7 +53,8 @@ static void gradients_equal_numerical_differences_of_the_values(void **state)
             double d[3];
             for (int a = 0; a < 3; ++a) {
                 iso_vec3 e = iso_v3(a == 0 ? h : 0, a == 1 ? h : 0, a == 2 ? h : 0);
-                d[a] = (iso_field_value(&f, iso_add(at, e), NULL) - iso_field_value(&f, iso_sub(at, e), NULL)) / (2 * h);
+                d[a] = (iso_field_value(&f, iso_add(at, e), NULL) - iso_field_value(&f, iso_sub(at, e), NULL)) /
+                       (2 * h);
             }
             /* third derivative h^2 / 6, at most (6 pi^2 / 20)^3 h^2 / 6 = 4e-8, and rounding 1e-16 / h */
             assert_within(g.x, d[0], 1e-7);
@@ -86,7 +87,8 @@ static void samples_are_the_field_at_voxel_centers(void **state)
 static void integer_types_use_their_whole_range(void **state)
 {
     (void)state;
-    static const double lo[] = {0, -128, 0, -32768, 0, -2147483648.0}, hi[] = {255, 127, 65535, 32767, 4294967295.0, 2147483647.0};
+    static const double lo[] = {0, -128, 0, -32768, 0, -2147483648.0},
+                        hi[] = {255, 127, 65535, 32767, 4294967295.0, 2147483647.0};
     iso_field f = {.kind = ISO_FIELD_SLAB};
     f.geometry = iso_geometry_axis_aligned((size_t[]){4, 4, 12}, (double[]){3, 3, 1});
     for (int type = ISO_U8; type <= ISO_I32; ++type) {
@@ -128,7 +130,8 @@ static void known_values_are_where_they_should_be(void **state)
     f.kind = ISO_FIELD_SHELLS;
     assert_within(iso_field_value(&f, iso_v3(0, 0, 4.5), NULL), 1, 1e-12);
     assert_within(iso_field_value(&f, iso_v3(8, 0, 0), NULL), 1, 1e-12);
-    f.kind = ISO_FIELD_MARSCHNER_LOBB; /* at the centre: (1 - 0 + alpha (1 + cos 12 pi)) / (2 (1 + alpha)) = 1.5 / 2.5 */
+    f.kind =
+        ISO_FIELD_MARSCHNER_LOBB; /* at the centre: (1 - 0 + alpha (1 + cos 12 pi)) / (2 (1 + alpha)) = 1.5 / 2.5 */
     assert_within(iso_field_value(&f, iso_v3(0, 0, 0), NULL), 0.6, 1e-12);
     f.kind = ISO_FIELD_SLAB;
     assert_within(iso_field_value(&f, iso_v3(0, 0, 4.4), NULL), 1, 0);

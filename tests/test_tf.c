@@ -31,7 +31,8 @@ static iso_geometry box(void)
 static void opacity_becomes_extinction_over_its_unit_distance(void **state)
 {
     (void)state;
-    char *path = write_text("a.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
+    char *path = write_text("a.tf.json",
+                            TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
     iso_tf tf;
     iso_tf_table table;
     iso_geometry g = box();
@@ -57,8 +58,10 @@ static void opacity_becomes_extinction_over_its_unit_distance(void **state)
 static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void **state)
 {
     (void)state;
-    char *path = write_text("b.tf.json", "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
-                                         "\"unit_distance_voxels\": 3, \"points\": [{\"value\": 0.5, \"r\": 0.5, \"g\": 0, \"b\": 1, \"opacity\": 1}]}");
+    char *path = write_text(
+        "b.tf.json",
+        "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
+        "\"unit_distance_voxels\": 3, \"points\": [{\"value\": 0.5, \"r\": 0.5, \"g\": 0, \"b\": 1, \"opacity\": 1}]}");
     iso_tf tf;
     iso_tf_table table;
     iso_geometry g = box();
@@ -67,7 +70,8 @@ static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void
     assert_within(table.lo, -1000, 0);
     assert_within(table.hi, 3000, 0);
     assert_within(table.entries[0], 0.21404114048223255, 1e-7); /* sRGB 0.5, IEC 61966-2-1 */
-    assert_within(table.entries[3], -log(1 - ISO_TF_MAX_OPACITY) / 3, 1e-5); /* the mean spacing is 1; opacity 1 is capped */
+    assert_within(table.entries[3], -log(1 - ISO_TF_MAX_OPACITY) / 3,
+                  1e-5); /* the mean spacing is 1; opacity 1 is capped */
     iso_tf_table_destroy(&table);
     assert_ok(iso_tf_tabulate(&tf, 7, 7, &g, &table, &err)); /* a constant volume */
     assert_true(table.hi > table.lo);
@@ -80,9 +84,11 @@ static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void
 static void two_points_of_one_value_make_a_step(void **state)
 {
     (void)state;
-    char *path = write_text("c.tf.json", TF_HEAD "\"range\": [0, 4], \"unit_distance_mm\": 1, \"table_size\": 5, \"points\": ["
-                                         "{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0}, {\"value\": 1.5, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0},"
-                                         "{\"value\": 1.5, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}, {\"value\": 4, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}]}");
+    char *path = write_text(
+        "c.tf.json", TF_HEAD
+        "\"range\": [0, 4], \"unit_distance_mm\": 1, \"table_size\": 5, \"points\": ["
+        "{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0}, {\"value\": 1.5, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0},"
+        "{\"value\": 1.5, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}, {\"value\": 4, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}]}");
     const float expected[5] = {0, 0, 1, 1, 1};
     iso_tf tf;
     iso_tf_table table;
@@ -132,10 +138,15 @@ static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
         {TF_HEAD "\"range\": [1, 1], \"unit_distance_mm\": 1, " TF_POINTS, "range", ISO_E_RANGE},
         {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 0, " TF_POINTS, "unit_distance_mm", ISO_E_RANGE},
         {TF_HEAD "\"range\": [0, 1], " TF_POINTS, "unit_distance_mm", ISO_E_FORMAT},
-        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"tabel_size\": 3, " TF_POINTS, "tabel_size", ISO_E_FORMAT},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"tabel_size\": 3, " TF_POINTS, "tabel_size",
+         ISO_E_FORMAT},
         {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"table_size\": 5000, " TF_POINTS, "4096", ISO_E_RANGE},
-        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1.5}]}", "1.5", ISO_E_RANGE},
-        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 1, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}, {\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}]}", "ascend", ISO_E_RANGE},
+        {TF_HEAD
+         "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1.5}]}",
+         "1.5", ISO_E_RANGE},
+        {TF_HEAD
+         "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 1, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}, {\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1}]}",
+         "ascend", ISO_E_RANGE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char *path = write_text("bad.tf.json", cases[i].text);
@@ -148,9 +159,11 @@ static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
     }
 }
 
+/* clang-format off */
 #define SCENE(camera, lights, shading)                                                                        \
     "{\"schema\": \"isoshade.scene/1\", \"camera\": {" camera "}, \"lights\": [" lights "], \"shading\": {" shading "}, \"tf\": " TF_HEAD \
     "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS "}"
+/* clang-format on */
 #define FIT_CAMERA "\"projection\": \"perspective\", \"fit\": true, \"direction\": [1, 1, 0]"
 #define ONE_LIGHT "{\"direction\": [0, 0, 2], \"space\": \"camera\"}"
 #define PLAIN_SHADING "\"ambient\": 0.3, \"diffuse\": 0.7"
@@ -224,10 +237,17 @@ static void bad_scenes_are_refused_by_key_and_value(void **state)
         {SCENE(FIT_CAMERA, ONE_LIGHT, "\"ambient\": 0.5, \"diffuse\": 0.7"), "1.2", ISO_E_RANGE},
         {SCENE(FIT_CAMERA, ONE_LIGHT, "\"ambient\": 0.5"), "diffuse", ISO_E_FORMAT},
         {SCENE("\"projection\": \"fisheye\"", ONE_LIGHT, PLAIN_SHADING), "fisheye", ISO_E_FORMAT},
-        {SCENE("\"projection\": \"perspective\", \"fit\": true, \"direction\": [0, 0, 1]", ONE_LIGHT, PLAIN_SHADING), "up", ISO_E_RANGE},
-        {SCENE("\"projection\": \"orthographic\", \"position\": [0,0,0], \"look_at\": [1,0,0]", ONE_LIGHT, PLAIN_SHADING), "height_mm", ISO_E_FORMAT},
-        {SCENE("\"projection\": \"perspective\", \"position\": [1,0,0], \"look_at\": [1,0,0]", ONE_LIGHT, PLAIN_SHADING), "coincide", ISO_E_RANGE},
-        {"{\"schema\": \"isoshade.scene/1\", \"camera\": {" FIT_CAMERA "}, \"lights\": [" ONE_LIGHT "], \"shading\": {" PLAIN_SHADING "}, \"tf\": \"none.tf.json\"}", "none.tf.json", ISO_E_IO},
+        {SCENE("\"projection\": \"perspective\", \"fit\": true, \"direction\": [0, 0, 1]", ONE_LIGHT, PLAIN_SHADING),
+         "up", ISO_E_RANGE},
+        {SCENE("\"projection\": \"orthographic\", \"position\": [0,0,0], \"look_at\": [1,0,0]", ONE_LIGHT,
+               PLAIN_SHADING),
+         "height_mm", ISO_E_FORMAT},
+        {SCENE("\"projection\": \"perspective\", \"position\": [1,0,0], \"look_at\": [1,0,0]", ONE_LIGHT,
+               PLAIN_SHADING),
+         "coincide", ISO_E_RANGE},
+        {"{\"schema\": \"isoshade.scene/1\", \"camera\": {" FIT_CAMERA "}, \"lights\": [" ONE_LIGHT
+         "], \"shading\": {" PLAIN_SHADING "}, \"tf\": \"none.tf.json\"}",
+         "none.tf.json", ISO_E_IO},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char *path = write_text("bad.scene.json", cases[i].text);
@@ -243,7 +263,8 @@ static void bad_scenes_are_refused_by_key_and_value(void **state)
 static void the_reference_scenes_load(void **state)
 {
     (void)state;
-    static const char *const names[] = {"refscenes/brain.scene.json", "refscenes/marschner-lobb.scene.json", "refscenes/shells.scene.json"};
+    static const char *const names[] = {"refscenes/brain.scene.json", "refscenes/marschner-lobb.scene.json",
+                                        "refscenes/shells.scene.json"};
     iso_geometry g = box();
     for (size_t i = 0; i < 3; ++i) {
         iso_scene scene;

@@ -50,14 +50,31 @@ static iso_pyramid noise_pyramid(void)
 /* Soft, in colours that differ; a second light and highlights, so that nothing is left out. */
 static iso_view make_view(const iso_pyramid *p)
 {
-    static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0}, {0.3, {0.9, 0.3, 0.2}, 0}, {0.55, {0.9, 0.8, 0.3}, 0.2}, {0.7, {0.2, 0.5, 0.9}, 0.02},
+    static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0},
+                                    {0.3, {0.9, 0.3, 0.2}, 0},
+                                    {0.55, {0.9, 0.8, 0.3}, 0.2},
+                                    {0.7, {0.2, 0.5, 0.9}, 0.02},
                                     {1, {0.3, 0.9, 0.5}, 0.3}};
-    const iso_scene scene = {.path = "test", .width = 32, .height = 26, .camera_fit = true, .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
-                             .camera_up = {0, 0, 1}, .margin = 1.05, .fov_y_deg = 30, .light_count = 2,
-                             .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.8}, {.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 0.2}},
-                             .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12}, .background = {0.1, 0.2, 0.05},
+    const iso_scene scene = {.path = "test",
+                             .width = 32,
+                             .height = 26,
+                             .camera_fit = true,
+                             .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
+                             .camera_up = {0, 0, 1},
+                             .margin = 1.05,
+                             .fov_y_deg = 30,
+                             .light_count = 2,
+                             .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.8},
+                                        {.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 0.2}},
+                             .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12},
+                             .background = {0.1, 0.2, 0.05},
                              .step_voxels = 0.5,
-                             .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 5, .points = points}};
+                             .tf = {.fit_range = true,
+                                    .unit_distance = 1,
+                                    .unit_is_voxels = true,
+                                    .table_size = 256,
+                                    .point_count = 5,
+                                    .points = points}};
     iso_view view;
     assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
     return view;
@@ -75,7 +92,10 @@ static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value second, const iso_
 
 typedef enum fault { SWAPPED_AXES, HALF_A_ROW_OFF, FIRST_ROW_ALONE, FAULT_COUNT } fault;
 
-static size_t voxel_count(const iso_pyramid *p) { return iso_geometry_voxel_count(&p->levels[1].geometry); }
+static size_t voxel_count(const iso_pyramid *p)
+{
+    return iso_geometry_voxel_count(&p->levels[1].geometry);
+}
 
 static iso_tf_2d with_fault(const iso_tf_2d *t, const iso_pyramid *p, fault which)
 {
@@ -118,7 +138,8 @@ static iso_metrics compare(const iso_image *a, const iso_image *b)
 }
 
 /* The renderer meets the reference on both tables, and no faulty table of the reference would have passed. */
-static void check_renderer(const iso_render_options *with, const iso_render_options *reference, double max_abs, double rmse)
+static void check_renderer(const iso_render_options *with, const iso_render_options *reference, double max_abs,
+                           double rmse)
 {
     iso_pyramid p = noise_pyramid();
     iso_view view = make_view(&p);
@@ -149,7 +170,8 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
 static void the_ray_caster_looks_up_the_same_tables(void **state)
 {
     (void)state;
-    iso_render_options gl = iso_render_defaults(&iso_renderer_gl), reference = iso_render_defaults(&iso_renderer_reference);
+    iso_render_options gl = iso_render_defaults(&iso_renderer_gl),
+                       reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     check_renderer(&gl, &reference, GL_MAX_ABS, GL_RMSE);
 }
@@ -157,7 +179,8 @@ static void the_ray_caster_looks_up_the_same_tables(void **state)
 static void povray_looks_up_the_same_tables(void **state)
 {
     (void)state;
-    iso_render_options povray = iso_render_defaults(&iso_renderer_povray), reference = iso_render_defaults(&iso_renderer_reference);
+    iso_render_options povray = iso_render_defaults(&iso_renderer_povray),
+                       reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
     check_renderer(&povray, &reference, POVRAY_MAX_ABS, 1e-5);
@@ -167,7 +190,8 @@ static void cycles_looks_up_the_same_tables(void **state)
 {
     (void)state;
     need_cycles();
-    iso_render_options cycles = iso_render_defaults(&iso_renderer_cycles), reference = iso_render_defaults(&iso_renderer_reference);
+    iso_render_options cycles = iso_render_defaults(&iso_renderer_cycles),
+                       reference = iso_render_defaults(&iso_renderer_reference);
     cycles.step_voxels = 0.125;
     check_renderer(&cycles, &reference, 1, CYCLES_RMSE);
 }

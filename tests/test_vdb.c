@@ -160,7 +160,8 @@ static void a_left_handed_grid_is_stored_right_handed(void **state)
         for (int c = 0; c < 3; ++c)
             assert_within(gradient[3 * j + (size_t)c], d[c], 0);
         iso_vec3 here = iso_geometry_to_world(&l->geometry, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5));
-        iso_vec3 there = iso_geometry_to_world(&back, iso_v3((double)(n[0] - 1 - x) + 0.5, (double)y + 0.5, (double)z + 0.5));
+        iso_vec3 there = iso_geometry_to_world(&back,
+                                               iso_v3((double)(n[0] - 1 - x) + 0.5, (double)y + 0.5, (double)z + 0.5));
         assert_at_most(iso_norm(iso_sub(here, there)), 1e-12); /* roundings of about 100 mm */
     }
     free(density);
@@ -200,7 +201,7 @@ static void a_rim_moves_no_voxel(void **state)
     float *read = malloc(wide[0] * wide[1] * wide[2] * sizeof *read);
     assert_ok(iso_vdb_load_grid(f->path, "density", 1, wide, read, NULL, &err));
     assert_within((double)read[size[0] + 1], (double)read[size[0] - 1], 0); /* the edge repeated */
-    assert_within((double)read[size[0] + 2], 0, 0);                        /* the background behind */
+    assert_within((double)read[size[0] + 2], 0, 0);                         /* the background behind */
     free(read);
 }
 

@@ -131,7 +131,10 @@ static void planes_one_by_one_equal_the_whole(void **state)
 
 static int readers_closed;
 
-static bool starts_like_counting(const unsigned char *head, size_t size) { return size >= 8 && memcmp(head, "COUNTING", 8) == 0; }
+static bool starts_like_counting(const unsigned char *head, size_t size)
+{
+    return size >= 8 && memcmp(head, "COUNTING", 8) == 0;
+}
 
 /* Samples that no file holds: their own number. */
 static iso_status count_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
@@ -161,8 +164,13 @@ static iso_status open_counting(iso_volume_source *source, iso_error *err)
 }
 
 static const iso_volume_format counting = {
-    .name = "counting", .title = "COUNTING", .summary = "numbers", .suffixes = ".cnt .cnt.long", .starts = "\"COUNTING\"",
-    .probe = starts_like_counting, .open = open_counting,
+    .name = "counting",
+    .title = "COUNTING",
+    .summary = "numbers",
+    .suffixes = ".cnt .cnt.long",
+    .starts = "\"COUNTING\"",
+    .probe = starts_like_counting,
+    .open = open_counting,
 };
 
 static void a_format_of_this_test_alone_is_read_skipped_and_named(void **state)
@@ -232,23 +240,33 @@ static void both_byte_orders_and_detached_headers_are_read(void **state)
     assert_ok(iso_volume_load(in_dir("b.nrrd"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
-    write_nrrd("l.nrrd", "NRRD0001\r\ntype: int16\r\ndimension: 3\r\nsizes: 2 1 2\r\nendian: little\r\nencoding: raw\r\n\r\n", little, 8);
+    write_nrrd("l.nrrd",
+               "NRRD0001\r\ntype: int16\r\ndimension: 3\r\nsizes: 2 1 2\r\nendian: little\r\nencoding: raw\r\n\r\n",
+               little, 8);
     assert_ok(iso_volume_load(in_dir("l.nrrd"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
     write_bytes("d.raw", "xyz\0\1\0\2\377\377\200\0", 11);
-    write_nrrd("d.nhdr", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: 3\ndata file: d.raw\n", "", 0);
+    write_nrrd(
+        "d.nhdr",
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: 3\ndata file: d.raw\n",
+        "", 0);
     assert_ok(iso_volume_load(in_dir("d.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
-    write_nrrd("e.nhdr", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: -1\ndata file: d.raw\n", "", 0);
+    write_nrrd(
+        "e.nhdr",
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: -1\ndata file: d.raw\n",
+        "", 0);
     assert_ok(iso_volume_load(in_dir("e.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
     gzFile gz = gzopen(in_dir("d.raw.gz"), "wb");
     gzwrite(gz, big, 8);
     gzclose(gz);
-    write_nrrd("g.nhdr", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: gzip\ndata file: d.raw.gz\n", "", 0);
+    write_nrrd("g.nhdr",
+               "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: gzip\ndata file: d.raw.gz\n",
+               "", 0);
     assert_ok(iso_volume_load(in_dir("g.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
@@ -258,13 +276,15 @@ static void text_samples_and_slices_in_files_of_their_own_are_read(void **state)
 {
     (void)state;
     iso_volume v;
-    write_nrrd("t.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: ascii\n\n", "1 2.5 -3 4e3\n", 13);
+    write_nrrd("t.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: ascii\n\n", "1 2.5 -3 4e3\n",
+               13);
     assert_ok(iso_volume_load(in_dir("t.nrrd"), &v, &err));
     assert_memory_equal(v.data, ((float[]){1, 2.5f, -3, 4e3f}), 16);
     iso_volume_destroy(&v);
     write_bytes("s0.raw", "ab", 2);
     write_bytes("s1.raw", "cd", 2);
-    write_nrrd("s.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 2\nencoding: raw\ndata file: s%d.raw 0 1 1\n", "", 0);
+    write_nrrd("s.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 2\nencoding: raw\ndata file: s%d.raw 0 1 1\n",
+               "", 0);
     assert_ok(iso_volume_load(in_dir("s.nhdr"), &v, &err));
     assert_memory_equal(v.data, "abcd", 4);
     iso_volume_destroy(&v);
@@ -285,7 +305,8 @@ static iso_geometry geometry_of(const char *header)
 static void the_space_origin_is_the_center_of_the_first_sample(void **state)
 {
     (void)state;
-    iso_geometry g = geometry_of(HEAD "space dimension: 3\nspace directions: (0,2,0) (0,0,3) (5,0,0)\nspace origin: (10,20,30)\n\n");
+    iso_geometry g = geometry_of(
+        HEAD "space dimension: 3\nspace directions: (0,2,0) (0,0,3) (5,0,0)\nspace origin: (10,20,30)\n\n");
     iso_vec3 center = iso_geometry_to_world(&g, iso_v3(0.5, 0.5, 0.5));
     assert_within(iso_norm(iso_sub(center, iso_v3(10, 20, 30))), 0, 1e-14);
     assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(7.5, 19, 28.5))), 0, 1e-14);
@@ -299,7 +320,8 @@ static void anatomical_spaces_become_right_anterior_superior(void **state)
     (void)state;
 #define FRAME "\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n\n"
     iso_geometry lps = geometry_of(HEAD "space: left-posterior-superior" FRAME);
-    assert_within(iso_norm(iso_sub(iso_geometry_to_world(&lps, iso_v3(0.5, 0.5, 0.5)), iso_v3(-10, -20, 30))), 0, 1e-14);
+    assert_within(iso_norm(iso_sub(iso_geometry_to_world(&lps, iso_v3(0.5, 0.5, 0.5)), iso_v3(-10, -20, 30))), 0,
+                  1e-14);
     assert_within(lps.index_to_world.m[0][0], -1, 0);
     assert_within(lps.index_to_world.m[1][1], -2, 0);
     assert_within(iso_mat3_det(lps.index_to_world), 6, 1e-14); /* a half turn: right-handed still */
@@ -320,14 +342,22 @@ static void spacings_axis_mins_and_units_are_kept(void **state)
     double spacing[3];
     iso_geometry_spacing_mm(&g, spacing);
     assert_within(spacing[1], 0.1, 1e-15);
-    g = geometry_of(HEAD "space dimension: 3\nspace units: \"cm\" \"cm\" \"cm\"\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (1,1,1)\n\n");
+    g = geometry_of(
+        HEAD
+        "space dimension: 3\nspace units: \"cm\" \"cm\" \"cm\"\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (1,1,1)\n\n");
     assert_within(g.origin_mm.x, 5, 1e-14);
 }
 
 static nifti_1_header nifti_header(short nx, short ny, short nz)
 {
-    nifti_1_header h = {.sizeof_hdr = 348, .dim = {3, nx, ny, nz, 1, 1, 1, 1}, .datatype = 4, .bitpix = 16,
-                        .pixdim = {1, 1, 2, 3, 0, 0, 0, 0}, .vox_offset = 352, .xyzt_units = 2, .magic = "n+1"};
+    nifti_1_header h = {.sizeof_hdr = 348,
+                        .dim = {3, nx, ny, nz, 1, 1, 1, 1},
+                        .datatype = 4,
+                        .bitpix = 16,
+                        .pixdim = {1, 1, 2, 3, 0, 0, 0, 0},
+                        .vox_offset = 352,
+                        .xyzt_units = 2,
+                        .magic = "n+1"};
     return h;
 }
 
@@ -431,7 +461,8 @@ static void raw_files_follow_the_layout_that_is_given(void **state)
 {
     (void)state;
     write_bytes("r.raw", "??\0\1\0\2\0\3\0\4\0\5\0\6", 14);
-    iso_raw_layout layout = {.type = ISO_U16, .size = {3, 1, 2}, .spacing_mm = {1, 2, 3}, .big_endian = true, .skip_bytes = 2};
+    iso_raw_layout layout = {
+        .type = ISO_U16, .size = {3, 1, 2}, .spacing_mm = {1, 2, 3}, .big_endian = true, .skip_bytes = 2};
     iso_volume v;
     assert_ok(iso_volume_load_raw(in_dir("r.raw"), &layout, &v, &err));
     float row[3];
@@ -469,18 +500,29 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
         {HEAD "\n", "123456789", "too long", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\n", "", "hit end of header", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 0 2\nencoding: raw\n\n", "1", "", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", "1", "", ISO_E_RANGE},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: raw\n\n", "1", "need 1000000000000", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: gzip\n\n", "1", "cannot hold", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: ascii\n\n", "1 2 3", "cannot hold", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", "1", "",
+         ISO_E_RANGE},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: raw\n\n", "1", "need 1000000000000",
+         ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: gzip\n\n", "1", "cannot hold",
+         ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: ascii\n\n", "1 2 3", "cannot hold",
+         ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\n", "12345678", "not gzip", ISO_E_FORMAT},
-        {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n", "12345678", "quaternion", ISO_E_FORMAT},
-        {"NRRD0004\ntype: int64\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nendian: little\n\n", "12345678", "8, 16 or 32 bits", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 4\nencoding: raw\n\n", "12345678", "2 axes, a scalar volume has 3", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 1 2\nencoding: raw\n\n", "123456789012", "4 axes", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nkinds: RGB-color domain domain\nencoding: raw\n\n", "123456789012", "RGB-color", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspacings: 1 0 1\n\n", "12345678", "", ISO_E_FORMAT},
-        {HEAD "space dimension: 3\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n\n", "12345678", "span no volume", ISO_E_RANGE},
+        {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n", "12345678", "quaternion",
+         ISO_E_FORMAT},
+        {"NRRD0004\ntype: int64\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nendian: little\n\n", "12345678",
+         "8, 16 or 32 bits", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 4\nencoding: raw\n\n", "12345678",
+         "2 axes, a scalar volume has 3", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 1 2\nencoding: raw\n\n", "123456789012", "4 axes",
+         ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nkinds: RGB-color domain domain\nencoding: raw\n\n",
+         "123456789012", "RGB-color", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspacings: 1 0 1\n\n", "12345678", "",
+         ISO_E_FORMAT},
+        {HEAD "space dimension: 3\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n\n", "12345678", "span no volume",
+         ISO_E_RANGE},
         {HEAD "data file: nowhere.raw\n", "", "nowhere.raw", ISO_E_FORMAT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
@@ -504,8 +546,16 @@ static void swap8(void *p, int count)
 
 static nifti_2_header nifti_2(void)
 {
-    nifti_2_header h = {.sizeof_hdr = 540, .magic = {'n', '+', '2', 0, '\r', '\n', '\032', '\n'}, .datatype = 4, .bitpix = 16, .dim = {3, 2, 3, 2, 1, 1, 1, 1},
-                        .pixdim = {1, 1, 2, 3, 0, 0, 0, 0}, .vox_offset = 544, .xyzt_units = 2, .sform_code = 1, .scl_slope = 2,
+    nifti_2_header h = {.sizeof_hdr = 540,
+                        .magic = {'n', '+', '2', 0, '\r', '\n', '\032', '\n'},
+                        .datatype = 4,
+                        .bitpix = 16,
+                        .dim = {3, 2, 3, 2, 1, 1, 1, 1},
+                        .pixdim = {1, 1, 2, 3, 0, 0, 0, 0},
+                        .vox_offset = 544,
+                        .xyzt_units = 2,
+                        .sform_code = 1,
+                        .scl_slope = 2,
                         .scl_inter = -1024};
     const double rows[3][4] = {{0, -2, 0, 10.000000001}, {1, 0, 0, 20}, {0, 0, 3, 30}};
     memcpy(h.srow_x, rows[0], 32), memcpy(h.srow_y, rows[1], 32), memcpy(h.srow_z, rows[2], 32);
@@ -529,7 +579,8 @@ static void nifti_2_is_read_in_both_byte_orders(void **state)
         int16_t samples[12];
         memcpy(samples, nifti_samples, 24);
         if (i & 1) { /* every field, by the table of its header */
-            swap4(&h.sizeof_hdr, 1), swap2(&h.datatype, 2), swap8(h.dim, 8), swap8(h.pixdim, 8), swap8(&h.vox_offset, 3);
+            swap4(&h.sizeof_hdr, 1), swap2(&h.datatype, 2), swap8(h.dim, 8), swap8(h.pixdim, 8),
+                swap8(&h.vox_offset, 3);
             swap4(&h.sform_code, 1), swap8(h.srow_x, 12), swap4(&h.xyzt_units, 1);
             swap2(samples, 12);
         }
@@ -538,7 +589,8 @@ static void nifti_2_is_read_in_both_byte_orders(void **state)
         assert_ok(iso_volume_load(in_dir("two.nii"), &v, &err));
         assert_memory_equal(v.data, nifti_samples, 24);
         iso_vec3 at = iso_geometry_to_world(&v.geometry, iso_v3(1.5, 2.5, 0.5));
-        assert_within(iso_norm(iso_sub(at, iso_v3(10.000000001 - 4, 20 + 1, 30))), 0, 1e-14); /* a float has no such 10 */
+        assert_within(iso_norm(iso_sub(at, iso_v3(10.000000001 - 4, 20 + 1, 30))), 0,
+                      1e-14); /* a float has no such 10 */
         assert_within(v.notes.scale_slope, 2, 0);
         iso_volume_destroy(&v);
     }
@@ -673,7 +725,8 @@ static uint64_t next_random(uint64_t *state)
 
 /* Bytes of a good file are changed or cut off at random: reading must end with
  * a status, and a volume that is accepted must be whole. */
-static void fuzz_file(const char *name, const char *bytes, size_t size, size_t header_bytes, uint64_t *random, int rounds)
+static void fuzz_file(const char *name, const char *bytes, size_t size, size_t header_bytes, uint64_t *random,
+                      int rounds)
 {
     char *copy = malloc(size);
     for (int round = 0; round < rounds; ++round) {
@@ -682,7 +735,8 @@ static void fuzz_file(const char *name, const char *bytes, size_t size, size_t h
         int changes = (int)(next_random(random) % 4);
         for (int c = 0; c < changes && kept > 0; ++c) {
             size_t at = next_random(random) % (header_bytes < kept ? header_bytes : kept);
-            copy[at] = next_random(random) % 2 ? (char)next_random(random) : "0123456789 -:,()\n"[next_random(random) % 17];
+            copy[at] = next_random(random) % 2 ? (char)next_random(random)
+                                               : "0123456789 -:,()\n"[next_random(random) % 17];
         }
         write_bytes(name, copy, kept);
         iso_volume v;

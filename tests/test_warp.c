@@ -15,7 +15,10 @@
 #define BRICK 8
 
 static iso_random random_state;
-static double random_unit(void) { return iso_random_unit(&random_state); }
+static double random_unit(void)
+{
+    return iso_random_unit(&random_state);
+}
 
 static float *noise(size_t count)
 {
@@ -55,7 +58,7 @@ static double worst_jump(const iso_warp_field *f, int points)
         for (int a = 0; a < 3; ++a) {
             size_t faces = f->size[a] / BRICK - 1;
             double face = (double)(BRICK * (1 + (size_t)((double)faces * random_unit())));
-            p[a] = a == across            ? face
+            p[a] = a == across           ? face
                    : random_unit() < 0.5 ? (double)f->size[a] * random_unit()
                                          : face + random_unit() - 0.5;
         }

@@ -16,7 +16,10 @@
 
 static iso_random random_state;
 
-static double random_unit(void) { return iso_random_unit(&random_state); }
+static double random_unit(void)
+{
+    return iso_random_unit(&random_state);
+}
 
 /* Noise in 0..1 on whole bricks, as a level and a field of one channel. */
 typedef struct noise {
@@ -27,7 +30,8 @@ typedef struct noise {
 static noise make_noise(size_t nx, size_t ny, size_t nz)
 {
     const size_t size[3] = {BRICK * nx, BRICK * ny, BRICK * nz}, count = size[0] * size[1] * size[2];
-    noise n = {.level = {.geometry = iso_geometry_axis_aligned(size, (double[]){1, 1, 1}), .stored_type = ISO_F32, .max = 1}};
+    noise n = {
+        .level = {.geometry = iso_geometry_axis_aligned(size, (double[]){1, 1, 1}), .stored_type = ISO_F32, .max = 1}};
     n.level.scalar = malloc(count * sizeof(float));
     assert_non_null(n.level.scalar);
     for (size_t i = 0; i < count; ++i)
@@ -59,7 +63,9 @@ static double worst_jump(const noise *n, double *apart)
         double p[3];
         for (int a = 0; a < 3; ++a) {
             const double face = BRICK * (1 + floor((double)(count[a] - 1) * random_unit()));
-            p[a] = a == across ? face : random_unit() < 0.5 ? (double)f->size[a] * random_unit() : face + random_unit() - 0.5;
+            p[a] = a == across           ? face
+                   : random_unit() < 0.5 ? (double)f->size[a] * random_unit()
+                                         : face + random_unit() - 0.5;
             p[a] = (double)(float)p[a]; /* what the shader is given */
         }
         first[i] = used;
@@ -80,7 +86,8 @@ static double worst_jump(const noise *n, double *apart)
         for (size_t k = first[i]; k < first[i + 1]; ++k) {
             const size_t b = (size_t)places[k][3];
             const size_t brick[3] = {b % count[0], b / count[0] % count[1], b / (count[0] * count[1])};
-            const double value = (double)values[k][0], difference = fabs(value - iso_warp_sample_in(f, brick, places[k]));
+            const double value = (double)values[k][0],
+                         difference = fabs(value - iso_warp_sample_in(f, brick, places[k]));
             min = fmin(min, value), max = isnan(value) ? NAN : fmax(max, value);
             *apart = difference <= *apart ? *apart : difference;
         }
@@ -116,8 +123,9 @@ static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
         n.field.mode = ISO_WARP_NONE;
         own_jumps += worst_jump(&n, &apart) > 0.02;
     }
-    printf("corrected: %.1e between bricks; %.1e from the CPU; of 256 configurations %d jump as written, %d without transitions\n",
-           corrected, apart, jumps, own_jumps);
+    printf(
+        "corrected: %.1e between bricks; %.1e from the CPU; of 256 configurations %d jump as written, %d without transitions\n",
+        corrected, apart, jumps, own_jumps);
     assert_at_most(corrected, FILTER);
     assert_at_most(apart, FILTER);
     assert_int_equal(jumps, 172); /* those of tests/test_warp.c */

@@ -50,8 +50,8 @@ static iso_status in_units(const iso_pyramid *p, double units, iso_pyramid *copy
     return ISO_OK;
 }
 
-static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, double units, const char *path, const iso_progress *progress,
-                             iso_error *err)
+static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, double units, const char *path,
+                           const iso_progress *progress, iso_error *err)
 {
     iso_level level = f->level;
     iso_vdb_options options = iso_vdb_defaults();
@@ -89,7 +89,8 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         status = save_roi(p, view->roi, units, roi_vdb, progress, err);
     if (status == ISO_OK) {
         const iso_level *l = &scaled.levels[level];
-        const double voxel = units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &p->levels[level].geometry));
+        const double voxel = units *
+                             iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &p->levels[level].geometry));
         json_t *levels = json_array();
         const blender_level shown = {&l->geometry, level, {0, 1}, vdb, roi_vdb};
         iso_blender_append_level(levels, &shown, view, units, &frames[0]);
@@ -143,8 +144,8 @@ typedef struct export_job {
 static iso_status begin_grid(const export_job *e, size_t i, bool roi, iso_output *out, iso_error *err)
 {
     char *path = iso_blender_vdb_path(e->blend_path, e->first + i, e->count, roi);
-    iso_status status =
-        path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", e->blend_path);
+    iso_status status = path ? iso_output_begin(out, path, err)
+                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", e->blend_path);
     free(path);
     return status;
 }
@@ -177,8 +178,8 @@ static json_t *describe_export(const export_job *e)
     const char *base = iso_path_base(e->blend_path);
     char name[NAME_MAX + 1];
     snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-    json_t *about =
-        iso_blender_describe_scene(&views[0], e->units, &e->scaled->levels[e->first].geometry, name, e->opt);
+    json_t *about = iso_blender_describe_scene(&views[0], e->units, &e->scaled->levels[e->first].geometry, name,
+                                               e->opt);
     json_t *levels = json_array();
     size_t region = e->count; /* the regions' tables stand behind the levels' */
     for (size_t i = 0; i < e->count; ++i) {

@@ -33,8 +33,8 @@ typedef struct iso_cycles_stats {
 } iso_cycles_stats;
 
 typedef struct iso_blender_options {
-    double step_voxels;  /* Cycles' step in the level's smallest spacing */
-    int samples;         /* 1 goes exactly through the pixel centres; more are spread by a filter */
+    double step_voxels; /* Cycles' step in the level's smallest spacing */
+    int samples;        /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
     int threads;
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
@@ -60,7 +60,8 @@ iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view
  * shading and lights are shared, and the colour map has the rows of each level: views
  * holds `count`, which differ in their transfer functions alone. */
 iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *views,
-                                     const char *blend_path, const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+                                     const char *blend_path, const iso_blender_options *opt,
+                                     const iso_progress *progress, iso_error *err);
 
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
@@ -78,10 +79,10 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
 typedef struct iso_blender_plan {
     const iso_geometry *geometry; /* of level 0 */
     size_t bricks[3], brick_voxels;
-    const uint8_t *piece;         /* a byte a brick, x fastest: number of its lattice and 1; 0: left out */
+    const uint8_t *piece; /* a byte a brick, x fastest: number of its lattice and 1; 0: left out */
     const iso_lattice *lattices;
-    size_t count;                 /* at least 1 */
-    const char *source;           /* what it was made from */
+    size_t count;       /* at least 1 */
+    const char *source; /* what it was made from */
 } iso_blender_plan;
 
 /* NAME.blend and NAME_level_K.vdb beside it (NAME.vdb when there is one lattice). step_voxels: of level 0. */

@@ -98,9 +98,9 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     if (status == ISO_OK) {
         const plan_job job = {plan, view, stem, false, opt};
         json_t *about = describe_plan(&job, units, "isoshade");
-        json_object_set_new(
-            about, "frames",
-            iso_blender_describe_frames(units * iso_geometry_min_spacing_mm(plan->geometry), folder, opt, 1));
+        json_object_set_new(about, "frames",
+                            iso_blender_describe_frames(units * iso_geometry_min_spacing_mm(plan->geometry), folder,
+                                                        opt, 1));
         status = iso_blender_run(about, folder, opt, progress, err);
     }
     if (status == ISO_OK)

@@ -51,8 +51,9 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
     uint8_t codes[3 * voxels] = {0};
     for (int i = 0; i < voxels; ++i)
         scalar[i] = 1;
-    iso_level level = {.geometry = iso_geometry_axis_aligned(
-                           (size_t[]){CALIBRATION_SIZE, CALIBRATION_SIZE, CALIBRATION_SIZE}, (double[]){1, 1, 1}),
+    iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){CALIBRATION_SIZE, CALIBRATION_SIZE,
+                                                                        CALIBRATION_SIZE},
+                                                             (double[]){1, 1, 1}),
                        .scalar = scalar,
                        .codes = codes,
                        .min = 1,
@@ -118,8 +119,8 @@ static iso_status write_script(const char *path, iso_error *err)
     for (size_t i = 0; memory && i < sizeof parts / sizeof *parts; ++i)
         fprintf(memory, "%s\n\n", parts[i]);
     const bool whole = memory && fclose(memory) == 0;
-    iso_status status =
-        whole ? iso_file_write(path, text, size, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    iso_status status = whole ? iso_file_write(path, text, size, err)
+                              : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     free(text);
     return status;
 }

@@ -74,8 +74,8 @@ static iso_status write_file(const char *path, const density *d, iso_error *err)
     const size_t *size = d->size, rim = d->rim;
     for (int a = 0; a < 3; ++a)
         if (size[a] + 2 * rim > UINT16_MAX)
-            return iso_fail(err, ISO_E_RANGE, "%s: size %zu x %zu x %zu, a DF3 file holds at most %zu along an axis", path,
-                            size[0], size[1], size[2], (size_t)UINT16_MAX - 2 * rim);
+            return iso_fail(err, ISO_E_RANGE, "%s: size %zu x %zu x %zu, a DF3 file holds at most %zu along an axis",
+                            path, size[0], size[1], size[2], (size_t)UINT16_MAX - 2 * rim);
     FILE *file = fopen(path, "wb");
     if (!file)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));

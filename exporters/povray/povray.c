@@ -12,7 +12,8 @@
 
 iso_povray_options iso_povray_defaults(void)
 {
-    return (iso_povray_options){.intervals = ISO_POVRAY_MAX_INTERVALS, .planes = 8, .extrapolate = true, .df3_bits = 32};
+    return (
+        iso_povray_options){.intervals = ISO_POVRAY_MAX_INTERVALS, .planes = 8, .extrapolate = true, .df3_bits = 32};
 }
 
 iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
@@ -21,7 +22,8 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
     if (level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu, the pyramid has 0 to %zu", level, p->level_count - 1);
     if (opt->intervals < 2 || opt->intervals > ISO_POVRAY_MAX_INTERVALS)
-        return iso_fail(err, ISO_E_RANGE, "povray: %zu intervals, must be 2 to %d", opt->intervals, ISO_POVRAY_MAX_INTERVALS);
+        return iso_fail(err, ISO_E_RANGE, "povray: %zu intervals, must be 2 to %d", opt->intervals,
+                        ISO_POVRAY_MAX_INTERVALS);
     if (opt->planes > ISO_POVRAY_MAX_PLANES)
         return iso_fail(err, ISO_E_RANGE, "povray: %zu planes, at most %d", opt->planes, ISO_POVRAY_MAX_PLANES);
     if (opt->df3_bits != 16 && opt->df3_bits != 32)
@@ -31,7 +33,8 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
     if (opt->isosurface && view->roi)
         return iso_fail(err, ISO_E_USAGE, "povray: a region of interest is no surface");
     if (opt->float_directions && !p->levels[level].directions)
-        return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them", level);
+        return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them",
+                        level);
     if (view->tf.count < 2 || !(view->tf.hi > view->tf.lo))
         return iso_fail(err, ISO_E_RANGE, "povray: the transfer function has %zu entries from %g to %g", view->tf.count,
                         view->tf.lo, view->tf.hi);

@@ -39,19 +39,19 @@
 
 /* What a render took inside POV-Ray, over all its passes. */
 typedef struct iso_povray_stats {
-    double trace_seconds; /* without starting, reading DF3 files and parsing */
+    double trace_seconds;     /* without starting, reading DF3 files and parsing */
     double processor_seconds; /* the same over all threads */
-    double df3_bytes;     /* of the DF3 files, which POV-Ray holds as they are */
+    double df3_bytes;         /* of the DF3 files, which POV-Ray holds as they are */
 } iso_povray_stats;
 
 typedef struct iso_povray_options {
-    size_t intervals;      /* 2 to 255 a piece of a ray */
-    size_t planes;         /* cutting planes across the view: 0 to 100 */
-    bool extrapolate;      /* Richardson from intervals / 2 and intervals */
-    unsigned df3_bits;     /* 16 or 32, for what is not exact in 8 or 16 */
-    bool float_directions; /* iso_level.directions instead of the codes */
-    bool isosurface;       /* first hit instead of volume rendering */
-    double iso;            /* the value of the isosurface */
+    size_t intervals;       /* 2 to 255 a piece of a ray */
+    size_t planes;          /* cutting planes across the view: 0 to 100 */
+    bool extrapolate;       /* Richardson from intervals / 2 and intervals */
+    unsigned df3_bits;      /* 16 or 32, for what is not exact in 8 or 16 */
+    bool float_directions;  /* iso_level.directions instead of the codes */
+    bool isosurface;        /* first hit instead of volume rendering */
+    double iso;             /* the value of the isosurface */
     const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
     int threads;
     iso_povray_stats *stats; /* filled by renders; or NULL */

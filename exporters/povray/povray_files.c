@@ -19,22 +19,20 @@ char *iso_povray_file_path(const char *dir, const char *name, const char *suffix
     return path;
 }
 
-iso_status iso_povray_no_memory(iso_error *err) { return iso_fail(err, ISO_E_MEMORY, "povray: no memory"); }
+iso_status iso_povray_no_memory(iso_error *err)
+{
+    return iso_fail(err, ISO_E_MEMORY, "povray: no memory");
+}
 
 /* Whole samples where the type has them. */
 static iso_df3_coding scalar_coding(const iso_level *level, unsigned bits)
 {
     switch (level->stored_type) {
-    case ISO_U8:
-        return (iso_df3_coding){8, 0, 255};
-    case ISO_I8:
-        return (iso_df3_coding){8, -128, 127};
-    case ISO_U16:
-        return (iso_df3_coding){16, 0, 65535};
-    case ISO_I16:
-        return (iso_df3_coding){16, -32768, 32767};
-    default:
-        return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
+    case ISO_U8: return (iso_df3_coding){8, 0, 255};
+    case ISO_I8: return (iso_df3_coding){8, -128, 127};
+    case ISO_U16: return (iso_df3_coding){16, 0, 65535};
+    case ISO_I16: return (iso_df3_coding){16, -32768, 32767};
+    default: return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
     }
 }
 
@@ -68,8 +66,8 @@ static double steepest(const iso_level *level)
                     const size_t edges[4] = {at, at + u, at + v, at + u + v};
                     double edge = 0;
                     for (int e = 0; e < 4; ++e)
-                        edge =
-                            fmax(edge, fabs((double)level->scalar[edges[e] + along] - (double)level->scalar[edges[e]]));
+                        edge = fmax(edge,
+                                    fabs((double)level->scalar[edges[e] + along] - (double)level->scalar[edges[e]]));
                     square += edge * edge;
                 }
                 most = fmax(most, square);

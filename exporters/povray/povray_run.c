@@ -11,7 +11,10 @@
 #include "base/process.h"
 #include "povray/povray_files.h"
 
-static iso_status find_povray(char **path, iso_error *err) { return iso_process_find("povray", "povray", path, err); }
+static iso_status find_povray(char **path, iso_error *err)
+{
+    return iso_process_find("povray", "povray", path, err);
+}
 
 typedef struct version_search {
     char *version;

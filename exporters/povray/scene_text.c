@@ -14,10 +14,12 @@ static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identif
 {
     const size_t *n = s->voxels->geometry.size;
     const double scale = s->lattice_scale, *offset = s->lattice_offset;
-    fprintf(f, "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate 1\n"
-               "    scale <%.17g, %.17g, %.17g> translate <%.17g, %.17g, %.17g> } }\n", identifier, s->name, suffix,
-            (double)(n[0] + 2) / scale, (double)(n[1] + 2) / scale, (double)(n[2] + 2) / scale, (offset[0] - 0.5) / scale,
-            (offset[1] - 0.5) / scale, (offset[2] - 0.5) / scale);
+    fprintf(f,
+            "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate 1\n"
+            "    scale <%.17g, %.17g, %.17g> translate <%.17g, %.17g, %.17g> } }\n",
+            identifier, s->name, suffix, (double)(n[0] + 2) / scale, (double)(n[1] + 2) / scale,
+            (double)(n[2] + 2) / scale, (offset[0] - 0.5) / scale, (offset[1] - 0.5) / scale,
+            (offset[2] - 0.5) / scale);
 }
 
 static const char *object_name(const iso_povray_scene *s)
@@ -30,30 +32,31 @@ static void write_header(FILE *f, const iso_povray_scene *s)
     const iso_geometry *g = s->geometry;
     double h[3];
     iso_geometry_spacing_mm(g, h);
-    fprintf(f,
-            "// %s.inc - a shaded volume, made by isoshade: level %zu of %s,\n"
-            "// %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm.\n"
-            "//\n"
-            "//     #include \"%s.inc\"\n"
-            "//     object { %s transform { Iso_To_World } }\n"
-            "//\n"
-            "// %s stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
-            "// Iso_To_World turns and stretches it as the data say, and makes it about %g units across. Scale it as you\n"
-            "// like, but not far below 100: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
-            "//\n"
-            "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
-            "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
-            "//\n"
-            "// Declare before the #include, or on the command line (Declare=Iso_Intervals=100):\n"
-            "//     Iso_Intervals   samples along a ray, at most 255; fewer is faster\n"
-            "//     Iso_Emission    brightness, 1 is as the transfer function says; 0 leaves only the absorption\n"
-            "//     Iso_Scale       what the placed volume is scaled by\n"
-            "#version 3.7;\n\n"
-            "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
-            "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
-            "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
-            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
-            object_name(s), ISO_POVRAY_UNITS_ACROSS, s->options->intervals);
+    fprintf(
+        f,
+        "// %s.inc - a shaded volume, made by isoshade: level %zu of %s,\n"
+        "// %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm.\n"
+        "//\n"
+        "//     #include \"%s.inc\"\n"
+        "//     object { %s transform { Iso_To_World } }\n"
+        "//\n"
+        "// %s stands in voxel coordinates: voxel (i, j, k) covers [i, i+1] x [j, j+1] x [k, k+1].\n"
+        "// Iso_To_World turns and stretches it as the data say, and makes it about %g units across. Scale it as you\n"
+        "// like, but not far below 100: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
+        "//\n"
+        "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
+        "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
+        "//\n"
+        "// Declare before the #include, or on the command line (Declare=Iso_Intervals=100):\n"
+        "//     Iso_Intervals   samples along a ray, at most 255; fewer is faster\n"
+        "//     Iso_Emission    brightness, 1 is as the transfer function says; 0 leaves only the absorption\n"
+        "//     Iso_Scale       what the placed volume is scaled by\n"
+        "#version 3.7;\n\n"
+        "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
+        "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
+        "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
+        s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
+        object_name(s), ISO_POVRAY_UNITS_ACROSS, s->options->intervals);
 }
 
 static void write_placement(FILE *f, const iso_povray_scene *s)
@@ -63,7 +66,8 @@ static void write_placement(FILE *f, const iso_povray_scene *s)
     iso_vec3 o = iso_scale(iso_sub(g->origin_mm, s->center_mm), s->units_per_mm);
     fprintf(f, "#declare Iso_Units_Per_mm = %.17g;\n", s->units_per_mm);
     static const double zero[3] = {0};
-    const double *low = s->options->box ? s->options->box[0] : zero, *high = s->options->box ? s->options->box[1] : g->box_index;
+    const double *low = s->options->box ? s->options->box[0] : zero,
+                 *high = s->options->box ? s->options->box[1] : g->box_index;
     fprintf(f, "#declare Iso_Box_Low = <%.17g, %.17g, %.17g>; // in voxels\n", low[0], low[1], low[2]);
     fprintf(f, "#declare Iso_Box = <%.17g, %.17g, %.17g>;\n", high[0], high[1], high[2]);
     fprintf(f, "#declare Iso_To_World = transform { matrix <\n");
@@ -79,14 +83,16 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     fprintf(f, "// ---- the data -------------------------------------------------------------\n"
                "// Each file has a rim of one voxel, against the wrap-around of `interpolate`.\n");
     write_lookup(f, s, "Iso_Stored", "scalar");
-    fprintf(f, "// in the units of the data\n"
-               "#declare Iso_Value = function (x, y, z) { %.17g + %.17g * Iso_Stored(x, y, z) }\n"
-               "// 0 at the first entry of the transfer function, 1 at the last\n"
-               "#declare Iso_TF_Position = function (x, y, z) { min(1, max(0, %.17g + %.17g * Iso_Stored(x, y, z))) }\n\n",
+    fprintf(f,
+            "// in the units of the data\n"
+            "#declare Iso_Value = function (x, y, z) { %.17g + %.17g * Iso_Stored(x, y, z) }\n"
+            "// 0 at the first entry of the transfer function, 1 at the last\n"
+            "#declare Iso_TF_Position = function (x, y, z) { min(1, max(0, %.17g + %.17g * Iso_Stored(x, y, z))) }\n\n",
             s->scalar.lo, s->scalar.hi - s->scalar.lo, (s->scalar.lo - tf->lo) / (tf->hi - tf->lo),
             (s->scalar.hi - s->scalar.lo) / (tf->hi - tf->lo));
     if (s->tf_2d) {
-        fprintf(f, "// The second value of the transfer function, a byte a voxel: 0 in its first row, 1 in its last.\n");
+        fprintf(f,
+                "// The second value of the transfer function, a byte a voxel: 0 in its first row, 1 in its last.\n");
         write_lookup(f, s, "Iso_Second", "second");
         fprintf(f, "\n");
     }
@@ -101,8 +107,8 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     /* lo and hi are chosen so that a whole sample stands for 0. */
     const double span = s->direction.hi - s->direction.lo, zero = round(-s->direction.lo / span * steps);
     for (int a = 0; a < 3; ++a)
-        fprintf(f, "#declare Iso_D%s = function (x, y, z) { (Iso_Stored_D%s(x, y, z) * %.17g - %.17g) * %.17g }\n", axis[a],
-                axis[a], steps, zero, span / steps);
+        fprintf(f, "#declare Iso_D%s = function (x, y, z) { (Iso_Stored_D%s(x, y, z) * %.17g - %.17g) * %.17g }\n",
+                axis[a], axis[a], steps, zero, span / steps);
     fprintf(f, "\n");
 }
 
@@ -122,33 +128,38 @@ void iso_povray_write_clips(FILE *f, const iso_povray_scene *s)
 static void write_layer_media(FILE *f, const iso_povray_scene *s, const char *prefix, const char *weight)
 {
     const double color = s->peak_color, specular = iso_povray_specular_sum(s->view);
-    fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-               "        absorption %sExtinction\n"
-               "        density { %sTF_Extinction }%s }\n"
-               "#if (Iso_Emission > 0)\n"
-               "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-               "        emission Iso_Emission * %sExtinction * %.17g\n"
-               "        density { %sTF_Extinction } density { %sTF_Color } density { %sDiffuse }%s }\n", prefix, prefix, weight,
-            prefix, color, prefix, prefix, prefix, weight);
+    fprintf(f,
+            "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+            "        absorption %sExtinction\n"
+            "        density { %sTF_Extinction }%s }\n"
+            "#if (Iso_Emission > 0)\n"
+            "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+            "        emission Iso_Emission * %sExtinction * %.17g\n"
+            "        density { %sTF_Extinction } density { %sTF_Color } density { %sDiffuse }%s }\n",
+            prefix, prefix, weight, prefix, color, prefix, prefix, prefix, weight);
     if (specular > 0)
-        fprintf(f, "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-                   "        emission Iso_Emission * %sExtinction * %.17g\n"
-                   "        density { %sTF_Extinction } density { %sTF_Color } density { %sSpecular }%s }\n", prefix,
-                color * specular, prefix, prefix, prefix, weight);
+        fprintf(f,
+                "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+                "        emission Iso_Emission * %sExtinction * %.17g\n"
+                "        density { %sTF_Extinction } density { %sTF_Color } density { %sSpecular }%s }\n",
+                prefix, color * specular, prefix, prefix, prefix, weight);
     fprintf(f, "#end\n");
 }
 
 static void write_media(FILE *f, const iso_povray_scene *s)
 {
-    fprintf(f, "// ---- the medium -----------------------------------------------------------\n"
-               "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
-               "// the default method 3 is not.\n"
-               "#declare Iso_Interior = interior {\n");
+    fprintf(
+        f,
+        "// ---- the medium -----------------------------------------------------------\n"
+        "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
+        "// the default method 3 is not.\n"
+        "#declare Iso_Interior = interior {\n");
     write_layer_media(f, s, "Iso_", s->roi ? " density { Iso_Around }" : "");
     if (s->roi)
         write_layer_media(f, s->roi, "Iso_Roi_", " density { Iso_Roi }");
     const bool clipped = s->view->clip_count > 0;
-    fprintf(f, "}\n\n#declare Iso_Volume = %s\n", clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
+    fprintf(f, "}\n\n#declare Iso_Volume = %s\n",
+            clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
     iso_povray_write_clips(f, s);
     fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    interior { Iso_Interior } }\n");
@@ -172,15 +183,17 @@ static void write_layer(FILE *f, const iso_povray_scene *s)
 static void write_weights(FILE *f, const iso_roi *roi)
 {
     const double *lo = roi->lo, *hi = roi->hi;
-    fprintf(f, "// ---- the region of interest ------------------------------------------------\n"
-               "// Iso_Roi is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
-               "#declare Iso_Roi_Distance = function (x, y, z) {\n"
-               "    max(%.17g - x, x - %.17g, %.17g - y, y - %.17g, %.17g - z, z - %.17g) }\n"
-               "#declare Iso_Roi_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Roi_Distance(x, y, z) / %.17g)) }\n"
-               "#declare Iso_Roi_Weight = function (x, y, z) { pow(Iso_Roi_Part(x, y, z), 2) * (3 - 2 * Iso_Roi_Part(x, y, z)) }\n"
-               "#declare Iso_Roi = density { function { Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
-               "#declare Iso_Around = density { function { 1 - Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
-            lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(roi->band, 1e-9));
+    fprintf(
+        f,
+        "// ---- the region of interest ------------------------------------------------\n"
+        "// Iso_Roi is 1 in the box <%.9g, %.9g, %.9g>, <%.9g, %.9g, %.9g> and falls to 0 over the band around it.\n"
+        "#declare Iso_Roi_Distance = function (x, y, z) {\n"
+        "    max(%.17g - x, x - %.17g, %.17g - y, y - %.17g, %.17g - z, z - %.17g) }\n"
+        "#declare Iso_Roi_Part = function (x, y, z) { 1 - min(1, max(0, Iso_Roi_Distance(x, y, z) / %.17g)) }\n"
+        "#declare Iso_Roi_Weight = function (x, y, z) { pow(Iso_Roi_Part(x, y, z), 2) * (3 - 2 * Iso_Roi_Part(x, y, z)) }\n"
+        "#declare Iso_Roi = density { function { Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n"
+        "#declare Iso_Around = density { function { 1 - Iso_Roi_Weight(x, y, z) } color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
+        lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(roi->band, 1e-9));
 }
 
 /* The text with its declared names made those of the finer layer; what the user sets is shared. */
@@ -254,14 +267,16 @@ static void write_planes(FILE *f, const iso_povray_scene *s)
     double radius = 0; /* half the extent of the box along the view */
     for (int a = 0; a < 3; ++a)
         radius += fabs(iso_dot(iso_column(m, a), c->forward)) * g->box_index[a];
-    fprintf(f, "// Transparent planes cut the rays into pieces, each with its own Iso_Intervals.\n"
-               "#ifndef (Iso_Planes) #declare Iso_Planes = %zu; #end\n"
-               "#declare Iso_Plane = 1;\n"
-               "#while (Iso_Plane <= Iso_Planes)\n"
-               "    plane { <%.17g, %.17g, %.17g>, %.17g * (2 * Iso_Plane / (Iso_Planes + 1) - 1)\n"
-               "        hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n"
-               "    #declare Iso_Plane = Iso_Plane + 1;\n"
-               "#end\n", s->options->planes, c->forward.x, c->forward.y, c->forward.z, radius);
+    fprintf(f,
+            "// Transparent planes cut the rays into pieces, each with its own Iso_Intervals.\n"
+            "#ifndef (Iso_Planes) #declare Iso_Planes = %zu; #end\n"
+            "#declare Iso_Plane = 1;\n"
+            "#while (Iso_Plane <= Iso_Planes)\n"
+            "    plane { <%.17g, %.17g, %.17g>, %.17g * (2 * Iso_Plane / (Iso_Planes + 1) - 1)\n"
+            "        hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } }\n"
+            "    #declare Iso_Plane = Iso_Plane + 1;\n"
+            "#end\n",
+            s->options->planes, c->forward.x, c->forward.y, c->forward.z, radius);
 }
 
 void iso_povray_write_scene(FILE *f, const iso_povray_scene *s)
@@ -279,28 +294,34 @@ void iso_povray_write_scene(FILE *f, const iso_povray_scene *s)
             "// adc_bailout 0: nothing is left out behind dense parts.\n"
             "global_settings { assumed_gamma 1.0 max_trace_level 256 adc_bailout 0 }\n\n",
             s->name, s->name, 1 / s->peak, 1 / s->peak);
-    fprintf(f, "#switch (Iso_Pass)\n"
-               "    #case (0) background { rgb <%.9g, %.9g, %.9g> } #break\n"
-               "    #case (1) background { rgb 0 } #break\n"
-               "    #case (2) background { rgb 1 } #break\n"
-               "#end\n\n", b[0], b[1], b[2]);
+    fprintf(f,
+            "#switch (Iso_Pass)\n"
+            "    #case (0) background { rgb <%.9g, %.9g, %.9g> } #break\n"
+            "    #case (1) background { rgb 0 } #break\n"
+            "    #case (2) background { rgb 1 } #break\n"
+            "#end\n\n",
+            b[0], b[1], b[2]);
     write_camera(f, s);
-    fprintf(f, "#include \"%s.inc\"\n"
-               "object { %s transform { Iso_To_World } }\n\n", s->name, object_name(s));
+    fprintf(f,
+            "#include \"%s.inc\"\n"
+            "object { %s transform { Iso_To_World } }\n\n",
+            s->name, object_name(s));
     if (!s->options->isosurface)
         write_planes(f, s);
 }
 
 void iso_povray_write_ini(FILE *f, const iso_povray_scene *s)
 {
-    fprintf(f, "; povray %s.ini\n"
-               "Input_File_Name=%s.pov\n"
-               "Output_File_Name=%s.png\n"
-               "Output_File_Type=N8\n"
-               "Width=%zu\n"
-               "Height=%zu\n"
-               "; Antialias=On multiplies the time; a larger picture made smaller costs less.\n"
-               "Antialias=Off\n"
-               "Display=Off\n"
-               "Pause_When_Done=Off\n", s->name, s->name, s->name, s->view->width, s->view->height);
+    fprintf(f,
+            "; povray %s.ini\n"
+            "Input_File_Name=%s.pov\n"
+            "Output_File_Name=%s.png\n"
+            "Output_File_Type=N8\n"
+            "Width=%zu\n"
+            "Height=%zu\n"
+            "; Antialias=On multiplies the time; a larger picture made smaller costs less.\n"
+            "Antialias=Off\n"
+            "Display=Off\n"
+            "Pause_When_Done=Off\n",
+            s->name, s->name, s->name, s->view->width, s->view->height);
 }

@@ -20,23 +20,23 @@
 /* What the texts are written from. A region of interest has a second one, whose
  * declared names begin with Iso_Roi_ and whose files with NAME_roi. */
 typedef struct iso_povray_scene {
-    const char *name;    /* of the files */
-    const char *source;  /* for the comments */
+    const char *name;   /* of the files */
+    const char *source; /* for the comments */
     size_t level;
-    const iso_geometry *geometry; /* of the level: what the container stands in */
-    const iso_level *voxels;      /* the level, or what a region of interest holds of a finer one */
+    const iso_geometry *geometry;            /* of the level: what the container stands in */
+    const iso_level *voxels;                 /* the level, or what a region of interest holds of a finer one */
     double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
-    const struct iso_povray_scene *roi;    /* the region of interest's data and TF; or NULL */
+    const struct iso_povray_scene *roi;      /* the region of interest's data and TF; or NULL */
     const iso_view *view;
     const iso_tf_2d *tf_2d; /* the view's; NULL for a surface */
-    const iso_tf_table *tf;          /* the view's, or the envelope of the 2D one */
+    const iso_tf_table *tf; /* the view's, or the envelope of the 2D one */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
     double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
     iso_vec3 center_mm;  /* world to POV-Ray: (world - center) * units_per_mm */
     double units_per_mm;
     double peak_extinction, peak_color; /* of the TF: what its tables are divided by; at least 1 for colour */
-    double peak;         /* no pixel can be brighter */
+    double peak;                        /* no pixel can be brighter */
 } iso_povray_scene;
 
 /* Fills the peaks from the TF. */

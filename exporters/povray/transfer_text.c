@@ -18,7 +18,10 @@ static double peak_color(const iso_tf_table *tf)
 }
 
 /* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
-double iso_povray_peak(const iso_view *view) { return peak_color(&view->tf) * (1 + iso_povray_specular_sum(view)); }
+double iso_povray_peak(const iso_view *view)
+{
+    return peak_color(&view->tf) * (1 + iso_povray_specular_sum(view));
+}
 
 /* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
@@ -42,8 +45,8 @@ static size_t mark_bends(const iso_tf_table *tf, const int channels[2], double t
     for (size_t i = 1; i < tf->count; ++i) {
         bool inside = i > from + 1;
         for (int c = channels[0]; c < channels[1]; ++c) {
-            const double slope =
-                ((double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c]) / (double)(i - from);
+            const double slope = ((double)tf->entries[4 * i + c] - (double)tf->entries[4 * from + c]) /
+                                 (double)(i - from);
             inside = inside && slope >= lo[c] && slope <= hi[c];
         }
         if (i > from + 1 && !inside) {
@@ -68,8 +71,14 @@ typedef struct map_source {
     double peak;
 } map_source;
 
-static map_source extinction_source(const iso_povray_scene *s) { return (map_source){{3, 4}, s->peak_extinction}; }
-static map_source color_source(const iso_povray_scene *s) { return (map_source){{0, 3}, s->peak_color}; }
+static map_source extinction_source(const iso_povray_scene *s)
+{
+    return (map_source){{3, 4}, s->peak_extinction};
+}
+static map_source color_source(const iso_povray_scene *s)
+{
+    return (map_source){{0, 3}, s->peak_color};
+}
 
 /* Positions in a color_map are floats: tables with finer steps than this travel as DF3. */
 enum { max_color_map_table = 1024 };

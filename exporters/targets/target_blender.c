@@ -14,8 +14,10 @@ static void tell_ramp(const iso_export_job *job, const iso_tf_table *table)
                             json_pack("{sI sf sf}", "stops", (json_int_t)ramp.count, "max_color_difference",
                                       ramp.color_loss, "max_opacity_difference", ramp.alpha_loss));
     if (job->notes)
-        fprintf(job->notes, "colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
-                ramp.count, ramp.color_loss, ramp.alpha_loss);
+        fprintf(
+            job->notes,
+            "colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
+            ramp.count, ramp.color_loss, ramp.alpha_loss);
 }
 
 static iso_status write_planned(const iso_export_job *job, const iso_blender_options *o, iso_error *err)
@@ -26,9 +28,13 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
     if (status != ISO_OK)
         return status;
     uint8_t *pieces = iso_planned_pieces(job->planned, &lattices);
-    const iso_blender_plan plan = {.geometry = &n->geometry, .bricks = {n->count[0], n->count[1], n->count[2]},
-                                   .brick_voxels = n->brick_voxels, .piece = pieces, .lattices = lattices.items,
-                                   .count = lattices.count, .source = job->pyramid->source};
+    const iso_blender_plan plan = {.geometry = &n->geometry,
+                                   .bricks = {n->count[0], n->count[1], n->count[2]},
+                                   .brick_voxels = n->brick_voxels,
+                                   .piece = pieces,
+                                   .lattices = lattices.items,
+                                   .count = lattices.count,
+                                   .source = job->pyramid->source};
     status = pieces ? iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err)
                     : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     if (status == ISO_OK)
@@ -65,7 +71,8 @@ const iso_export_target iso_export_target_blender = {
     .title = "Blender",
     .summary = "a .blend that renders as it opens, and its OpenVDB grids",
     .output = "NAME.blend",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
     .write = write_blender,
 };

@@ -10,7 +10,9 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options *o
                                                 job->threads, &crop, err);
     if (status != ISO_OK)
         return status;
-    const iso_pyramid cropped = {.options = job->pyramid->options, .source = job->pyramid->source, .level_count = 1,
+    const iso_pyramid cropped = {.options = job->pyramid->options,
+                                 .source = job->pyramid->source,
+                                 .level_count = 1,
                                  .levels = &crop.level};
     o->box = (const double(*)[3])crop.box;
     status = iso_povray_export(&cropped, 0, job->view, job->output, o, job->progress, err);
@@ -43,7 +45,8 @@ const iso_export_target iso_export_target_povray = {
     .title = "POV-Ray",
     .summary = "a folder with .pov, .inc, .ini and DF3 files",
     .output = "a folder",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
     .write = write_povray,
 };

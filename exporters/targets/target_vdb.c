@@ -9,7 +9,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_vdb_options
     iso_status status = iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err);
     if (status != ISO_OK)
         return status;
-    status = iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o, job->progress, err);
+    status = iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o, job->progress,
+                                   err);
     iso_planned_lattices_destroy(&lattices);
     return status;
 }
@@ -28,6 +29,7 @@ const iso_export_target iso_export_target_vdb = {
     .title = "OpenVDB",
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
     .output = "NAME.vdb",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) | ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS),
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS),
     .write = write_vdb,
 };

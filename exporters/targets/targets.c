@@ -10,7 +10,10 @@ static const iso_export_target *const targets[] = {ISO_EXPORT_TARGET_LIST(ISO_EX
 #undef ISO_EXPORT_TARGET_POINTER
 const iso_names iso_export_target_names = ISO_NAMES_OF_POINTERS("export target", targets);
 
-const iso_export_target *iso_export_target_at(size_t row) { return targets[row]; }
+const iso_export_target *iso_export_target_at(size_t row)
+{
+    return targets[row];
+}
 
 const char *iso_export_option_text(iso_export_option option)
 {

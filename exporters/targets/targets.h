@@ -14,12 +14,15 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
+/* clang-format off */
 #define ISO_EXPORT_TARGET_LIST(X) \
     X(vdb)                        \
     X(blender)                    \
     X(povray)
+/* clang-format on */
 
 /* enum, option that only some targets take */
+/* clang-format off */
 #define ISO_EXPORT_OPTION_LIST(X)             \
     X(ISO_EXPORT_LEVELS, "--levels")          \
     X(ISO_EXPORT_STEP, "--step")              \
@@ -30,12 +33,13 @@
     X(ISO_EXPORT_ROI, "--roi")                \
     X(ISO_EXPORT_ADAPT, "--adapt")            \
     X(ISO_EXPORT_GRIDS, "--grids")
+/* clang-format on */
 
 typedef enum iso_export_option {
 #define ISO_EXPORT_OPTION_ENUM(option, text) option,
     ISO_EXPORT_OPTION_LIST(ISO_EXPORT_OPTION_ENUM)
 #undef ISO_EXPORT_OPTION_ENUM
-    ISO_EXPORT_OPTION_COUNT
+        ISO_EXPORT_OPTION_COUNT
 } iso_export_option;
 
 /* What is to be written. */
@@ -43,7 +47,7 @@ typedef struct iso_export_job {
     const iso_pyramid *pyramid;
     size_t level, level_count; /* levels from `level` on */
     const char *output;
-    iso_view *view;             /* of a target that takes a scene, and with a plan: it has the scene's own transfer function */
+    iso_view *view; /* of a target that takes a scene, and with a plan: it has the scene's own transfer function */
     const iso_planned *planned; /* what a plan leaves, or NULL: whole levels */
     bool merged;                /* what a plan leaves as one grid, else one a level */
     double step_voxels;         /* 0: the scene's */
@@ -72,7 +76,10 @@ typedef struct iso_export_target {
 
 extern const iso_names iso_export_target_names;
 const iso_export_target *iso_export_target_at(size_t row);
-static inline bool iso_export_takes(const iso_export_target *t, iso_export_option option) { return t->options & ISO_EXPORT_TAKES(option); }
+static inline bool iso_export_takes(const iso_export_target *t, iso_export_option option)
+{
+    return t->options & ISO_EXPORT_TAKES(option);
+}
 const char *iso_export_option_text(iso_export_option option);
 
 

@@ -16,7 +16,10 @@ iso_vdb_options iso_vdb_defaults(void)
     return (iso_vdb_options){.half_float = false, .gradient = true, .pad_voxels = 0, .creator = "isoshade"};
 }
 
-const char *iso_vdb_version(void) { return iso_openvdb_version(); }
+const char *iso_vdb_version(void)
+{
+    return iso_openvdb_version();
+}
 
 /* What the readers of vdb_openvdb.h need to know of a level. */
 typedef struct level_source {
@@ -62,7 +65,10 @@ static void center_transform(const iso_geometry *g, double m[3][4])
     }
 }
 
-bool iso_vdb_reverses_x(const iso_geometry *g) { return iso_mat3_det(g->index_to_world) < 0; }
+bool iso_vdb_reverses_x(const iso_geometry *g)
+{
+    return iso_mat3_det(g->index_to_world) < 0;
+}
 
 static iso_status fail_by_code(int code, const char *path, const iso_vdb_message *message, iso_error *err)
 {
@@ -77,7 +83,8 @@ static iso_status fail_by_code(int code, const char *path, const iso_vdb_message
 /* Fills in what a level and a lattice have alike. */
 static iso_vdb_source describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt)
 {
-    iso_vdb_source source = {.half_float = opt->half_float, .creator = opt->creator ? opt->creator : "isoshade",
+    iso_vdb_source source = {.half_float = opt->half_float,
+                             .creator = opt->creator ? opt->creator : "isoshade",
                              .made_from = made_from ? made_from : ""};
     memcpy(source.size, g->size, sizeof source.size);
     memcpy(source.box_index, g->box_index, sizeof source.box_index);
@@ -135,16 +142,19 @@ typedef struct level_readers {
     read_row *scalar, *directions, *tf_2d;
 } level_readers;
 
-static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers, bool reversed,
-                            bool plain_names, const char *path, iso_error *err)
+static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers,
+                            bool reversed, bool plain_names, const char *path, iso_error *err)
 {
     const struct {
         const char *base, *meaning;
         int channels;
         read_row *read;
     } grids[] = {{"density", "the scalar", 1, readers->scalar},
-                 {"gradient", "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3, readers->directions},
-                 {"second_value", "second value of the 2D transfer function: 0 in its first row, 1 in its last", 1, readers->tf_2d}};
+                 {"gradient",
+                  "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3,
+                  readers->directions},
+                 {"second_value", "second value of the 2D transfer function: 0 in its first row, 1 in its last", 1,
+                  readers->tf_2d}};
     for (size_t i = 0; i < sizeof grids / sizeof *grids; ++i) {
         char name[40];
         iso_vdb_source source = *common;
@@ -157,7 +167,8 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         source.meaning = grids[i].meaning;
         if (i > 0)
             source.value_min = 0, source.value_max = 1, source.background = 0;
-        const reversed_rows rows = {source.read, source.read_active, source.user, source.size[0], (size_t)source.channels};
+        const reversed_rows rows = {source.read, source.read_active, source.user, source.size[0],
+                                    (size_t)source.channels};
         if (reversed) {
             source.user = &rows;
             source.read = read_reversed;
@@ -296,8 +307,8 @@ static iso_status save(const save_job *job, const char *path, const iso_vdb_opti
     return status;
 }
 
-iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
-                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
+iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path, const iso_vdb_options *opt,
+                        const iso_progress *progress, iso_error *err)
 {
     iso_status status = check_levels(p, first, count, path, opt, err);
     const save_job job = {.pyramid = p, .first = first, .count = count};
@@ -347,7 +358,8 @@ iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, c
         for (int c = 0; c < 3; ++c)
             geometry->index_to_world.m[r][c] = info.index_to_world[r][c];
     iso_vec3 half = iso_mul(geometry->index_to_world, iso_v3(0.5, 0.5, 0.5));
-    geometry->origin_mm =
-        iso_sub(iso_v3(info.index_to_world[0][3], info.index_to_world[1][3], info.index_to_world[2][3]), half);
+    geometry->origin_mm = iso_sub(iso_v3(info.index_to_world[0][3], info.index_to_world[1][3],
+                                         info.index_to_world[2][3]),
+                                  half);
     return iso_geometry_check(geometry, path, err);
 }

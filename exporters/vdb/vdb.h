@@ -39,8 +39,8 @@ iso_vdb_options iso_vdb_defaults(void);
 bool iso_vdb_reverses_x(const iso_geometry *g);
 
 /* Levels [first, first + count) of p into one file; one level: plain names. */
-iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path,
-                        const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
+iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path, const iso_vdb_options *opt,
+                        const iso_progress *progress, iso_error *err);
 
 /* The lattices of a plan (brick/lattice.h): the active nodes alone, the background elsewhere. One lattice: plain names;
  * more: density_level_N. A voxel's index is the number of its node at its level, so that bricks of 8 or more nodes

@@ -49,7 +49,10 @@ struct archive : openvdb::io::Archive {
     }
 };
 
-long clamp(long v, long size) { return v < 0 ? 0 : v < size ? v : size - 1; }
+long clamp(long v, long size)
+{
+    return v < 0 ? 0 : v < size ? v : size - 1;
+}
 
 /* Row (y, z) of eight voxels from x on, with edge values where it leaves the volume. */
 void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
@@ -64,8 +67,14 @@ void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
             row[i * s.channels + c] = inside[(clamp(x + i, nx) - first) * s.channels + c];
 }
 
-void take(const float *v, float &out) { out = v[0]; }
-void take(const float *v, openvdb::Vec3f &out) { out = openvdb::Vec3f(v[0], v[1], v[2]); }
+void take(const float *v, float &out)
+{
+    out = v[0];
+}
+void take(const float *v, openvdb::Vec3f &out)
+{
+    out = openvdb::Vec3f(v[0], v[1], v[2]);
+}
 
 /* Eight voxels from x on of row (y, z): which are active. Nothing is beyond a volume whose voxels are not all
  * active. */
@@ -81,7 +90,8 @@ void read_active_row(const iso_vdb_source &s, long x, long y, long z, unsigned c
 }
 
 /* The active voxels [lo, hi) of one leaf at block; a leaf is made when there is one. */
-template <typename Grid> void fill_leaf(Grid &grid, const iso_vdb_source &s, const long block[3], const long lo[3], const long hi[3])
+template <typename Grid>
+void fill_leaf(Grid &grid, const iso_vdb_source &s, const long block[3], const long lo[3], const long hi[3])
 {
     typename Grid::TreeType::LeafNodeType *leaf = nullptr;
     for (long z = std::max(block[2], lo[2]); z < std::min(block[2] + 8, hi[2]); ++z)
@@ -140,8 +150,9 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.insertMeta("isoshade_value_max", openvdb::DoubleMetadata(s.value_max));
     grid.insertMeta("isoshade_box_index", openvdb::Vec3DMetadata(openvdb::Vec3d(s.box_index)));
     grid.insertMeta("isoshade_spacing_mm", openvdb::Vec3DMetadata(openvdb::Vec3d(s.spacing_mm)));
-    grid.insertMeta("isoshade_size", openvdb::Vec3IMetadata(openvdb::Vec3i(
-                                         static_cast<int>(s.size[0]), static_cast<int>(s.size[1]), static_cast<int>(s.size[2]))));
+    grid.insertMeta("isoshade_size",
+                    openvdb::Vec3IMetadata(openvdb::Vec3i(static_cast<int>(s.size[0]), static_cast<int>(s.size[1]),
+                                                          static_cast<int>(s.size[2]))));
     grid.insertMeta("isoshade_made_from", openvdb::StringMetadata(s.made_from));
     grid.insertMeta("isoshade_meaning", openvdb::StringMetadata(s.meaning));
 }
@@ -164,8 +175,8 @@ template <typename Grid> void read_dense(const Grid &grid, const size_t size[3],
     for (size_t z = 0; z < size[2]; ++z)
         for (size_t y = 0; y < size[1]; ++y)
             for (size_t x = 0; x < size[0]; ++x, out += channels) {
-                const auto value =
-                    accessor.getValue(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)));
+                const auto value = accessor.getValue(
+                    Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)));
                 std::copy_n(reinterpret_cast<const float *>(&value), channels, out);
             }
 }
@@ -220,10 +231,13 @@ int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_messa
     });
 }
 
-void iso_vdb_file_destroy(iso_vdb_file *file) { delete file; }
+void iso_vdb_file_destroy(iso_vdb_file *file)
+{
+    delete file;
+}
 
 int iso_openvdb_read(const char *path, const char *name, int channels, const size_t size[3], float *out,
-                      iso_vdb_grid_info *info, iso_vdb_message *message)
+                     iso_vdb_grid_info *info, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         openvdb::initialize();
@@ -266,4 +280,7 @@ int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_
     });
 }
 
-const char *iso_openvdb_version(void) { return openvdb::getLibraryVersionString(); }
+const char *iso_openvdb_version(void)
+{
+    return openvdb::getLibraryVersionString();
+}

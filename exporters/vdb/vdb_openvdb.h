@@ -22,10 +22,10 @@ typedef struct iso_vdb_message {
 /* One grid to be written. */
 typedef struct iso_vdb_source {
     const char *name;
-    int channels;   /* 1: float; 3: vec3s, covariant, in world space */
+    int channels; /* 1: float; 3: vec3s, covariant, in world space */
     size_t size[3];
-    long first[3];  /* index of voxel (0, 0, 0) */
-    size_t pad;     /* rim of repeated edge values */
+    long first[3]; /* index of voxel (0, 0, 0) */
+    size_t pad;    /* rim of repeated edge values */
     double index_to_world[3][4];
     /* Copies `count` voxels of the row (y, z) from x on, `channels` floats each. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
@@ -54,7 +54,7 @@ typedef struct iso_vdb_grid_info {
     double box_index[3];
 } iso_vdb_grid_info;
 int iso_openvdb_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
-                      iso_vdb_grid_info *info, iso_vdb_message *message);
+                     iso_vdb_grid_info *info, iso_vdb_message *message);
 
 /* Reads all grids of a file; active voxels and bytes of the trees, as OpenVDB counts them, summed. */
 int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);

@@ -39,9 +39,9 @@ typedef double iso_atlas_field(iso_vec3 world_mm, iso_vec3 *normal);
 typedef struct iso_atlas_scene {
     iso_atlas_field *field; /* NULL: there is no volume, the case draws something else */
     size_t size[3];         /* voxels */
-    double noise;   /* added to the value, uniform in +-noise */
-    size_t values;  /* grey values that [0, 1] is rounded to; 0: none */
-    bool band;      /* the TF: transparent but for a band lo .. hi; else from a ramp lo .. hi on */
+    double noise;           /* added to the value, uniform in +-noise */
+    size_t values;          /* grey values that [0, 1] is rounded to; 0: none */
+    bool band;              /* the TF: transparent but for a band lo .. hi; else from a ramp lo .. hi on */
     double lo, hi, extinction_per_mm;
     iso_vec3 forward, light; /* of the camera; towards the light. Zero: from above, aslant */
     double height_mm;        /* of the picture; 0: what a ball needs */
@@ -97,8 +97,8 @@ iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_err
 /* The scene as a scene file's content; NULL when memory ends. */
 json_t *iso_atlas_scene_to_json(const iso_atlas_scene *scene, const char *comment);
 /* One way: a pyramid of the volume, and a picture of it. draw: the case's, or NULL. */
-iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image, double *value,
-                          iso_error *err);
+iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image,
+                          double *value, iso_error *err);
 
 /* ---- fields.c ---- */
 
@@ -107,17 +107,19 @@ iso_atlas_field iso_atlas_ball, iso_atlas_dome, iso_atlas_plate, iso_atlas_shell
 
 /* ---- faults.c ---- */
 
-iso_atlas_fault iso_atlas_true_normals;      /* the closed form's: what is right */
-iso_atlas_fault iso_atlas_index_gradients;   /* the index gradient, taken for the world's */
-iso_atlas_fault iso_atlas_folded_codes;      /* oct24, filtered; pyramids refuse such a code */
-iso_atlas_fault iso_atlas_coarse_angles;     /* azimuth and polar cosine of a grid four times as coarse, filtered */
-iso_atlas_fault iso_atlas_coarse_vectors;    /* the same grid's vectors, filtered */
+iso_atlas_fault iso_atlas_true_normals;    /* the closed form's: what is right */
+iso_atlas_fault iso_atlas_index_gradients; /* the index gradient, taken for the world's */
+iso_atlas_fault iso_atlas_folded_codes;    /* oct24, filtered; pyramids refuse such a code */
+iso_atlas_fault iso_atlas_coarse_angles;   /* azimuth and polar cosine of a grid four times as coarse, filtered */
+iso_atlas_fault iso_atlas_coarse_vectors;  /* the same grid's vectors, filtered */
 
 /* The cut through a fine and a coarse brick; the value is the largest step over their face. */
-iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
+iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value,
+                                iso_error *err);
 /* Directions round an axis, as bright as they are far from any that the code of 48 regions holds, with lambda 0 and
  * 0.61 in Eq. 2 of [diaz-garcia-2017]; the value is the largest angle in degrees. */
-iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err);
+iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value,
+                                iso_error *err);
 
 /* ---- page.c ---- */
 

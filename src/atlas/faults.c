@@ -134,7 +134,8 @@ static iso_vec3 before_equation2(double lambda, iso_vec3 d)
     double lo = 0, hi = 1;
     for (int i = 0; i < 50; ++i) {
         double s = 0.5 * (lo + hi);
-        double sum = inverse_of_equation2(lambda, s * u) + inverse_of_equation2(lambda, s * v) + inverse_of_equation2(lambda, s * w);
+        double sum = inverse_of_equation2(lambda, s * u) + inverse_of_equation2(lambda, s * v) +
+                     inverse_of_equation2(lambda, s * w);
         *(sum < 1 ? &lo : &hi) = s;
     }
     double c = inverse_of_equation2(lambda, hi * w);
@@ -161,7 +162,8 @@ static iso_vec3 nearest_of_48_regions(double lambda, iso_vec3 d)
     return best;
 }
 
-iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err)
+iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value,
+                                iso_error *err)
 {
     const double lambda = which == ISO_ATLAS_FAILURE ? 0 : ISO_REGION48_LAMBDA, degree = 0.017453292519943295;
     const double reach = 1.5 * degree, brightest = 0.35;
@@ -205,7 +207,8 @@ static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *j
     return status;
 }
 
-iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value, iso_error *err)
+iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value,
+                                iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p = {0};
@@ -215,9 +218,12 @@ iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_
     iso_status status = iso_pyramid_build(v, "atlas", &build, &p, NULL, err);
     if (status == ISO_OK)
         status = iso_node_levels_create(&nodes, &p.levels[0], 8, 2, false, 0, err);
-    for (size_t b = 0; status == ISO_OK && which != ISO_ATLAS_RIGHT && b < iso_brick_count(&nodes) && b < sizeof levels; ++b)
+    for (size_t b = 0; status == ISO_OK && which != ISO_ATLAS_RIGHT && b < iso_brick_count(&nodes) && b < sizeof levels;
+         ++b)
         levels[b] = b % nodes.count[0] > 0; /* the first column of bricks is fine */
-    const iso_brick_field f = {.nodes = &nodes, .levels = levels, .faces = which == ISO_ATLAS_FAILURE ? ISO_FACES_OWN : ISO_FACES_BAKED};
+    const iso_brick_field f = {.nodes = &nodes,
+                               .levels = levels,
+                               .faces = which == ISO_ATLAS_FAILURE ? ISO_FACES_OWN : ISO_FACES_BAKED};
     if (status == ISO_OK)
         status = show_cut(&f, image, value, err);
     iso_node_levels_destroy(&nodes);

@@ -4,7 +4,10 @@
 
 #include "atlas/atlas.h"
 
-static double gauss(double x) { return exp(-0.5 * x * x); }
+static double gauss(double x)
+{
+    return exp(-0.5 * x * x);
+}
 
 double iso_atlas_ball(iso_vec3 p, iso_vec3 *n)
 {
@@ -37,7 +40,8 @@ double iso_atlas_shell(iso_vec3 p, iso_vec3 *n)
 /* A helix of a vessel, about 0.1 mm across. The nearest turn is sought at the point's own azimuth. */
 double iso_atlas_vessel(iso_vec3 p, iso_vec3 *n)
 {
-    const double turns = 7, tau = 6.283185307179586, radius = 0.5, horizontal = turns * radius / hypot(turns * radius, 1);
+    const double turns = 7, tau = 6.283185307179586, radius = 0.5,
+                 horizontal = turns * radius / hypot(turns * radius, 1);
     const double azimuth = atan2(p.y, p.x), r = hypot(p.x, p.y), turn = round((p.z * turns - azimuth) / tau);
     const double out = r - radius, up = (p.z - (azimuth + tau * turn) / turns) * horizontal;
     const iso_vec3 outwards = {p.x / r, p.y / r, 0}, along = {-p.y / r, p.x / r, 0};

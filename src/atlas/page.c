@@ -17,8 +17,8 @@ typedef struct drawing {
     const iso_atlas_page *page;
     const iso_atlas_case *c;
     const iso_atlas_result *r;
-    double largest;    /* the top of the difference maps' colours */
-    size_t zoom[2];    /* column and row of the zoomed square's corner */
+    double largest; /* the top of the difference maps' colours */
+    size_t zoom[2]; /* column and row of the zoomed square's corner */
 } drawing;
 
 static char *file_of(const drawing *d, const char *folder, const char *suffix)
@@ -93,7 +93,8 @@ static iso_status save_difference(const drawing *d, iso_atlas_which which, iso_e
     iso_status status = iso_image_create(&map, right->width, right->height, err);
     for (size_t i = 0; status == ISO_OK && i < right->width * right->height; ++i)
         paint(difference_at(right, &d->r->images[which], i) / d->largest, map.rgba + 4 * i);
-    char *path = file_of(d, d->page->dir, which == ISO_ATLAS_FAILURE ? "-failure-difference.png" : "-fallback-difference.png");
+    char *path = file_of(d, d->page->dir,
+                         which == ISO_ATLAS_FAILURE ? "-failure-difference.png" : "-fallback-difference.png");
     if (status == ISO_OK)
         status = path ? iso_image_save_png(&map, path, 1, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     free(path);
@@ -107,7 +108,8 @@ static iso_status save_picture(const drawing *d, iso_atlas_which which, const ch
     if (asprintf(&path, "%s/%s-%s.%s", d->page->dir, d->c->id, iso_atlas_names[which], type) < 0)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     const iso_image *image = &d->r->images[which];
-    iso_status status = strcmp(type, "png") == 0 ? iso_image_save_png(image, path, 1, err) : iso_image_save_exr(image, path, NULL, err);
+    iso_status status = strcmp(type, "png") == 0 ? iso_image_save_png(image, path, 1, err)
+                                                 : iso_image_save_exr(image, path, NULL, err);
     free(path);
     return status;
 }
@@ -152,7 +154,8 @@ static iso_status save_scene(const drawing *d, iso_error *err)
 /* A word of a command for the shell. */
 static void put_word(FILE *f, const char *folder, const char *rest)
 {
-    bool plain = strspn(folder, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-") == strlen(folder);
+    bool plain = strspn(folder, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-") ==
+                 strlen(folder);
     if (!plain)
         fputc('\'', f);
     for (const char *s = folder; *s; ++s)
@@ -194,8 +197,8 @@ static char *commands_of(const drawing *d, iso_atlas_which which)
         put_file(f, d, ".nrrd");
     fputs(" --scene ", f);
     put_file(f, d, ".scene.json");
-    fprintf(f, " --with reference --quadrature midpoint%s%s -o %s-%s.exr\n", way->render ? " " : "", way->render ? way->render : "", id,
-            name);
+    fprintf(f, " --with reference --quadrature midpoint%s%s -o %s-%s.exr\n", way->render ? " " : "",
+            way->render ? way->render : "", id, name);
     fputs("isoshade compare ", f);
     put_file(f, d, "-right.exr");
     fprintf(f, " %s-%s.exr --max-rmse %g\n", id, name, d->c->fallback_at_most);
@@ -214,7 +217,10 @@ static char *case_command(const drawing *d)
 static void put_html(FILE *html, const char *text)
 {
     for (; text && *text; ++text)
-        *text == '<' ? fputs("&lt;", html) : *text == '>' ? fputs("&gt;", html) : *text == '&' ? fputs("&amp;", html) : fputc(*text, html);
+        *text == '<'   ? fputs("&lt;", html)
+        : *text == '>' ? fputs("&gt;", html)
+        : *text == '&' ? fputs("&amp;", html)
+                       : fputc(*text, html);
 }
 
 /* Commands, whose words are not broken at their hyphens. */
@@ -237,26 +243,30 @@ static void put_picture(FILE *html, const drawing *d, const char *suffix, bool z
 {
     const double unit = 100.0 / ISO_ATLAS_PIXELS, scale = (double)ISO_ATLAS_PIXELS / ISO_ATLAS_ZOOM;
     const double left = unit * (double)d->zoom[0], top = unit * (double)d->zoom[1];
-    fprintf(html, "<div class=\"%s\"><img src=\"%s%s.png\" alt=\"%s%s\"", zoomed ? "zoom" : "whole", d->c->id, suffix, d->c->title,
-            zoomed ? ", zoomed in" : "");
+    fprintf(html, "<div class=\"%s\"><img src=\"%s%s.png\" alt=\"%s%s\"", zoomed ? "zoom" : "whole", d->c->id, suffix,
+            d->c->title, zoomed ? ", zoomed in" : "");
     if (zoomed)
         fprintf(html, " style=\"width:%g%%;left:%g%%;top:%g%%\"></div>", 100 * scale, -left * scale, -top * scale);
     else
-        fprintf(html, "><span style=\"left:%g%%;top:%g%%;width:%g%%;height:%g%%\"></span></div>", left, top, 100 / scale, 100 / scale);
+        fprintf(html, "><span style=\"left:%g%%;top:%g%%;width:%g%%;height:%g%%\"></span></div>", left, top,
+                100 / scale, 100 / scale);
 }
 
 static void put_pictures(FILE *html, const drawing *d)
 {
-    static const char *const suffixes[] = {"-right", "-failure", "-fallback", "-failure-difference", "-fallback-difference"};
+    static const char *const suffixes[] = {"-right", "-failure", "-fallback", "-failure-difference",
+                                           "-fallback-difference"};
     const iso_atlas_way *ways = d->c->ways;
-    fputs("<div class=\"grid\">\n<h3>as it should be</h3><h3 class=\"bad\">the failure</h3><h3 class=\"good\">the fallback</h3>"
-          "<h3>difference, failure</h3><h3>difference, fallback</h3>\n", html);
+    fputs(
+        "<div class=\"grid\">\n<h3>as it should be</h3><h3 class=\"bad\">the failure</h3><h3 class=\"good\">the fallback</h3>"
+        "<h3>difference, failure</h3><h3>difference, fallback</h3>\n",
+        html);
     for (size_t zoomed = 0; zoomed < 2; ++zoomed)
         for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; ++i)
             put_picture(html, d, suffixes[i], zoomed);
-    fprintf(html, "\n<p>%s</p><p>%s<b class=\"bad\">%.3g</b></p><p>%s<b class=\"good\">%.3g</b></p>", ways[ISO_ATLAS_RIGHT].what,
-            ways[ISO_ATLAS_FAILURE].what, d->r->values[ISO_ATLAS_FAILURE], ways[ISO_ATLAS_FALLBACK].what,
-            d->r->values[ISO_ATLAS_FALLBACK]);
+    fprintf(html, "\n<p>%s</p><p>%s<b class=\"bad\">%.3g</b></p><p>%s<b class=\"good\">%.3g</b></p>",
+            ways[ISO_ATLAS_RIGHT].what, ways[ISO_ATLAS_FAILURE].what, d->r->values[ISO_ATLAS_FAILURE],
+            ways[ISO_ATLAS_FALLBACK].what, d->r->values[ISO_ATLAS_FALLBACK]);
     fprintf(html, "<div class=\"legend\"><i></i><span>0</span><span>%.2g%s</span></div></div>\n", d->largest,
             d->largest < 1 ? " of 1, and more" : "");
 }
@@ -268,8 +278,8 @@ static void put_section(FILE *html, const drawing *d, const char *command)
             iso_atlas_is_valid(c, d->r) ? "" : " class=\"fallen\"", c->title, c->cause, c->look);
     put_pictures(html, d);
     fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. A failure from %g on; corrected up to %g.",
-            d->r->values[ISO_ATLAS_FAILURE], d->r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), c->failure_at_least,
-            c->fallback_at_most);
+            d->r->values[ISO_ATLAS_FAILURE], d->r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c),
+            c->failure_at_least, c->fallback_at_most);
     if (c->scene.field)
         fprintf(html, " Volume of %zu x %zu x %zu voxels.", c->scene.size[0], c->scene.size[1], c->scene.size[2]);
     fputs("</p>\n<p class=\"advice\"><b>What helps</b> ", html);
@@ -292,11 +302,12 @@ static void put_section(FILE *html, const drawing *d, const char *command)
 static void add_object(json_t *cases, const drawing *d, const char *command)
 {
     const iso_atlas_case *c = d->c;
-    json_t *object = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:s, s:f, s:f, s:s, s:b, s:s}", "id", c->id, "title", c->title,
-                               "cause", c->cause, "look", c->look, "measure", iso_atlas_measure(c), "failure",
-                               c->ways[ISO_ATLAS_FAILURE].what, "failure_value", d->r->values[ISO_ATLAS_FAILURE], "failure_at_least",
-                               c->failure_at_least, "fallback", c->ways[ISO_ATLAS_FALLBACK].what, "fallback_value",
-                               d->r->values[ISO_ATLAS_FALLBACK], "fallback_at_most", c->fallback_at_most, "advice", c->advice, "stands",
+    json_t *object = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:s, s:f, s:f, s:s, s:b, s:s}", "id", c->id,
+                               "title", c->title, "cause", c->cause, "look", c->look, "measure", iso_atlas_measure(c),
+                               "failure", c->ways[ISO_ATLAS_FAILURE].what, "failure_value",
+                               d->r->values[ISO_ATLAS_FAILURE], "failure_at_least", c->failure_at_least, "fallback",
+                               c->ways[ISO_ATLAS_FALLBACK].what, "fallback_value", d->r->values[ISO_ATLAS_FALLBACK],
+                               "fallback_at_most", c->fallback_at_most, "advice", c->advice, "stands",
                                iso_atlas_is_valid(c, d->r), "command", command);
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
         char *lines = commands_of(d, (iso_atlas_which)w), key[32];
@@ -332,10 +343,14 @@ void iso_atlas_page_begin(FILE *html, const json_t *cases)
     json_t *c;
     size_t i;
     fputs(iso_atlas_head, html);
-    fputs("<table><thead><tr><th>what fails</th><th>failure</th><th>corrected</th><th>what helps</th></tr></thead><tbody>\n", html);
-    json_array_foreach(cases, i, c) {
-        fprintf(html, "<tr><td><a href=\"#%s\">%s</a></td><td>%.3g</td><td>%.3g</td><td>", json_string_value(json_object_get(c, "id")),
-                json_string_value(json_object_get(c, "title")), json_number_value(json_object_get(c, "failure_value")),
+    fputs(
+        "<table><thead><tr><th>what fails</th><th>failure</th><th>corrected</th><th>what helps</th></tr></thead><tbody>\n",
+        html);
+    json_array_foreach(cases, i, c)
+    {
+        fprintf(html, "<tr><td><a href=\"#%s\">%s</a></td><td>%.3g</td><td>%.3g</td><td>",
+                json_string_value(json_object_get(c, "id")), json_string_value(json_object_get(c, "title")),
+                json_number_value(json_object_get(c, "failure_value")),
                 json_number_value(json_object_get(c, "fallback_value")));
         put_advice(html, json_string_value(json_object_get(c, "advice")));
         fputs("</td></tr>\n", html);

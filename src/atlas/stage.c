@@ -30,7 +30,8 @@ iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_err
         for (size_t y = 0; y < g.size[1]; ++y)
             for (size_t x = 0; x < g.size[0]; ++x) {
                 iso_vec3 normal, index = {(double)x + 0.5, (double)y + 0.5, (double)z + 0.5};
-                double value = scene->field(iso_geometry_to_world(&g, index), &normal) + scene->noise * (2 * iso_random_unit(&random) - 1);
+                double value = scene->field(iso_geometry_to_world(&g, index), &normal) +
+                               scene->noise * (2 * iso_random_unit(&random) - 1);
                 *out++ = (float)(scene->values ? round(value * steps) / steps : value);
             }
     return ISO_OK;
@@ -48,7 +49,10 @@ static iso_vec3 light_of(const iso_atlas_scene *s)
     return iso_normalize(iso_norm(s->light) > 0 ? s->light : iso_v3(-0.55, -0.25, 0.8));
 }
 
-static double height_of(const iso_atlas_scene *s) { return s->height_mm > 0 ? s->height_mm : 1.7; }
+static double height_of(const iso_atlas_scene *s)
+{
+    return s->height_mm > 0 ? s->height_mm : 1.7;
+}
 
 /* Points are lent: at most 5. */
 static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
@@ -60,14 +64,21 @@ static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
         points[i] = (iso_tf_point){.value = values[s->band][i], .opacity = opacity * shown[s->band][i]};
         memcpy(points[i].rgb_linear, color, sizeof color);
     }
-    return (iso_tf){.point_count = s->band ? 5 : 4, .points = points, .range = {0, 1}, .unit_distance = unit_distance_mm, .table_size = 512};
+    return (iso_tf){.point_count = s->band ? 5 : 4,
+                    .points = points,
+                    .range = {0, 1},
+                    .unit_distance = unit_distance_mm,
+                    .table_size = 512};
 }
 
 static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso_view *view, iso_error *err)
 {
     iso_tf_point points[5];
     const iso_tf tf = tf_of(s, points);
-    *view = (iso_view){.width = ISO_ATLAS_PIXELS, .height = ISO_ATLAS_PIXELS, .light_count = 1, .step_voxels = step_voxels,
+    *view = (iso_view){.width = ISO_ATLAS_PIXELS,
+                       .height = ISO_ATLAS_PIXELS,
+                       .light_count = 1,
+                       .step_voxels = step_voxels,
                        .shading = shading};
     view->lights[0] = (iso_light){.direction = light_of(s), .intensity = 1};
     iso_camera *c = &view->camera;
@@ -78,7 +89,10 @@ static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso
     return iso_tf_tabulate(&tf, 0, 1, g, &view->tf, err);
 }
 
-static json_t *vector(iso_vec3 v) { return json_pack("[f, f, f]", v.x, v.y, v.z); }
+static json_t *vector(iso_vec3 v)
+{
+    return json_pack("[f, f, f]", v.x, v.y, v.z);
+}
 
 json_t *iso_atlas_scene_to_json(const iso_atlas_scene *s, const char *comment)
 {
@@ -86,10 +100,11 @@ json_t *iso_atlas_scene_to_json(const iso_atlas_scene *s, const char *comment)
     const iso_tf tf = tf_of(s, points);
     return json_pack("{s:s, s:s, s:{s:i, s:i}, s:{s:s, s:o, s:[f, f, f], s:[i, i, i], s:f}, s:[{s:o, s:s}], "
                      "s:{s:f, s:f, s:f, s:f}, s:[i, i, i], s:f, s:o}",
-                     "schema", "isoshade.scene/1", "comment", comment, "image", "width", ISO_ATLAS_PIXELS, "height", ISO_ATLAS_PIXELS,
-                     "camera", "projection", "orthographic", "position", vector(iso_scale(forward_of(s), -10)), "look_at", 0., 0., 0.,
-                     "up", 0, 0, 1, "height_mm", height_of(s), "lights", "direction", vector(light_of(s)), "space", "world", "shading",
-                     "ambient", shading.ambient, "diffuse", shading.diffuse, "specular", shading.specular, "power", shading.power,
+                     "schema", "isoshade.scene/1", "comment", comment, "image", "width", ISO_ATLAS_PIXELS, "height",
+                     ISO_ATLAS_PIXELS, "camera", "projection", "orthographic", "position",
+                     vector(iso_scale(forward_of(s), -10)), "look_at", 0., 0., 0., "up", 0, 0, 1, "height_mm",
+                     height_of(s), "lights", "direction", vector(light_of(s)), "space", "world", "shading", "ambient",
+                     shading.ambient, "diffuse", shading.diffuse, "specular", shading.specular, "power", shading.power,
                      "background", 0, 0, 0, "step_voxels", step_voxels, "tf", iso_tf_to_json(&tf));
 }
 
@@ -150,7 +165,9 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
 {
     *o = (taken_options){.build = iso_pyramid_defaults(), .render = iso_reference_defaults()};
     iso_cli_adapted_defaults(&o->adapted);
-    option_words w = {.radius = (int)o->build.gauss_radius, .exponent = (int)o->build.eq1_exponent, .sigma = o->build.gauss_sigma_voxels};
+    option_words w = {.radius = (int)o->build.gauss_radius,
+                      .exponent = (int)o->build.eq1_exponent,
+                      .sigma = o->build.gauss_sigma_voxels};
     const struct poptOption build[] = {{"estimator", 0, POPT_ARG_STRING, &w.estimator, 0, NULL, NULL},
                                        {"direction-filter", 0, POPT_ARG_STRING, &w.direction_filter, 0, NULL, NULL},
                                        {"gauss-radius", 0, POPT_ARG_INT, &w.radius, 0, NULL, NULL},
@@ -175,7 +192,8 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
     return status;
 }
 
-static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const taken_options *o, iso_image *image, iso_error *err)
+static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const taken_options *o, iso_image *image,
+                       iso_error *err)
 {
     iso_view view;
     iso_status status = make_view(scene, &p->levels[0].geometry, &view, err);
@@ -187,8 +205,8 @@ static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const
     return status;
 }
 
-iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image, double *value,
-                          iso_error *err)
+iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image,
+                          double *value, iso_error *err)
 {
     const iso_atlas_way *way = &c->ways[which];
     taken_options o;

@@ -61,7 +61,8 @@ static iso_status open_file(const char *path, int flags, bool direct, iso_bigfil
     return f->fd < 0 ? io_error(f, err) : ISO_OK;
 }
 
-static iso_status open_or_abandon(const char *path, int flags, bool direct, size_t keep, iso_bigfile **file, iso_error *err)
+static iso_status open_or_abandon(const char *path, int flags, bool direct, size_t keep, iso_bigfile **file,
+                                  iso_error *err)
 {
     iso_status status = open_file(path, flags, direct, file, err);
     if (status == ISO_OK && (flags & O_CREAT))

@@ -30,7 +30,7 @@ iso_status iso_bigfile_sync(iso_bigfile *file, iso_error *err);
  * its last block are its tail, which it hands to the next process. */
 enum { ISO_BIGFILE_ALIGNMENT = 4096 };
 typedef struct iso_bigfile_tail {
-    size_t end;                               /* bytes of the file so far */
+    size_t end;                                 /* bytes of the file so far */
     unsigned char bytes[ISO_BIGFILE_ALIGNMENT]; /* the last end % ISO_BIGFILE_ALIGNMENT of them */
 } iso_bigfile_tail;
 /* The tail so far. To be called only after open, go_on or flush. */

@@ -9,6 +9,7 @@
 #ifndef ISO_EMBED_H
 #define ISO_EMBED_H
 
+/* clang-format off */
 #define ISO_EMBED(symbol, path)                                  \
     extern const char symbol[];                                  \
     __asm__(".pushsection .rodata\n"                             \
@@ -18,5 +19,6 @@
             ".byte 0\n"                                          \
             ".size " #symbol ", . - " #symbol "\n"               \
             ".popsection\n")
+/* clang-format on */
 
 #endif

@@ -194,7 +194,8 @@ void iso_output_rename_in(const char *temp_path, const char *final_path, iso_err
         return;
     iso_error found = *err;
     const size_t before = (size_t)(at - err->text);
-    snprintf(err->text, sizeof err->text, "%.*s%s%s", (int)before, found.text, final_path, found.text + before + strlen(temp_path));
+    snprintf(err->text, sizeof err->text, "%.*s%s%s", (int)before, found.text, final_path,
+             found.text + before + strlen(temp_path));
 }
 
 void iso_output_rename_all_in(iso_error *err)

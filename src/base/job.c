@@ -150,9 +150,15 @@ void iso_job_add_part(iso_job *job, const char *name, const char *kind_name, dou
     job->lanes[job->lane_count - 1].count++;
 }
 
-void iso_job_set_deadline(iso_job *job, double now, double seconds) { job->deadline = now + seconds; }
+void iso_job_set_deadline(iso_job *job, double now, double seconds)
+{
+    job->deadline = now + seconds;
+}
 
-bool iso_job_has_parts(const iso_job *job) { return job->part_count > 0; }
+bool iso_job_has_parts(const iso_job *job)
+{
+    return job->part_count > 0;
+}
 
 bool iso_job_is_done(const iso_job *job)
 {
@@ -410,7 +416,8 @@ static void smooth(iso_job *job, double played, double now, bool known)
         job->left_seconds = played;
     } else {
         const double lean_seconds = fmin(fmax(LEAN_PART * passed, LEAN_LEAST_SECONDS), LEAN_MOST_SECONDS);
-        const double down = fmax(job->left_seconds - since, 0), change = fmin(MOST_CHANGE, exp(MOST_POWER * since / passed));
+        const double down = fmax(job->left_seconds - since, 0),
+                     change = fmin(MOST_CHANGE, exp(MOST_POWER * since / passed));
         const double wanted = passed + down + (played - down) * (1 - exp(-since / lean_seconds));
         const double whole = fmin(fmax(wanted, (passed + down) / change), (passed + down) * change);
         job->left_seconds = fmax(whole - passed, 0);
@@ -432,8 +439,8 @@ iso_job_state iso_job_look(iso_job *job, double now)
     if (job->part_count == 0)
         return state;
     const double played = fmin(play_rest(job), fmax(job->deadline - now, 0));
-    smooth(job, played, now, !isnan(job->left_seconds) ||
-                                 (passed >= KNOWN_SECONDS && passed >= KNOWN_FRACTION * (passed + played)));
+    smooth(job, played, now,
+           !isnan(job->left_seconds) || (passed >= KNOWN_SECONDS && passed >= KNOWN_FRACTION * (passed + played)));
     /* Of what is shown as left, so that the two agree. */
     const double left = isnan(job->left_seconds) ? played : job->left_seconds;
     /* All but the last per mille: whether it is over is not for an estimate to say. */

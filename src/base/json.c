@@ -172,7 +172,8 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
     json_t *value;
     if (r->status != ISO_OK)
         return;
-    json_object_foreach((json_t *)object, key, value) {
+    json_object_foreach((json_t *)object, key, value)
+    {
         bool known = false;
         for (int i = 0; keys[i] && !known; ++i)
             known = strcmp(keys[i], key) == 0;

@@ -15,13 +15,34 @@ typedef struct iso_mat3 {
     double m[3][3];
 } iso_mat3;
 
-static inline iso_vec3 iso_v3(double x, double y, double z) { return (iso_vec3){x, y, z}; }
-static inline iso_vec3 iso_add(iso_vec3 a, iso_vec3 b) { return iso_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline iso_vec3 iso_sub(iso_vec3 a, iso_vec3 b) { return iso_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline iso_vec3 iso_scale(iso_vec3 a, double s) { return iso_v3(a.x * s, a.y * s, a.z * s); }
-static inline iso_vec3 iso_madd(iso_vec3 a, iso_vec3 b, double s) { return iso_add(a, iso_scale(b, s)); }
-static inline double iso_dot(iso_vec3 a, iso_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static inline double iso_norm(iso_vec3 a) { return sqrt(iso_dot(a, a)); }
+static inline iso_vec3 iso_v3(double x, double y, double z)
+{
+    return (iso_vec3){x, y, z};
+}
+static inline iso_vec3 iso_add(iso_vec3 a, iso_vec3 b)
+{
+    return iso_v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline iso_vec3 iso_sub(iso_vec3 a, iso_vec3 b)
+{
+    return iso_v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline iso_vec3 iso_scale(iso_vec3 a, double s)
+{
+    return iso_v3(a.x * s, a.y * s, a.z * s);
+}
+static inline iso_vec3 iso_madd(iso_vec3 a, iso_vec3 b, double s)
+{
+    return iso_add(a, iso_scale(b, s));
+}
+static inline double iso_dot(iso_vec3 a, iso_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline double iso_norm(iso_vec3 a)
+{
+    return sqrt(iso_dot(a, a));
+}
 static inline iso_vec3 iso_cross(iso_vec3 a, iso_vec3 b)
 {
     return iso_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -38,7 +59,10 @@ static inline iso_vec3 iso_mul(iso_mat3 a, iso_vec3 v)
                   a.m[1][0] * v.x + a.m[1][1] * v.y + a.m[1][2] * v.z,
                   a.m[2][0] * v.x + a.m[2][1] * v.y + a.m[2][2] * v.z);
 }
-static inline iso_vec3 iso_column(iso_mat3 a, int c) { return iso_v3(a.m[0][c], a.m[1][c], a.m[2][c]); }
+static inline iso_vec3 iso_column(iso_mat3 a, int c)
+{
+    return iso_v3(a.m[0][c], a.m[1][c], a.m[2][c]);
+}
 static inline iso_mat3 iso_mat3_scale(iso_mat3 a, double s)
 {
     for (int r = 0; r < 3; ++r)

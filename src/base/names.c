@@ -12,7 +12,10 @@ static const char *text_at(const iso_names *names, size_t row, size_t at)
     return *(const char *const *)(const void *)(entry + at);
 }
 
-const char *iso_names_name(const iso_names *names, size_t row) { return text_at(names, row, names->name_at); }
+const char *iso_names_name(const iso_names *names, size_t row)
+{
+    return text_at(names, row, names->name_at);
+}
 
 const char *iso_names_summary(const iso_names *names, size_t row)
 {
@@ -37,8 +40,11 @@ char *iso_names_join(const iso_names *names, const char *last, char *text, size_
     text[0] = '\0';
     for (size_t i = 0; i < names->count && length < size; ++i) {
         const bool ends = last && i > 0 && i + 1 == names->count;
-        const int added = snprintf(text + length, size - length, "%s%s%s%s", ends ? " " : i ? ", " : "", ends ? last : "",
-                                   ends ? " " : "", iso_names_name(names, i));
+        const int added = snprintf(text + length, size - length, "%s%s%s%s",
+                                   ends ? " "
+                                   : i  ? ", "
+                                        : "",
+                                   ends ? last : "", ends ? " " : "", iso_names_name(names, i));
         length += added > 0 ? (size_t)added : 0;
     }
     return text;

@@ -28,16 +28,23 @@ typedef struct iso_names {
 
 #define ISO_NAMES_NO_SUMMARY ((size_t)-1)
 #define ISO_NAMES_COUNT(array) (sizeof(array) / sizeof((array)[0]))
+/* clang-format off */
 #define ISO_NAMES_OF_ROWS(what, array)                                                      \
     {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), \
      offsetof(__typeof__((array)[0]), summary), false}
+/* clang-format on */
 /* Of rows without a summary. */
+/* clang-format off */
 #define ISO_NAMES_OF_NAMES(what, array)                                                     \
     {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), ISO_NAMES_NO_SUMMARY, false}
 #define ISO_NAMES_OF_POINTERS(what, array)                                                  \
     {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__(*(array)[0]), name), \
      offsetof(__typeof__(*(array)[0]), summary), true}
-#define ISO_NAMES_OF_STRINGS(what, array) {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), 0, ISO_NAMES_NO_SUMMARY, false}
+/* clang-format on */
+#define ISO_NAMES_OF_STRINGS(what, array) \
+    { \
+        what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), 0, ISO_NAMES_NO_SUMMARY, false \
+    }
 
 const char *iso_names_name(const iso_names *names, size_t row);
 /* NULL where the table has none. */

@@ -99,7 +99,10 @@ static struct {
     struct sigaction before[stop_count];
 } watched = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static void note_signal(int number) { stop_signal = number; }
+static void note_signal(int number)
+{
+    stop_signal = number;
+}
 
 /* Signals that are ignored (nohup) or handled by others stay so. */
 static void watch_signals(void)
@@ -201,7 +204,8 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     if (end == DRAIN_TIMED_OUT)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", name, options->timeout_seconds);
     if (WIFSIGNALED(result))
-        return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", name, WTERMSIG(result), log.last);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", name, WTERMSIG(result),
+                        log.last);
     if (WEXITSTATUS(result) != 0)
         return iso_fail(err, ISO_E_PROGRAM, "%s: exit code %d: %s", name, WEXITSTATUS(result),
                         log.error[0] ? log.error : log.last);

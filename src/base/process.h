@@ -13,7 +13,7 @@
 iso_status iso_process_find(const char *program, const char *debian_package, char **path, iso_error *err);
 
 typedef struct iso_process_options {
-    const char *directory; /* working directory; NULL: unchanged */
+    const char *directory;                      /* working directory; NULL: unchanged */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
     double timeout_seconds; /* 0: none */

@@ -43,7 +43,8 @@ static int put_duration(char *text, size_t size, double seconds)
         return snprintf(text, size, "%.0f s", 5 * round(seconds / 5));
     if (seconds < 600) {
         const int tens = (int)round(seconds / 10);
-        return tens % 6 ? snprintf(text, size, "%d min %d s", tens / 6, 10 * (tens % 6)) : snprintf(text, size, "%d min", tens / 6);
+        return tens % 6 ? snprintf(text, size, "%d min %d s", tens / 6, 10 * (tens % 6))
+                        : snprintf(text, size, "%d min", tens / 6);
     }
     const int minutes = (int)round(seconds / 60);
     if (minutes < 60)

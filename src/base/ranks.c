@@ -69,8 +69,8 @@ iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err)
     if (status == ISO_OK) {
         r->interface->open(&r->index, &r->count);
         if (r->count != wanted)
-            status = iso_fail(err, ISO_E_MISSING, "mpirun started %d ranks, MPI sees %d: they are of different makes", wanted,
-                              r->count);
+            status = iso_fail(err, ISO_E_MISSING, "mpirun started %d ranks, MPI sees %d: they are of different makes",
+                              wanted, r->count);
     }
     if (status == ISO_OK)
         *ranks = r;

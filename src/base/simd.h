@@ -10,7 +10,8 @@
 
 #include <stddef.h>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && defined(__OPTIMIZE__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    defined(__OPTIMIZE__)
 #define ISO_SIMD __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define ISO_SIMD

@@ -12,8 +12,7 @@
 
 /* Leaves the message in err (when not NULL) and returns status:
  *     return iso_fail(err, ISO_E_RANGE, "%s: size %zu, at most %zu", path, n, max); */
-iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* Puts "context: " before the message that a callee left. Returns status. */
 iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ...)

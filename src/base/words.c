@@ -10,7 +10,8 @@
 
 static bool is_plain(const char *word)
 {
-    return *word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
+    return *word &&
+           strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%") == strlen(word);
 }
 
 void iso_words_put_quoted(FILE *f, const char *word)
@@ -62,7 +63,8 @@ iso_status iso_words_parse_sizes(const char *text, const char *option, size_t ou
         return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one size or three such as 40x56x33", option, text);
     for (int a = 0; a < 3; ++a) {
         if (!(values[a] >= 1 && values[a] <= 1048576) || values[a] != floor(values[a]))
-            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option, text);
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option,
+                            text);
         out[a] = (size_t)values[a];
     }
     return ISO_OK;
@@ -85,7 +87,8 @@ iso_status iso_words_parse_error(const char *option, const char *text, double *e
     char *end;
     *error = iso_words_read_quotient(text, &end);
     if (end == text || *end || !(*error > 0 && *error <= 1))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option, text);
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option,
+                        text);
     return ISO_OK;
 }
 

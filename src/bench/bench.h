@@ -7,6 +7,7 @@
 
 #include "options/cli.h"
 
+/* clang-format off */
 #define ISO_BENCH_LIST(X) \
     X(build) \
     X(gradient)       \
@@ -20,5 +21,6 @@
     X(render) \
     X(roi) \
     X(tf)
+/* clang-format on */
 
 #endif

@@ -25,12 +25,13 @@ typedef struct build_bench {
 
 /* Seconds are the least of the runs; memory has been touched before. */
 typedef struct build_times {
-    double gradient, encode, pyramid, total;    /* of the build: with one level and nothing stored, with codes, with all levels */
-    double memcpy_build;                        /* of half of what the build reads and writes, as memcpy does both */
-    double central, memcpy_central;             /* central differences to float triples */
+    double gradient, encode, pyramid,
+        total;                      /* of the build: with one level and nothing stored, with codes, with all levels */
+    double memcpy_build;            /* of half of what the build reads and writes, as memcpy does both */
+    double central, memcpy_central; /* central differences to float triples */
     size_t bytes_read, bytes_written, central_bytes;
     size_t level_count;
-    bench_files_times files;                    /* of the build from a file to files, when asked for */
+    bench_files_times files; /* of the build from a file to files, when asked for */
 } build_times;
 
 /* A small synthetic block, repeated: any size in no time. The speed does not depend on the values. */
@@ -122,8 +123,8 @@ static iso_status make_buffers(const iso_volume *v, size_t level_count, build_bu
     return ISO_OK;
 }
 
-static iso_status time_cascade(const iso_volume *v, const iso_pyramid_options *opt, const iso_cascade_out *out, size_t runs,
-                               double *seconds, iso_error *err)
+static iso_status time_cascade(const iso_volume *v, const iso_pyramid_options *opt, const iso_cascade_out *out,
+                               size_t runs, double *seconds, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     const iso_planes planes = {v->data, v->type, {n[0], n[1], n[2]}, 0, n[2]};
@@ -164,7 +165,8 @@ static iso_status time_build(const build_bench *b, const iso_volume *v, build_ti
     t->pyramid = t->total - coded;
     free_buffers(&buffers);
     if (status == ISO_OK)
-        status = time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build, err);
+        status = time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build,
+                             err);
     return status;
 }
 
@@ -208,21 +210,22 @@ static void report_files(const build_bench *b, const build_times *t, double voxe
     (void)b;
     printf("to files   %8.4f s  %6.2f ns a voxel  %5.2f of the rate in memory; slabs of %zu planes\n", r->seconds_total,
            1e9 * r->seconds_total / files_voxels(t), rate_ratio(t, voxels), r->slab_planes);
-    printf("  of it    waiting for planes %.4f, building %.4f, waiting for writers %.4f s\n", r->seconds_read, r->seconds_build,
-           r->seconds_write);
-    printf("  disk     %8.4f s to read and write the same %.0f MB and compute nothing; the build takes %.2f times that\n",
-           t->files.floor, 1e-6 * (double)t->files.bytes, r->seconds_total / t->files.floor);
+    printf("  of it    waiting for planes %.4f, building %.4f, waiting for writers %.4f s\n", r->seconds_read,
+           r->seconds_build, r->seconds_write);
+    printf(
+        "  disk     %8.4f s to read and write the same %.0f MB and compute nothing; the build takes %.2f times that\n",
+        t->files.floor, 1e-6 * (double)t->files.bytes, r->seconds_total / t->files.floor);
 }
 
 static json_t *files_to_json(const build_times *t, double voxels)
 {
     const iso_stream_report *r = &t->files.stream;
     return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f, s:I, s:f, s:f}", "seconds_read", r->seconds_read,
-                     "seconds_build", r->seconds_build, "seconds_write", r->seconds_write, "seconds_total", r->seconds_total,
-                     "seconds_reading", r->seconds_reading, "seconds_writing", r->seconds_writing, "slab_planes",
-                     (json_int_t)r->slab_planes, "buffer_bytes", (json_int_t)r->buffer_bytes, "disk_seconds_same_bytes",
-                     t->files.floor, "bytes", (json_int_t)t->files.bytes, "ratio_to_disk", r->seconds_total / t->files.floor,
-                     "rate_ratio_to_memory", rate_ratio(t, voxels));
+                     "seconds_build", r->seconds_build, "seconds_write", r->seconds_write, "seconds_total",
+                     r->seconds_total, "seconds_reading", r->seconds_reading, "seconds_writing", r->seconds_writing,
+                     "slab_planes", (json_int_t)r->slab_planes, "buffer_bytes", (json_int_t)r->buffer_bytes,
+                     "disk_seconds_same_bytes", t->files.floor, "bytes", (json_int_t)t->files.bytes, "ratio_to_disk",
+                     r->seconds_total / t->files.floor, "rate_ratio_to_memory", rate_ratio(t, voxels));
 }
 
 static void report(const iso_cli *cli, const build_bench *b, const build_times *t)
@@ -233,12 +236,14 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
                iso_type_name(b->type), t->level_count, iso_scalar_filter_name(b->opt.scalar_filter),
                iso_direction_filter_name(b->opt.direction_filter), iso_code_describe(b->opt.code)->name,
                iso_threads(b->threads));
-        printf("build      %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s for the same traffic, %.0f MB)\n", t->total,
-               1e9 * t->total / voxels, t->total / t->memcpy_build, t->memcpy_build,
+        printf("build      %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s for the same traffic, %.0f MB)\n",
+               t->total, 1e9 * t->total / voxels, t->total / t->memcpy_build, t->memcpy_build,
                1e-6 * (double)(t->bytes_read + t->bytes_written));
-        printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode, t->pyramid);
+        printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode,
+               t->pyramid);
         printf("gradients  %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
-               1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central, 1e-6 * (double)t->central_bytes);
+               1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central,
+               1e-6 * (double)t->central_bytes);
         if (b->files)
             report_files(b, t, voxels);
         return;
@@ -249,13 +254,15 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
     json_object_set_new(options, "estimator", json_string(iso_gradient_name(b->opt.gradient.method)));
     json_object_set_new(options, "code", json_string(iso_code_describe(b->opt.code)->name));
     json_object_set_new(options, "runs", json_integer((json_int_t)b->runs));
-    json_object_set_new(root, "size", json_pack("[I,I,I]", (json_int_t)b->size[0], (json_int_t)b->size[1], (json_int_t)b->size[2]));
+    json_object_set_new(root, "size",
+                        json_pack("[I,I,I]", (json_int_t)b->size[0], (json_int_t)b->size[1], (json_int_t)b->size[2]));
     json_object_set_new(root, "voxel_type", json_string(iso_type_name(b->type)));
     json_object_set_new(root, "levels", json_integer((json_int_t)t->level_count));
     json_object_set_new(root, "threads", json_integer(iso_threads(b->threads)));
-    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "read", t->files.stream.seconds_read, "gradient",
-                                                   t->gradient, "pyramid", t->pyramid, "encode", t->encode, "write",
-                                                   t->files.stream.seconds_write, "total", t->total));
+    json_object_set_new(root, "seconds",
+                        json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "read", t->files.stream.seconds_read, "gradient",
+                                  t->gradient, "pyramid", t->pyramid, "encode", t->encode, "write",
+                                  t->files.stream.seconds_write, "total", t->total));
     if (b->files)
         json_object_set_new(root, "to_files", files_to_json(t, voxels));
     json_object_set_new(root, "bytes_read", json_integer((json_int_t)t->bytes_read));
@@ -263,8 +270,8 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
     json_object_set_new(root, "memcpy_seconds_same_bytes", json_real(t->memcpy_build));
     json_object_set_new(root, "ratio_to_memcpy", json_real(t->total / t->memcpy_build));
     json_object_set_new(root, "gradients_to_float",
-                        json_pack("{s:f, s:f, s:f}", "seconds", t->central, "memcpy_seconds_same_bytes", t->memcpy_central,
-                                  "ratio_to_memcpy", t->central / t->memcpy_central));
+                        json_pack("{s:f, s:f, s:f}", "seconds", t->central, "memcpy_seconds_same_bytes",
+                                  t->memcpy_central, "ratio_to_memcpy", t->central / t->memcpy_central));
     json_object_set_new(root, "peak_rss_bytes", json_real(iso_peak_rss_bytes()));
     iso_cli_print_json(root);
 }
@@ -305,9 +312,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &radius, 0, "as in build", "N"},
         {"code", 0, POPT_ARG_STRING, &code, 0, "as in build", "NAME"},
         {"files", 0, POPT_ARG_STRING, &files, 0, "build from a file to files in this folder, too", "FOLDER"},
-        {"volume", 0, POPT_ARG_STRING, &volume, 0, "with --files: from this file, of any size, instead of the volume in memory",
-         "FILE"},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: of buffers, at most", "MB"},
+        {"volume", 0, POPT_ARG_STRING, &volume, 0,
+         "with --files: from this file, of any size, instead of the volume in memory", "FILE"},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: of buffers, at most",
+         "MB"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "of which the fastest counts", "N"},
         POPT_TABLEEND,
     };
@@ -356,11 +364,12 @@ const iso_command iso_bench_build = {
     .name = "bench build",
     .summary = "gradients, pyramid and codes in memory against memcpy",
     .usage = "[options]",
-    .details = "The build reads the samples and writes the codes of all levels and the scalars of the coarse ones.\n"
-               "memcpy copies half of the sum of those bytes, with as many threads: it reads and writes each.\n"
-               "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
-               "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
-               "build to files the disk reads and writes the same bytes with nothing computed.",
+    .details =
+        "The build reads the samples and writes the codes of all levels and the scalars of the coarse ones.\n"
+        "memcpy copies half of the sum of those bytes, with as many threads: it reads and writes each.\n"
+        "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
+        "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
+        "build to files the disk reads and writes the same bytes with nothing computed.",
     .examples = "isoshade bench build --size 96 --runs 2\n",
     .run = run,
 };

@@ -36,11 +36,28 @@ typedef struct bench_tf {
 
 /* Opacities are for one level-0 voxel. */
 static const bench_tf tfs[] = {
-    {"surface", 4, {{0, {0.9, 0.7, 0.4}, 0}, {0.3, {0.9, 0.7, 0.4}, 0}, {0.4, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}},
-    {"soft", 4, {{0, {0.1, 0.2, 0.6}, 0}, {0.1, {0.1, 0.3, 0.7}, 0}, {0.5, {0.8, 0.6, 0.2}, 0.05}, {1, {1, 0.9, 0.6}, 0.2}}},
-    {"two-material", 7, {{0, {0.7, 0.2, 0.1}, 0}, {0.15, {0.7, 0.2, 0.1}, 0}, {0.22, {0.7, 0.2, 0.1}, 0.06}, {0.38, {0.7, 0.2, 0.1}, 0.06},
-                         {0.45, {0.2, 0.5, 0.9}, 0}, {0.55, {0.2, 0.6, 0.9}, 0.6}, {1, {0.3, 0.7, 1}, 0.6}}},
-    {"shell", 5, {{0, {0.2, 0.8, 0.5}, 0}, {0.4, {0.2, 0.8, 0.5}, 0}, {0.45, {0.3, 0.9, 0.5}, 0.5}, {0.5, {0.8, 0.8, 0.2}, 0}, {1, {0.8, 0.8, 0.2}, 0}}},
+    {"surface",
+     4,
+     {{0, {0.9, 0.7, 0.4}, 0}, {0.3, {0.9, 0.7, 0.4}, 0}, {0.4, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}},
+    {"soft",
+     4,
+     {{0, {0.1, 0.2, 0.6}, 0}, {0.1, {0.1, 0.3, 0.7}, 0}, {0.5, {0.8, 0.6, 0.2}, 0.05}, {1, {1, 0.9, 0.6}, 0.2}}},
+    {"two-material",
+     7,
+     {{0, {0.7, 0.2, 0.1}, 0},
+      {0.15, {0.7, 0.2, 0.1}, 0},
+      {0.22, {0.7, 0.2, 0.1}, 0.06},
+      {0.38, {0.7, 0.2, 0.1}, 0.06},
+      {0.45, {0.2, 0.5, 0.9}, 0},
+      {0.55, {0.2, 0.6, 0.9}, 0.6},
+      {1, {0.3, 0.7, 1}, 0.6}}},
+    {"shell",
+     5,
+     {{0, {0.2, 0.8, 0.5}, 0},
+      {0.4, {0.2, 0.8, 0.5}, 0},
+      {0.45, {0.3, 0.9, 0.5}, 0.5},
+      {0.5, {0.8, 0.8, 0.2}, 0},
+      {1, {0.8, 0.8, 0.2}, 0}}},
 };
 enum { TF_COUNT = sizeof tfs / sizeof *tfs };
 
@@ -61,8 +78,14 @@ static const bench_method all_methods[] = {
     {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
     {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
     {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
-    {"tf-2d-deviation", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_DEVIATION},
-    {"tf-2d-gradient", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, ISO_SECOND_VALUE_GRADIENT},
+    {"tf-2d-deviation",
+     true,
+     {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8},
+     ISO_SECOND_VALUE_DEVIATION},
+    {"tf-2d-gradient",
+     true,
+     {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8},
+     ISO_SECOND_VALUE_GRADIENT},
 };
 enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
@@ -99,16 +122,26 @@ typedef struct bench_run {
     block_sums sums[ISO_MAX_RENDERERS][BLOCK_COUNT];
 } bench_run;
 
-static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view, iso_error *err)
+static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view,
+                            iso_error *err)
 {
     iso_vec3 direction = iso_view_of_faces(i, run->views);
     const iso_level *level0 = &p->levels[0];
-    const iso_scene scene = {.path = "bench", .width = (size_t)run->size, .height = (size_t)run->size, .camera_fit = true,
-                             .orthographic = true, .camera_direction = direction,
-                             .camera_up = iso_view_up(direction), .margin = 1,
-                             .light_count = 1, .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                             .shading = {.ambient = run->shaded ? 0.3 : 1, .diffuse = run->shaded ? 0.7 : 0, .power = 1},
-                             .step_voxels = run->step_voxels, .tf = *tf};
+    const iso_scene scene = {.path = "bench",
+                             .width = (size_t)run->size,
+                             .height = (size_t)run->size,
+                             .camera_fit = true,
+                             .orthographic = true,
+                             .camera_direction = direction,
+                             .camera_up = iso_view_up(direction),
+                             .margin = 1,
+                             .light_count = 1,
+                             .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
+                             .shading = {.ambient = run->shaded ? 0.3 : 1,
+                                         .diffuse = run->shaded ? 0.7 : 0,
+                                         .power = 1},
+                             .step_voxels = run->step_voxels,
+                             .tf = *tf};
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
@@ -128,8 +161,8 @@ typedef struct bench_case {
     const iso_image *finest; /* a view each, of level 0 */
 } bench_case;
 
-static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by, iso_image *image,
-                         iso_error *err)
+static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by,
+                         iso_image *image, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(run->renderer);
     iso_tf_table own = view->tf;
@@ -147,7 +180,8 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
 }
 
 /* All views of one level with one table. */
-static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r, iso_error *err)
+static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
+                          iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
@@ -168,7 +202,8 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
 static void add_to_sums(block_sums *sums, int m, size_t level, const case_result *r, const case_result *original)
 {
     const double floor_error = 1e-6, /* both perfect: a ratio of 1 */
-        ours[3] = {r->ssim_dissimilarity, r->flip, r->rmse}, theirs[3] = {original->ssim_dissimilarity, original->flip, original->rmse};
+        ours[3] = {r->ssim_dissimilarity, r->flip, r->rmse},
+                 theirs[3] = {original->ssim_dissimilarity, original->flip, original->rmse};
     method_sums *of = &sums->methods[m];
     for (int i = 0; i < 3; ++i) {
         double ratio = log((ours[i] + floor_error) / (theirs[i] + floor_error));
@@ -180,7 +215,8 @@ static void add_to_sums(block_sums *sums, int m, size_t level, const case_result
     of->worst = fmax(of->worst, above);
 }
 
-static void note_case(bench_run *run, int block, const char *volume, const char *tf, size_t level, const case_result results[METHOD_COUNT])
+static void note_case(bench_run *run, int block, const char *volume, const char *tf, size_t level,
+                      const case_result results[METHOD_COUNT])
 {
     block_sums *sums = &run->sums[iso_renderer_index(run->renderer)][block];
     ++sums->case_count[0];
@@ -191,15 +227,17 @@ static void note_case(bench_run *run, int block, const char *volume, const char 
         const case_result *r = &results[m];
         const char *kept = all_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
         add_to_sums(sums, m, level, r, &results[0]);
-        json_array_append_new(run->cases, json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
-                                                    run->renderer->name, "volume", volume, "held", block == HELD, "tf", tf,
-                                                    "level", (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
-                                                    r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse, "rms_voxels_original",
-                                                    r->judgment.rms_original, "rms_voxels_adapted", r->judgment.rms_adapted,
-                                                    "fell_back", r->judgment.use_original));
+        json_array_append_new(run->cases,
+                              json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
+                                        run->renderer->name, "volume", volume, "held", block == HELD, "tf", tf, "level",
+                                        (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
+                                        r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse,
+                                        "rms_voxels_original", r->judgment.rms_original, "rms_voxels_adapted",
+                                        r->judgment.rms_adapted, "fell_back", r->judgment.use_original));
         if (!run->cli->json)
-            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", run->renderer->name, volume, tf, level,
-                   all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgment.rms_original, r->judgment.rms_adapted, kept);
+            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", run->renderer->name, volume, tf,
+                   level, all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgment.rms_original,
+                   r->judgment.rms_adapted, kept);
     }
     fflush(stdout);
 }
@@ -216,7 +254,8 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
             continue;
         iso_adapt_options opt = all_methods[m].options;
         opt.threads = run->cli->threads;
-        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgment, err);
+        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
+                                 &results[m].judgment, err);
         iso_tf_2d tf_2d = {0};
         if (status == ISO_OK && all_methods[m].tf_2d)
             status = iso_adapt_tf_2d(p, NULL, level, all_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
@@ -230,10 +269,15 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
     return status;
 }
 
-static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const bench_tf *tf, iso_error *err)
+static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const bench_tf *tf,
+                         iso_error *err)
 {
-    iso_tf own = {.point_count = tf->point_count, .points = (iso_tf_point *)tf->points, .fit_range = true, .unit_distance = 1,
-                  .unit_is_voxels = true, .table_size = 256};
+    iso_tf own = {.point_count = tf->point_count,
+                  .points = (iso_tf_point *)tf->points,
+                  .fit_range = true,
+                  .unit_distance = 1,
+                  .unit_is_voxels = true,
+                  .table_size = 256};
     iso_view views[MAX_VIEWS] = {{0}};
     iso_image finest[MAX_VIEWS] = {{0}};
     iso_status status = ISO_OK;
@@ -306,7 +350,9 @@ static iso_status run_analytic(bench_run *run, iso_error *err)
     iso_pyramid_options build = pyramid_options(run);
     iso_status status = ISO_OK;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == ISO_OK && n > 0; ++i) {
-        iso_field field = {.kind = kinds[i], .seed = 1, .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
+        iso_field field = {.kind = kinds[i],
+                           .seed = 1,
+                           .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
         iso_volume v = {0};
         iso_pyramid p = {0};
         char name[64];
@@ -334,14 +380,16 @@ static void report_means(const bench_run *run, const block_sums *sums, size_t le
         for (int i = 0; i < 3; ++i)
             mean[i] = exp(of->log_ratio[level][i] / n);
         if (run->wanted[m])
-            json_array_append_new(methods, json_pack("{s:i, s:s, s:f, s:f, s:f}", "level", (int)level, "method", all_methods[m].name,
-                                                     "ssim_ratio", mean[0], "flip_ratio", mean[1], "rmse_ratio", mean[2]));
+            json_array_append_new(methods, json_pack("{s:i, s:s, s:f, s:f, s:f}", "level", (int)level, "method",
+                                                     all_methods[m].name, "ssim_ratio", mean[0], "flip_ratio", mean[1],
+                                                     "rmse_ratio", mean[2]));
         if (!run->wanted[m] || run->cli->json)
             continue;
         if (level > 0)
             printf("  level %zu %-17s %8.3f %8.3f %8.3f\n", level, all_methods[m].name, mean[0], mean[1], mean[2]);
         else
-            printf("%-26s %8.3f %8.3f %8.3f   %13zu   %.4f\n", all_methods[m].name, mean[0], mean[1], mean[2], of->worse, of->worst);
+            printf("%-26s %8.3f %8.3f %8.3f   %13zu   %.4f\n", all_methods[m].name, mean[0], mean[1], mean[2],
+                   of->worse, of->worst);
     }
 }
 
@@ -350,15 +398,17 @@ static json_t *report_block(const bench_run *run, const iso_renderer_info *rende
     const block_sums *sums = &run->sums[iso_renderer_index(renderer)][block];
     json_t *means = json_array(), *behind = json_array();
     if (!run->cli->json)
-        printf("\n%s, %s: %zu cases; geometric means of error / error of the original TF\n%-26s %8s %8s %8s   worse by .005   worst\n",
-               renderer->name, block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
+        printf(
+            "\n%s, %s: %zu cases; geometric means of error / error of the original TF\n%-26s %8s %8s %8s   worse by .005   worst\n",
+            renderer->name, block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
     for (size_t level = 0; level < MAX_LEVELS; ++level)
         if (sums->case_count[level] > 0)
             report_means(run, sums, level, means);
     for (int m = 0; m < METHOD_COUNT; ++m)
         if (run->wanted[m])
             json_array_append_new(behind, json_pack("{s:s, s:i, s:f}", "method", all_methods[m].name, "worse_count",
-                                                    (int)sums->methods[m].worse, "worst_ssim_difference", sums->methods[m].worst));
+                                                    (int)sums->methods[m].worse, "worst_ssim_difference",
+                                                    sums->methods[m].worst));
     return json_pack("{s:s, s:s, s:i, s:o, s:o}", "renderer", renderer->name, "block", block_names[block], "case_count",
                      (int)sums->case_count[0], "means", means, "behind", behind);
 }
@@ -367,8 +417,9 @@ static void report(bench_run *run)
 {
     json_t *root = iso_cli_json(run->cli), *blocks = json_array();
     json_object_update_new(json_object_get(root, "options"),
-                           json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels", run->levels, "shaded",
-                                     run->shaded, "step_voxels", run->step_voxels, "paper_setup", run->paper_setup));
+                           json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels",
+                                     run->levels, "shaded", run->shaded, "step_voxels", run->step_voxels, "paper_setup",
+                                     run->paper_setup));
     for (size_t r = 0; r < iso_renderer_count(); ++r)
         for (int block = 0; block < BLOCK_COUNT; ++block)
             if (run->sums[r][block].case_count[0] > 0)
@@ -397,8 +448,10 @@ static iso_status choose_methods(bench_run *run, const char *text, iso_error *er
             if (is_word(at, length, "all") || is_word(at, length, all_methods[m].name))
                 run->wanted[m] = known = true;
         if (!known)
-            return iso_fail(err, ISO_E_USAGE, "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
-                            "extinction-flat, transmittance-flat, default, tf-2d-deviation, tf-2d-gradient or all", (int)length, at);
+            return iso_fail(err, ISO_E_USAGE,
+                            "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
+                            "extinction-flat, transmittance-flat, default, tf-2d-deviation, tf-2d-gradient or all",
+                            (int)length, at);
         at += length + (at[length] == ',');
     }
     return ISO_OK;
@@ -413,7 +466,8 @@ static iso_status choose_tfs(bench_run *run, iso_error *err)
             if (is_word(at, length, tfs[t].name))
                 run->wanted_tf[t] = known = true;
         if (!known)
-            return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell", (int)length, at);
+            return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell",
+                            (int)length, at);
         at += length + (at[length] == ',');
     }
     return ISO_OK;
@@ -468,7 +522,8 @@ static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
     iso_status status = check_options(run, methods, err);
     run->cases = json_array();
     if (status == ISO_OK && !run->cli->json)
-        printf("%-9s %-22s %-13s k %-19s %8s %8s %8s  voxels: original, adapted\n", "renderer", "volume", "tf", "method", "1-SSIM", "FLIP", "RMSE");
+        printf("%-9s %-22s %-13s k %-19s %8s %8s %8s  voxels: original, adapted\n", "renderer", "volume", "tf",
+               "method", "1-SSIM", "FLIP", "RMSE");
     for (size_t i = 0; i < run->cli->argument_count && status == ISO_OK; ++i)
         status = run_volume(run, 0, run->cli->arguments[i], err);
     for (char *at = run->held; at && *at && status == ISO_OK;) {
@@ -491,24 +546,36 @@ static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    bench_run b = {.views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = iso_renderers_usual()->name, .tf_names = "surface,soft,two-material,shell"};
+    bench_run b = {.views = 8,
+                   .size = 128,
+                   .levels = 4,
+                   .step_voxels = 0.5,
+                   .with = iso_renderers_usual()->name,
+                   .tf_names = "surface,soft,two-material,shell"};
     const char *methods = "paper,default";
     char names[256], with[300];
-    snprintf(with, sizeof with, "of %s: each against its own level 0", iso_renderers_with(0, ", ", ", ", names, sizeof names));
+    snprintf(with, sizeof with, "of %s: each against its own level 0",
+             iso_renderers_with(0, ", ", ", ", names, sizeof names));
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20", "N"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20",
+         "N"},
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0, "ray step in voxels of the level", "VOXELS"},
-        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0, "beside the original: names with commas, or all", "NAMES"},
-        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas", "NAMES"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0, "ray step in voxels of the level",
+         "VOXELS"},
+        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0,
+         "beside the original: names with commas, or all", "NAMES"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas",
+         "NAMES"},
         {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
         {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
-        {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0, "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
+        {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0,
+         "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
         {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a headlight; else emission alone", NULL},
-        {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0, "Gaussian pyramid, 20 views, pre-integration, gradients on the fly, steps of a voxel", NULL},
+        {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0,
+         "Gaussian pyramid, 20 views, pre-integration, gradients on the fly, steps of a voxel", NULL},
         {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
         {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "Figures 8 and 9 of the paper into this folder", "DIR"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -523,7 +590,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
-    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held && !b.analytic_size;
+    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held &&
+                           !b.analytic_size;
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
         status = run_all(&b, methods, err);
@@ -537,13 +605,15 @@ const iso_command iso_bench_consistency = {
     .name = "bench consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
     .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
-    .details = "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
-               "its own options: isoshade bench consistency --shading --help.\n"
-               "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
-               "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"
-               "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
-    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "  isoshade bench consistency shells.nrrd --views 3 --size 64 --levels 3\n"
-                "  isoshade bench consistency shells.nrrd --with gl,povray --size 48 --views 1 --level 1 --tfs soft --methods default\n",
+    .details =
+        "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
+        "its own options: isoshade bench consistency --shading --help.\n"
+        "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
+        "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"
+        "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
+    .examples =
+        "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+        "  isoshade bench consistency shells.nrrd --views 3 --size 64 --levels 3\n"
+        "  isoshade bench consistency shells.nrrd --with gl,povray --size 48 --views 1 --level 1 --tfs soft --methods default\n",
     .run = run,
 };

@@ -68,8 +68,8 @@ static iso_status descend(const iso_render_request *q, const convergence_options
         iso_image_destroy(&coarser);
         coarser = image;
         image = (iso_image){0};
-        status =
-            iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &image, NULL, q->progress, err);
+        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &image, NULL, q->progress,
+                                 err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&image, reference, &m, err);
         d->rmse[i] = m.rmse;
@@ -94,10 +94,11 @@ static json_t *to_json(const descent *d, int steps)
 {
     json_t *list = json_array();
     for (int i = 0; i < steps; ++i)
-        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse", iso_json_number(d->rmse[i]),
-                                              "max_abs", iso_json_number(d->max_abs[i]), "order", iso_json_number(d->order[i])));
-    return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit",
-                     "rmse", iso_json_number(d->limit_rmse), "error_bar", iso_json_number(d->error_bar), "agrees", d->agrees);
+        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse",
+                                              iso_json_number(d->rmse[i]), "max_abs", iso_json_number(d->max_abs[i]),
+                                              "order", iso_json_number(d->order[i])));
+    return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit", "rmse",
+                     iso_json_number(d->limit_rmse), "error_bar", iso_json_number(d->error_bar), "agrees", d->agrees);
 }
 
 static void print_table(const descent *d, int steps)
@@ -109,7 +110,8 @@ static void print_table(const descent *d, int steps)
             printf(" %8.2f", d->order[i]);
         printf("\n");
     }
-    printf("  %12s %12.3g, error bar %.3g: %s\n", "limit", d->limit_rmse, d->error_bar, d->agrees ? "agrees" : "differs");
+    printf("  %12s %12.3g, error bar %.3g: %s\n", "limit", d->limit_rmse, d->error_bar,
+           d->agrees ? "agrees" : "differs");
 }
 
 /* Columns: renderer, kind, step, rmse, error bar. The limit is drawn at half the finest step. */
@@ -124,8 +126,8 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     for (size_t r = 0; r < count; ++r) {
         for (int i = 0; i < o->steps; ++i)
             fprintf(f, "%s,step,%.9g,%.9g,NaN\n", d[r].renderer->name, d[r].step[i], d[r].rmse[i]);
-        fprintf(f, "%s,limit,%.9g,%.9g,%.9g\n", d[r].renderer->name, 0.75 * d[r].step[o->steps - 1],
-                d[r].limit_rmse, d[r].error_bar);
+        fprintf(f, "%s,limit,%.9g,%.9g,%.9g\n", d[r].renderer->name, 0.75 * d[r].step[o->steps - 1], d[r].limit_rmse,
+                d[r].error_bar);
     }
     fclose(f);
     iso_output out = {0};
@@ -233,15 +235,21 @@ static char *default_renderers(char *text, size_t size)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     char usual[256], with[256];
-    convergence_options o = {.with = default_renderers(usual, sizeof usual), .format = "svg", .steps = 4, .finest = 0.125};
+    convergence_options o = {.with = default_renderers(usual, sizeof usual),
+                             .format = "svg",
+                             .steps = 4,
+                             .finest = 0.125};
     iso_renderers_with(ISO_HAS_LIMIT, ", ", ", ", with, sizeof with);
     iso_volume_input_defaults(&o.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &o.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
-        {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0, "how many steps, each half of the one before", "N"},
-        {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0, "the last step, in voxels of the level", "VOXELS"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest", "K"},
+        {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0,
+         "how many steps, each half of the one before", "N"},
+        {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0,
+         "the last step, in voxels of the level", "VOXELS"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest",
+         "K"},
         {"size", 0, POPT_ARG_STRING, &o.size, 0, "image size instead of the scene's", "WxH"},
         {"output", 'o', POPT_ARG_STRING, &o.output, 0, "a folder for the chart and its data", "DIR"},
         {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
@@ -261,9 +269,11 @@ const iso_command iso_bench_convergence = {
     .name = "bench convergence",
     .summary = "the error of each renderer by its ray step, its order and its limit",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
-    .details = "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
-               "from the two finest steps; it agrees when it lies within two error bars of the reference.",
-    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-                "  isoshade bench convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",
+    .details =
+        "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
+        "from the two finest steps; it agrees when it lies within two error bars of the reference.",
+    .examples =
+        "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+        "  isoshade bench convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",
     .run = run,
 };

@@ -120,7 +120,8 @@ static json_t *scheme_to_json(const iso_scheme *scheme, const scheme_result *r)
 static void print_scheme(const iso_scheme *scheme, const scheme_result *r)
 {
     printf("%-16s %2d %7.1f %7.1f  %7.4f %-7s %7.4f %7.4f ", scheme->name, (int)iso_code_describe(scheme->code)->bytes,
-           r->encode_rate, r->decode_rate, r->hole.radius_deg, r->hole_how, r->at_voxels.mean_deg, r->at_voxels.max_deg);
+           r->encode_rate, r->decode_rate, r->hole.radius_deg, r->hole_how, r->at_voxels.mean_deg,
+           r->at_voxels.max_deg);
     for (int i = 0; i < APART_COUNT; ++i)
         printf(" %7.3f %7.2f", r->between[i].mean_deg, r->between[i].max_deg);
     putchar('\n');
@@ -145,8 +146,11 @@ static const iso_scheme more_schemes[] = {
 };
 
 static const size_t table_sizes[] = {32, 64, 128}; /* of the paper */
-enum { MORE_COUNT = sizeof more_schemes / sizeof more_schemes[0], TABLE_COUNT = sizeof table_sizes / sizeof table_sizes[0],
-       SCHEME_MAX = ISO_CODE_COUNT + MORE_COUNT + TABLE_COUNT };
+enum {
+    MORE_COUNT = sizeof more_schemes / sizeof more_schemes[0],
+    TABLE_COUNT = sizeof table_sizes / sizeof table_sizes[0],
+    SCHEME_MAX = ISO_CODE_COUNT + MORE_COUNT + TABLE_COUNT
+};
 
 static iso_status bench_schemes(size_t count, bool text, const iso_paper_table tables[], json_t *root, iso_error *err)
 {
@@ -268,9 +272,10 @@ const iso_command iso_bench_encode = {
     .name = "bench encode",
     .summary = "direction codes: speed, holes, errors at voxels and between them",
     .usage = "[options] [VOLUME... --scene FILE.scene.json]",
-    .details = "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"
-               "attained. Rates count the time of one thread, whatever else runs.\n"
-               "With volumes, what each code costs in their images instead.",
+    .details =
+        "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"
+        "attained. Rates count the time of one thread, whatever else runs.\n"
+        "With volumes, what each code costs in their images instead.",
     .examples = "isoshade bench encode --count 20000\n"
                 "isoshade bench encode --json\n"
                 "isoshade make marschner-lobb --size 32 -o small.nrrd\n"

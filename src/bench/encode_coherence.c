@@ -77,7 +77,8 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
     json_object_set_new(root, "coherence", list);
     if (text)
         printf("Coherence as length: lengths 0.1 to 1, error of the filtered direction, mean and largest seen\n"
-               "  %-40s %s  %8.0f degrees apart %7.0f apart\n", "", "B", apart_deg[0], apart_deg[1]);
+               "  %-40s %s  %8.0f degrees apart %7.0f apart\n",
+               "", "B", apart_deg[0], apart_deg[1]);
     iso_code_error_options opt = iso_code_error_defaults();
     opt.count = count;
     opt.min_length = shortest;
@@ -95,7 +96,8 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
     for (int at_voxels = 0; at_voxels < 2; ++at_voxels) {
         for (int i = 0; i < APART_COUNT; ++i)
             e[i] = separate_length(apart_deg[i] * 0.017453292519943295, count, at_voxels);
-        put(at_voxels ? "fit of d, L^2 a byte, mixed by 8 fetches" : "fit of d, L^2 a byte, filtered apart", 4, e, text, list);
+        put(at_voxels ? "fit of d, L^2 a byte, mixed by 8 fetches" : "fit of d, L^2 a byte, filtered apart", 4, e, text,
+            list);
     }
     return ISO_OK;
 }
@@ -103,11 +105,13 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
 /* ---- how stiff the length is ---- */
 
 #define STIFFNESS_LIST(X) X(5) X(7) X(8) X(10) X(12) X(15) X(20) X(30) X(100)
+/* clang-format off */
 #define STIFFNESS_FUNCTION(percent)                                                                                      \
     static void fit_##percent(const float *restrict directions, uint8_t *restrict bytes, size_t count)                   \
     {                                                                                                                    \
         iso_encode_fit_with_mu(percent / 100.0, directions, bytes, count);                                               \
     }
+/* clang-format on */
 STIFFNESS_LIST(STIFFNESS_FUNCTION)
 
 iso_status iso_bench_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err)
@@ -135,7 +139,8 @@ iso_status iso_bench_encode_stiffness(bool text, size_t count, json_t *root, iso
                 return status;
         }
         json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f}", "mu", rows[i].mu, "mean_error_deg", e[0].mean_deg,
-                                              "filtered_15_mean_error_deg", e[1].mean_deg, "filtered_60_mean_error_deg", e[2].mean_deg));
+                                              "filtered_15_mean_error_deg", e[1].mean_deg, "filtered_60_mean_error_deg",
+                                              e[2].mean_deg));
         if (text)
             printf("  %5.2f  %9.4f  %8.4f  %8.4f\n", rows[i].mu, e[0].mean_deg, e[1].mean_deg, e[2].mean_deg);
     }

@@ -16,9 +16,9 @@ enum { MAX_LEVELS = 8 };
 
 /* How the directions d of a level, |d| = L^2 their coherence, are stored. */
 typedef enum way {
-    WAY_CODE,          /* d itself in the code */
-    WAY_APART,         /* d / |d| in the code, L^2 in a fourth byte, each filtered by itself */
-    WAY_AT_VOXELS,     /* the same, eight fetches, multiplied before they are filtered */
+    WAY_CODE,      /* d itself in the code */
+    WAY_APART,     /* d / |d| in the code, L^2 in a fourth byte, each filtered by itself */
+    WAY_AT_VOXELS, /* the same, eight fetches, multiplied before they are filtered */
 } way;
 
 static const struct coding {
@@ -68,7 +68,8 @@ static float length_byte(const float *d)
 
 /* What the coding makes of the level: bytes in level->codes or vectors in level->directions, both the caller's.
  * Filtered apart, the length scales the sum of unit vectors and drops out of its direction. */
-static iso_direction_source apply(const struct coding *c, const iso_level *from, iso_level *level, uint8_t *bytes, float *vectors)
+static iso_direction_source apply(const struct coding *c, const iso_level *from, iso_level *level, uint8_t *bytes,
+                                  float *vectors)
 {
     const size_t count = iso_geometry_voxel_count(&from->geometry);
     *level = *from;
@@ -101,13 +102,16 @@ static iso_status render(const images_run *run, const iso_level *level, iso_code
     return iso_reference_render(level, code, view, &opt, image, NULL, err);
 }
 
-static iso_status measure_level(const images_run *run, const iso_level *level, const iso_view *view, image_error *errors, iso_error *err)
+static iso_status measure_level(const images_run *run, const iso_level *level, const iso_view *view,
+                                image_error *errors, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&level->geometry);
     uint8_t *bytes = malloc(6 * count);
     float *vectors = malloc(3 * count * sizeof *vectors);
     iso_image truth = {0};
-    iso_status status = bytes && vectors ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bench encode: no memory for %zu directions", count);
+    iso_status status = bytes && vectors
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_MEMORY, "bench encode: no memory for %zu directions", count);
     if (status == ISO_OK)
         status = render(run, level, ISO_CODE_SNORM, ISO_FROM_FLOAT, view, &truth, err);
     for (size_t c = 0; c < CODING_COUNT && status == ISO_OK; ++c) {
@@ -135,9 +139,9 @@ static void note(images_run *run, const char *volume, size_t level, const image_
         const image_error *e = &errors[c], *base = &errors[RATIO_TO];
         run->log_ratio[c][level][0] += log((e->rmse + 1e-9) / (base->rmse + 1e-9));
         run->log_ratio[c][level][1] += log((e->dssim + 1e-9) / (base->dssim + 1e-9));
-        json_array_append_new(run->cases, json_pack("{s:s, s:i, s:s, s:i, s:f, s:f}", "volume", volume, "level", (int)level, "method",
-                                                    codings[c].name, "bytes", codings[c].bytes, "rmse", e->rmse,
-                                                    "ssim_dissimilarity", e->dssim));
+        json_array_append_new(run->cases, json_pack("{s:s, s:i, s:s, s:i, s:f, s:f}", "volume", volume, "level",
+                                                    (int)level, "method", codings[c].name, "bytes", codings[c].bytes,
+                                                    "rmse", e->rmse, "ssim_dissimilarity", e->dssim));
         if (!run->cli->json)
             printf("  %-32s %d  %10.2f %10.2f\n", codings[c].name, codings[c].bytes, 1e5 * e->rmse, 1e5 * e->dssim);
     }
@@ -180,9 +184,10 @@ static void summarise(const images_run *run, json_t *root)
         if (!run->cli->json)
             printf("  %-32s %d ", codings[c].name, codings[c].bytes);
         for (size_t k = 0; k < run->bench->level_count && run->counts[k] > 0; ++k) {
-            const double n = (double)run->counts[k], rmse = exp(run->log_ratio[c][k][0] / n), dssim = exp(run->log_ratio[c][k][1] / n);
-            json_array_append_new(list, json_pack("{s:s, s:i, s:f, s:f}", "method", codings[c].name, "level", (int)k, "rmse_ratio", rmse,
-                                                  "dssim_ratio", dssim));
+            const double n = (double)run->counts[k], rmse = exp(run->log_ratio[c][k][0] / n),
+                         dssim = exp(run->log_ratio[c][k][1] / n);
+            json_array_append_new(list, json_pack("{s:s, s:i, s:f, s:f}", "method", codings[c].name, "level", (int)k,
+                                                  "rmse_ratio", rmse, "dssim_ratio", dssim));
             if (!run->cli->json)
                 printf("  %8.3f %8.3f", rmse, dssim);
         }

@@ -77,10 +77,11 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
     if (status != ISO_OK)
         return status;
     json_object_set_new(root, "table1",
-                        json_pack("{s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:{s:f, s:f}}", "no_treatment", "hole_deg",
-                                  none.radius_deg, "paper_deg", 0.3177, "region48", "hole_deg", scheme.radius_deg,
-                                  "paper_deg", 0.1730, "least_possible", "hole_deg", least / 2, "hole_diameter_deg", least,
-                                  "paper_deg", 0.0615, "best_lambda", "lambda", best, "hole_deg", best_hole));
+                        json_pack("{s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f, s:f}, s:{s:f, s:f}}", "no_treatment",
+                                  "hole_deg", none.radius_deg, "paper_deg", 0.3177, "region48", "hole_deg",
+                                  scheme.radius_deg, "paper_deg", 0.1730, "least_possible", "hole_deg", least / 2,
+                                  "hole_diameter_deg", least, "paper_deg", 0.0615, "best_lambda", "lambda", best,
+                                  "hole_deg", best_hole));
     if (text) {
         printf("Table 1: biggest hole in degrees, a radius (paper)\n"
                "  no treatment       %.4f  (0.3177)\n"
@@ -171,14 +172,15 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err)
     double fraction = (double)outside / TRIPLES;
     json_object_set_new(root, "convexity",
                         json_pack("{s:{s:f, s:f}, s:{s:f, s:i, s:f, s:f}, s:{s:f, s:f, s:f}}", "counter_example",
-                                  "decoded_y_over_x", mean.y / mean.x, "off_arc_deg", off, "triples",
-                                  "cap_radius_deg", 15.0, "count", TRIPLES, "outside_fraction", fraction,
-                                  "outside_max_deg", worst, "warp_without_quantisation", "apart_deg", 15.0,
-                                  "mean_error_deg", pair_mean, "max_error_deg", pair_max));
+                                  "decoded_y_over_x", mean.y / mean.x, "off_arc_deg", off, "triples", "cap_radius_deg",
+                                  15.0, "count", TRIPLES, "outside_fraction", fraction, "outside_max_deg", worst,
+                                  "warp_without_quantisation", "apart_deg", 15.0, "mean_error_deg", pair_mean,
+                                  "max_error_deg", pair_max));
     if (text)
-        printf("Convexity: (1, .25, .1) and (1, .25, -.1) mixed alike decode to (1, %.4f, 0): %.2f degrees off their arc.\n"
-               "  Of %d random triples in caps of 15 degrees %.1f %% decode outside the cone of their corners, by up to\n"
-               "  %.2f degrees. The warp alone, without bytes, 15 degrees apart: mean error %.3f, largest seen %.2f.\n",
-               mean.y / mean.x, off, TRIPLES, 100 * fraction, worst, pair_mean, pair_max);
+        printf(
+            "Convexity: (1, .25, .1) and (1, .25, -.1) mixed alike decode to (1, %.4f, 0): %.2f degrees off their arc.\n"
+            "  Of %d random triples in caps of 15 degrees %.1f %% decode outside the cone of their corners, by up to\n"
+            "  %.2f degrees. The warp alone, without bytes, 15 degrees apart: mean error %.3f, largest seen %.2f.\n",
+            mean.y / mean.x, off, TRIPLES, 100 * fraction, worst, pair_mean, pair_max);
     return ISO_OK;
 }

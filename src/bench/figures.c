@@ -36,11 +36,12 @@ static double mean_of(const json_t *cases, const char *volume, const char *metho
     double sum = 0, n = 0;
     size_t i;
     json_t *c;
-    json_array_foreach(cases, i, c)
-        if (is_like(c, "renderer", renderer) && is_like(c, "volume", volume) && is_like(c, "method", method) && (level == 0 || level_of(c) == level)) {
-            sum += json_number_value(json_object_get(c, "ssim_dissimilarity"));
-            ++n;
-        }
+    json_array_foreach(cases, i, c) if (is_like(c, "renderer", renderer) && is_like(c, "volume", volume) &&
+                                        is_like(c, "method", method) && (level == 0 || level_of(c) == level))
+    {
+        sum += json_number_value(json_object_get(c, "ssim_dissimilarity"));
+        ++n;
+    }
     return n > 0 ? sum / n : 0;
 }
 
@@ -49,7 +50,8 @@ static size_t list_values(const json_t *cases, const char *key, const char *valu
 {
     size_t count = 0, i, k;
     json_t *c;
-    json_array_foreach(cases, i, c) {
+    json_array_foreach(cases, i, c)
+    {
         const char *value = text_of(c, key);
         for (k = 0; k < count && strcmp(values[k], value) != 0;)
             ++k;
@@ -64,10 +66,12 @@ enum { MOST = 64 };
 static void write_rows(const json_t *cases, bool by_level, FILE *csv)
 {
     const char *volumes[MOST], *methods[MOST];
-    size_t volume_count = list_values(cases, "volume", volumes, MOST), method_count = list_values(cases, "method", methods, MOST), i;
+    size_t volume_count = list_values(cases, "volume", volumes, MOST),
+           method_count = list_values(cases, "method", methods, MOST), i;
     int first = 64, last = 0;
     json_t *c;
-    json_array_foreach(cases, i, c) {
+    json_array_foreach(cases, i, c)
+    {
         first = level_of(c) < first ? level_of(c) : first;
         last = level_of(c) > last ? level_of(c) : last;
     }
@@ -76,9 +80,11 @@ static void write_rows(const json_t *cases, bool by_level, FILE *csv)
         for (size_t m = 0; m < method_count; ++m) {
             const int length = (int)strcspn(volumes[v], "."); /* without nrrd and nii.gz */
             if (!by_level)
-                fprintf(csv, "%.*s,%s,%.9g,%zu\n", length, volumes[v], methods[m], mean_of(cases, volumes[v], methods[m], 0), v);
+                fprintf(csv, "%.*s,%s,%.9g,%zu\n", length, volumes[v], methods[m],
+                        mean_of(cases, volumes[v], methods[m], 0), v);
             for (int level = first; by_level && level <= last; ++level)
-                fprintf(csv, "%.*s,%d,%s,%.9g,%zu\n", length, volumes[v], level, methods[m], mean_of(cases, volumes[v], methods[m], level), v);
+                fprintf(csv, "%.*s,%d,%s,%.9g,%zu\n", length, volumes[v], level, methods[m],
+                        mean_of(cases, volumes[v], methods[m], level), v);
         }
 }
 
@@ -91,7 +97,8 @@ static iso_status draw(const json_t *cases, bool by_level, const char *dir, iso_
         return iso_fail(err, ISO_E_MEMORY, "bench consistency: no memory for a figure's data");
     write_rows(cases, by_level, f);
     fclose(f);
-    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? iso_levels_gp : iso_weights_gp, "svg", err);
+    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv,
+                                         by_level ? iso_levels_gp : iso_weights_gp, "svg", err);
     free(csv);
     return status;
 }

@@ -42,11 +42,13 @@ static iso_status write_bytes(const char *path, bool direct, size_t bytes, iso_e
 {
     char *data = malloc(ISO_BIGFILE_BYTES);
     iso_bigfile *file = NULL;
-    iso_status status = data ? iso_bigfile_open(path, direct, 0, &file, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = data ? iso_bigfile_open(path, direct, 0, &file, err)
+                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (data)
         memset(data, 1, ISO_BIGFILE_BYTES);
     for (size_t done = 0; done < bytes && status == ISO_OK; done += ISO_BIGFILE_BYTES)
-        status = iso_bigfile_write(file, data, bytes - done < ISO_BIGFILE_BYTES ? bytes - done : ISO_BIGFILE_BYTES, err);
+        status = iso_bigfile_write(file, data, bytes - done < ISO_BIGFILE_BYTES ? bytes - done : ISO_BIGFILE_BYTES,
+                                   err);
     free(data);
     iso_status closed = iso_bigfile_close(file, status == ISO_OK ? err : NULL);
     return status == ISO_OK ? closed : status;
@@ -70,8 +72,8 @@ static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
 }
 
 /* One thread reads, two write, as the build's own do. */
-static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t count, const char *folder, bench_files_times *t,
-                             iso_error *err)
+static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t count, const char *folder,
+                             bench_files_times *t, iso_error *err)
 {
     size_t read_bytes = 0;
     struct stat st;
@@ -108,8 +110,8 @@ static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t cou
     return status;
 }
 
-iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
-                          size_t runs, bench_files_times *t, iso_error *err)
+iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
+                              size_t memory_bytes, size_t runs, bench_files_times *t, iso_error *err)
 {
     char *pyramid = iso_path_join(folder, "isoshade-bench.iso");
     const iso_stream_input in = {open_path, (void *)volume, volume};
@@ -132,8 +134,8 @@ iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt
     return status;
 }
 
-iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
-                       bench_files_times *t, iso_error *err)
+iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
+                           size_t runs, bench_files_times *t, iso_error *err)
 {
     char *volume = iso_path_join(folder, "isoshade-bench.nrrd");
     iso_status status = volume ? iso_volume_save(v, volume, false, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");

@@ -14,10 +14,10 @@ typedef struct bench_files_times {
 
 /* Builds `runs` times in the folder, each build beside one copy of the same bytes. memory_bytes: of buffers; 0: as
  * build does. */
-iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes, size_t runs,
-                       bench_files_times *times, iso_error *err);
+iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
+                           size_t runs, bench_files_times *times, iso_error *err);
 /* The same for a volume that is in a file already. */
-iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
-                          size_t runs, bench_files_times *times, iso_error *err);
+iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
+                              size_t memory_bytes, size_t runs, bench_files_times *times, iso_error *err);
 
 #endif

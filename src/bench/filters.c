@@ -48,14 +48,10 @@ typedef struct scene {
 } scene;
 
 static const scene scenes[] = {
-    {"smooth", ISO_FIELD_NOISE, 0, 1},
-    {"noise 1 %", ISO_FIELD_SPHERE, 0.01, 1},
-    {"noise 3 %", ISO_FIELD_SPHERE, 0.03, 1},
-    {"plate", ISO_FIELD_PLATE, 0, 1},
-    {"noisy plate", ISO_FIELD_PLATE, 0.1, 1},
-    {"thin plate", ISO_FIELD_PLATE, 0, 3},
-    {"shells", ISO_FIELD_SHELLS, 0, 1},
-    {"two surfaces", ISO_FIELD_BALLS, 0, 1},
+    {"smooth", ISO_FIELD_NOISE, 0, 1},        {"noise 1 %", ISO_FIELD_SPHERE, 0.01, 1},
+    {"noise 3 %", ISO_FIELD_SPHERE, 0.03, 1}, {"plate", ISO_FIELD_PLATE, 0, 1},
+    {"noisy plate", ISO_FIELD_PLATE, 0.1, 1}, {"thin plate", ISO_FIELD_PLATE, 0, 3},
+    {"shells", ISO_FIELD_SHELLS, 0, 1},       {"two surfaces", ISO_FIELD_BALLS, 0, 1},
     {"vessels", ISO_FIELD_VESSELS, 0, 1},
 };
 enum { SCENE_COUNT = sizeof scenes / sizeof *scenes };
@@ -74,7 +70,8 @@ static size_t scene_voxels(const filters_run *run, const scene *s)
 }
 
 /* Level 0 of the field without noise, to which all else is compared. */
-static iso_status begin_scene(const filters_run *run, const scene *s, int size, iso_shading_subject *subject, iso_error *err)
+static iso_status begin_scene(const filters_run *run, const scene *s, int size, iso_shading_subject *subject,
+                              iso_error *err)
 {
     const iso_shading_look look = {.view_count = VIEWS, .image_size = (size_t)size};
     iso_field field;
@@ -108,7 +105,10 @@ static iso_status run_scene(filters_run *run, size_t at, iso_error *err)
         iso_progress_report(&progress, s->name, (double)m / METHOD_COUNT);
         status = iso_shading_build(&methods[m], &v, s->name, LEVELS, run->cli->threads, &p, err);
         for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
-            status = iso_shading_measure(&subject, &(iso_shading_shown){&p.levels[k], k, p.options.code, methods[m].source, NULL, 0}, &run->error[at][m][k], err);
+            status = iso_shading_measure(&subject,
+                                         &(iso_shading_shown){&p.levels[k], k, p.options.code, methods[m].source, NULL,
+                                                              0},
+                                         &run->error[at][m][k], err);
         iso_pyramid_destroy(&p);
     }
     iso_progress_report(&progress, s->name, 1);
@@ -154,10 +154,13 @@ static json_t *cases_to_json(const filters_run *run)
     for (size_t at = 0; at < SCENE_COUNT; ++at)
         for (size_t m = 0; m < METHOD_COUNT; ++m)
             for (size_t k = 1; k < LEVELS; ++k)
-                json_array_append_new(cases, json_pack("{s:s, s:s, s:i, s:o, s:o, s:b, s:b}", "scene", scenes[at].name, "filter", methods[m].name,
-                                                       "level", (int)k, "truth_angle_mean_deg", iso_json_number(figure_of(run, at, m, k, true)), "dssim_mean",
-                                                       iso_json_number(figure_of(run, at, m, k, false)), "best_angle", is_best(run, at, m, k, true),
-                                                       "best_image", is_best(run, at, m, k, false)));
+                json_array_append_new(cases,
+                                      json_pack("{s:s, s:s, s:i, s:o, s:o, s:b, s:b}", "scene", scenes[at].name,
+                                                "filter", methods[m].name, "level", (int)k, "truth_angle_mean_deg",
+                                                iso_json_number(figure_of(run, at, m, k, true)), "dssim_mean",
+                                                iso_json_number(figure_of(run, at, m, k, false)), "best_angle",
+                                                is_best(run, at, m, k, true), "best_image",
+                                                is_best(run, at, m, k, false)));
     return cases;
 }
 
@@ -172,8 +175,8 @@ static iso_status draw_filters(const filters_run *run, const char *dir, iso_erro
     for (size_t at = 0; at < SCENE_COUNT; ++at)
         for (size_t m = 0; m < METHOD_COUNT; ++m)
             for (size_t k = 1; k < LEVELS; ++k)
-                fprintf(memory, "%s,%s,%zu,%.4f,%.6f\n", scenes[at].name, methods[m].name, k, figure_of(run, at, m, k, true),
-                        figure_of(run, at, m, k, false));
+                fprintf(memory, "%s,%s,%zu,%.4f,%.6f\n", scenes[at].name, methods[m].name, k,
+                        figure_of(run, at, m, k, true), figure_of(run, at, m, k, false));
     fclose(memory);
     iso_status status = iso_gnuplot_draw(dir, "filters", text, iso_filters_gp, run->format, err);
     free(text);
@@ -184,7 +187,8 @@ static iso_status run_filters(filters_run *run, const char *dir, json_t *root, i
 {
     iso_status status = ISO_OK;
     if (!run->cli->json)
-        printf("angle to the field's gradients at its surface, degrees, at levels 1 to %d; DSSIM; * the least\n", LEVELS - 1);
+        printf("angle to the field's gradients at its surface, degrees, at levels 1 to %d; DSSIM; * the least\n",
+               LEVELS - 1);
     for (size_t at = 0; at < SCENE_COUNT && status == ISO_OK; ++at) {
         status = run_scene(run, at, err);
         if (status == ISO_OK && !run->cli->json)
@@ -239,8 +243,8 @@ static iso_status write_panel(const iso_image *image, const char *dir, const cha
     return status;
 }
 
-static iso_status measure_holes(const filters_run *run, const iso_shading_subject *s, const iso_volume *v, size_t at, const char *dir,
-                                holes *h, iso_error *err)
+static iso_status measure_holes(const filters_run *run, const iso_shading_subject *s, const iso_volume *v, size_t at,
+                                const char *dir, holes *h, iso_error *err)
 {
     const iso_shading_method *m = &methods[holes_methods[at]];
     iso_pyramid p = {0};
@@ -249,7 +253,8 @@ static iso_status measure_holes(const filters_run *run, const iso_shading_subjec
     iso_status status = iso_shading_build(m, v, holes_scene.name, HOLES_LEVEL + 1, run->cli->threads, &p, err);
     const iso_level *l = status == ISO_OK ? &p.levels[HOLES_LEVEL] : NULL;
     if (status == ISO_OK)
-        status = iso_shading_measure(s, &(iso_shading_shown){l, HOLES_LEVEL, p.options.code, m->source, NULL, 0}, &e, err);
+        status = iso_shading_measure(s, &(iso_shading_shown){l, HOLES_LEVEL, p.options.code, m->source, NULL, 0}, &e,
+                                     err);
     if (status == ISO_OK)
         status = iso_shading_render(s, 0, &(iso_shading_shown){l, 0, p.options.code, m->source, NULL, 0}, &image, err);
     if (status == ISO_OK) {
@@ -262,7 +267,8 @@ static iso_status measure_holes(const filters_run *run, const iso_shading_subjec
     return status;
 }
 
-static iso_status draw_holes(const filters_run *run, const iso_shading_subject *s, const holes h[HOLES_METHODS], const char *dir, iso_error *err)
+static iso_status draw_holes(const filters_run *run, const iso_shading_subject *s, const holes h[HOLES_METHODS],
+                             const char *dir, iso_error *err)
 {
     char *text = NULL;
     size_t size = 0;
@@ -271,8 +277,8 @@ static iso_status draw_holes(const filters_run *run, const iso_shading_subject *
         return iso_fail(err, ISO_E_MEMORY, "no memory for the figure's data");
     fprintf(memory, "picture,title,holes,dssim,pixels\nfinest.png,level 0,0,0,%zu\n", s->finest[0].width);
     for (size_t i = 0; i < HOLES_METHODS; ++i)
-        fprintf(memory, "%s.png,%s,%.5f,%.5f,%zu\n", methods[holes_methods[i]].name, methods[holes_methods[i]].name, h[i].fraction,
-                h[i].dssim, s->finest[0].width);
+        fprintf(memory, "%s.png,%s,%.5f,%.5f,%zu\n", methods[holes_methods[i]].name, methods[holes_methods[i]].name,
+                h[i].fraction, h[i].dssim, s->finest[0].width);
     fclose(memory);
     iso_status status = write_panel(&s->finest[0], dir, "finest", err);
     if (status == ISO_OK)
@@ -292,13 +298,15 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
     if (status == ISO_OK)
         status = iso_shading_sample(holes_scene.kind, (size_t)run->voxels, holes_scene.noise, &field, &v, err);
     if (status == ISO_OK && !run->cli->json)
-        printf("\nholes: pixels darker than %g of level 0, of those that both show; %s, level %d\n", hole_depth, holes_scene.name, HOLES_LEVEL);
+        printf("\nholes: pixels darker than %g of level 0, of those that both show; %s, level %d\n", hole_depth,
+               holes_scene.name, HOLES_LEVEL);
     for (size_t i = 0; i < HOLES_METHODS && status == ISO_OK; ++i) {
         status = measure_holes(run, &s, &v, i, dir, &h[i], err);
         if (status == ISO_OK && !run->cli->json)
             printf("  %-15s %6.2f %%   DSSIM %.4f\n", methods[holes_methods[i]].name, 100 * h[i].fraction, h[i].dssim);
-        json_array_append_new(rows, json_pack("{s:s, s:o, s:f}", "filter", methods[holes_methods[i]].name, "hole_fraction", iso_json_number(h[i].fraction),
-                                              "dssim_mean", h[i].dssim));
+        json_array_append_new(rows,
+                              json_pack("{s:s, s:o, s:f}", "filter", methods[holes_methods[i]].name, "hole_fraction",
+                                        iso_json_number(h[i].fraction), "dssim_mean", h[i].dssim));
     }
     json_object_set_new(root, "holes", rows);
     if (status == ISO_OK && dir)
@@ -343,8 +351,9 @@ static const iso_command command = {
     .name = "bench consistency",
     .summary = "where each direction filter holds and fails, and the holes of undefined directions",
     .usage = "--filters and/or --holes [-o DIR] [options]",
-    .details = "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, plates, shells, two balls that\n"
-               "nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each, with its data and script.",
+    .details =
+        "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, plates, shells, two balls that\n"
+        "nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each, with its data and script.",
     .examples = "  isoshade bench consistency --holes --size 48 --voxels 32\n",
 };
 
@@ -356,7 +365,8 @@ iso_status iso_bench_filters(int argc, const char **argv, iso_error *err)
         {"holes", 0, POPT_ARG_NONE, &run.holes, 0, "the hole artefact, as figures and as a figure", NULL},
         {"output", 'o', POPT_ARG_STRING, &run.output, 0, "the folder for charts", "DIR"},
         {"format", 0, POPT_ARG_STRING, &run.format, 0, "of the charts: svg (default) or pdf", "FORMAT"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "pixels along an edge; --holes takes twice as many", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0,
+         "pixels along an edge; --holes takes twice as many", "N"},
         {"voxels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.voxels, 0, "along an edge", "N"},
         POPT_TABLEEND,
     };

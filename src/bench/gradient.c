@@ -16,7 +16,7 @@ typedef struct gradient_result {
     double order;                       /* of the mean error on smooth noise, from the grid to one twice as fine */
     double lobb_mean_deg, lobb_max_deg; /* Marschner-Lobb */
     double sphere_mean_deg, sphere_max_deg;
-    double noisy_mean_deg;              /* the sphere with noise */
+    double noisy_mean_deg; /* the sphere with noise */
     double ns_per_voxel;
 } gradient_result;
 
@@ -121,8 +121,13 @@ static iso_status measure_method(iso_gradient_method method, size_t n, double no
     if (status == ISO_OK)
         status = test_field((field_case){ISO_FIELD_NOISE, 2 * n, 0}, method, threads, &fine, &seconds, err);
     if (status == ISO_OK)
-        *r = (gradient_result){log2(coarse.rms / fine.rms), lobb.mean_deg, lobb.max_deg, sphere.mean_deg, sphere.max_deg,
-                               noisy.mean_deg, 1e9 * seconds / (8 * (double)(n * n * n))};
+        *r = (gradient_result){log2(coarse.rms / fine.rms),
+                               lobb.mean_deg,
+                               lobb.max_deg,
+                               sphere.mean_deg,
+                               sphere.max_deg,
+                               noisy.mean_deg,
+                               1e9 * seconds / (8 * (double)(n * n * n))};
     return status;
 }
 
@@ -132,16 +137,17 @@ static void report(const iso_cli *cli, size_t n, double noise, const gradient_re
     json_object_set_new(options, "size", json_integer((json_int_t)n));
     json_object_set_new(options, "noise", json_real(noise));
     if (!cli->json)
-        printf("%-13s %6s %21s %19s %11s %9s\n%-13s %6s %10s %10s %10s %8s %11s %9s\n", "", "", "Marschner-Lobb", "sphere",
-               "and noise", "ns", "estimator", "order", "mean deg", "max deg", "mean deg", "max deg", "mean deg", "a voxel");
+        printf("%-13s %6s %21s %19s %11s %9s\n%-13s %6s %10s %10s %10s %8s %11s %9s\n", "", "", "Marschner-Lobb",
+               "sphere", "and noise", "ns", "estimator", "order", "mean deg", "max deg", "mean deg", "max deg",
+               "mean deg", "a voxel");
     for (int i = 0; i < ISO_GRADIENT_COUNT; ++i) {
         const gradient_result *r = &results[i];
         const char *name = iso_gradient_name((iso_gradient_method)i);
         if (!cli->json)
-            printf("%-13s %6.2f %10.3f %10.2f %10.4f %8.3f %11.3f %9.2f\n", name, r->order, r->lobb_mean_deg, r->lobb_max_deg,
-                   r->sphere_mean_deg, r->sphere_max_deg, r->noisy_mean_deg, r->ns_per_voxel);
-        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "name", name, "order", r->order,
-                                              "marschner_lobb_mean_error_deg", r->lobb_mean_deg,
+            printf("%-13s %6.2f %10.3f %10.2f %10.4f %8.3f %11.3f %9.2f\n", name, r->order, r->lobb_mean_deg,
+                   r->lobb_max_deg, r->sphere_mean_deg, r->sphere_max_deg, r->noisy_mean_deg, r->ns_per_voxel);
+        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "name", name, "order",
+                                              r->order, "marschner_lobb_mean_error_deg", r->lobb_mean_deg,
                                               "marschner_lobb_max_error_deg", r->lobb_max_deg, "sphere_mean_error_deg",
                                               r->sphere_mean_deg, "sphere_max_error_deg", r->sphere_max_deg,
                                               "noisy_sphere_mean_error_deg", r->noisy_mean_deg, "ns_per_voxel",

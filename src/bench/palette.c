@@ -214,9 +214,9 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
         double rate = 1e-6 * ASSIGN_BLOCK / block_seconds(lookup, to->vectors, to->index);
         size_t wrong = count_wrong(&p, to->vectors, to->index);
         json_array_append_new(rows, json_pack("{s:s, s:I, s:f, s:f, s:I, s:I}", "data", what, "entries",
-                                              (json_int_t)directions, "million_per_second", rate, "lookup_seconds", build,
-                                              "lookup_bytes", (json_int_t)iso_palette_lookup_bytes(lookup), "wrong_count",
-                                              (json_int_t)wrong));
+                                              (json_int_t)directions, "million_per_second", rate, "lookup_seconds",
+                                              build, "lookup_bytes", (json_int_t)iso_palette_lookup_bytes(lookup),
+                                              "wrong_count", (json_int_t)wrong));
         if (!b->cli->json)
             printf("  %-10s %5zu %8.1f million a second; lookup made in %.4f s, %.2f MB; wrong: %zu of %d\n", what,
                    directions, rate, build, 1e-6 * (double)iso_palette_lookup_bytes(lookup), wrong, ASSIGN_COUNT / 50);
@@ -259,7 +259,7 @@ iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_er
 /* ---- volumes ------------------------------------------------------------------------------ */
 
 iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
-                                iso_error *err)
+                                    iso_error *err)
 {
     iso_gradient_options gradient = iso_gradient_defaults();
     iso_direction_pool *pool;
@@ -296,7 +296,8 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
         return status;
     status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
     char title[256];
-    snprintf(title, sizeof title, "\n%s: %zu bundles of gradients, read and pooled in %.3f s", name, set.count, seconds);
+    snprintf(title, sizeof title, "\n%s: %zu bundles of gradients, read and pooled in %.3f s", name, set.count,
+             seconds);
     table_head(b, title);
     for (size_t m = 0; m < sizeof methods / sizeof *methods && status == ISO_OK; ++m)
         status = table_line(b, &(fitted_sets){methods[m] == ISO_PALETTE_ANNEAL ? &coarse : &set, &set, 1, name},
@@ -348,7 +349,8 @@ static iso_status sweep_case(const palette_bench *b, const iso_direction_set *se
         seconds = fmin(seconds, once);
     }
     json_array_append_new(rows, json_pack("{s:s, s:f, s:f, s:f, s:f, s:f}", "parameter", s->name, "value", s->values[i],
-                                          "norm1", sum, "norm1_least", least, "norm1_most", most, "fit_processor_seconds", seconds));
+                                          "norm1", sum, "norm1_least", least, "norm1_most", most,
+                                          "fit_processor_seconds", seconds));
     if (!b->cli->json) {
         printf("  %-11s %8g  %10.5g  (%.5g to %.5g)  %7.3f s\n", s->name, s->values[i], sum, least, most, seconds);
         fflush(stdout);
@@ -379,10 +381,12 @@ iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *vol
         status = ellipsoid_sets(&one, false, &set, err);
     }
     if (!b->cli->json && status == ISO_OK)
-        printf("\nAnnealing 254 entries, %s: norm 1 over %d seeds, the others at START_PROB %g, TEMP_FAC %g, %d cycles of "
-               "%d steps, moves of %g to %g degrees\n", volume ? iso_path_base(volume) : "the ellipsoid", b->seeds,
-               iso_palette_defaults().anneal.start_prob, iso_palette_defaults().anneal.temp_fac, b->cycles, b->steps,
-               iso_palette_defaults().anneal.move_deg[0], iso_palette_defaults().anneal.move_deg[1]);
+        printf(
+            "\nAnnealing 254 entries, %s: norm 1 over %d seeds, the others at START_PROB %g, TEMP_FAC %g, %d cycles of "
+            "%d steps, moves of %g to %g degrees\n",
+            volume ? iso_path_base(volume) : "the ellipsoid", b->seeds, iso_palette_defaults().anneal.start_prob,
+            iso_palette_defaults().anneal.temp_fac, b->cycles, b->steps, iso_palette_defaults().anneal.move_deg[0],
+            iso_palette_defaults().anneal.move_deg[1]);
     for (size_t s = 0; s < sizeof sweeps / sizeof *sweeps; ++s)
         for (size_t i = 0; i < sweeps[s].count && status == ISO_OK; ++i)
             status = sweep_case(b, &set, &sweeps[s], s, i, rows, err);
@@ -423,11 +427,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&b.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
-        {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0, "samples of the ellipsoid; with --sensitivity runs of each setting", "N"},
+        {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0,
+         "samples of the ellipsoid; with --sensitivity runs of each setting", "N"},
         {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "annealing: CYCLE_NR", "N"},
         {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "annealing: STEP_NR", "N"},
         {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "the annealing's parameters instead", NULL},
-        {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "for the images; else a surface in the upper half of the values", "SCENE.scene.json"},
+        {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "for the images; else a surface in the upper half of the values",
+         "SCENE.scene.json"},
         {"size", 0, POPT_ARG_STRING, &b.size, 0, "of the images", "WxH"},
         {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: the table alone", NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -461,8 +467,9 @@ const iso_command iso_bench_palette = {
     .name = "bench palette",
     .summary = "palettes of directions: error and time of each method, assigning, images",
     .usage = "[VOLUME ...] [options]",
-    .details = "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"
-               "images from palettes and from codes, against those from float directions. A fit is timed in processor seconds.",
+    .details =
+        "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"
+        "images from palettes and from codes, against those from float directions. A fit is timed in processor seconds.",
     .examples = "  isoshade bench palette --seeds 1 --steps 500\n"
                 "  isoshade bench palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"
                 "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"

@@ -28,6 +28,6 @@ iso_status iso_palette_bench_images(const palette_bench *b, const char *path, js
 
 /* A volume's gradients in bundles, read slab by slab. */
 iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
-                                iso_error *err);
+                                    iso_error *err);
 
 #endif

@@ -38,20 +38,34 @@ static const double degrees = 57.29577951308232;
 /* Opaque above the middle of the range, with a soft flank: the surface that most volumes have. */
 static iso_status default_view(stage *s, iso_error *err)
 {
-    static iso_tf_point points[] = {{0, {0.9, 0.6, 0.4}, 0}, {0.18, {0.9, 0.6, 0.4}, 0}, {0.35, {0.9, 0.7, 0.5}, 0.25},
-                                    {0.6, {1, 0.95, 0.9}, 0.7}, {1, {1, 1, 1}, 0.9}};
+    static iso_tf_point points[] = {{0, {0.9, 0.6, 0.4}, 0},
+                                    {0.18, {0.9, 0.6, 0.4}, 0},
+                                    {0.35, {0.9, 0.7, 0.5}, 0.25},
+                                    {0.6, {1, 0.95, 0.9}, 0.7},
+                                    {1, {1, 1, 1}, 0.9}};
     size_t width = 256, height = 256;
     iso_status status = s->bench->size ? iso_subject_parse_image_size(s->bench->size, &width, &height, err) : ISO_OK;
     if (status != ISO_OK)
         return status;
     const iso_level *level = &s->pyramid.levels[0];
-    iso_scene scene = {.path = "bench", .width = width, .height = height, .camera_fit = true,
-                       .camera_direction = {0.6, -1, -0.25}, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 0.85,
+    iso_scene scene = {.path = "bench",
+                       .width = width,
+                       .height = height,
+                       .camera_fit = true,
+                       .camera_direction = {0.6, -1, -0.25},
+                       .camera_up = {0, 0, 1},
+                       .fov_y_deg = 30,
+                       .margin = 0.85,
                        .light_count = 1,
                        .lights = {{.direction = {-0.4, 0.6, 1}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = 0.25, .diffuse = 0.75, .specular = 0.25, .power = 30}, .step_voxels = 0.5,
-                       .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256,
-                              .point_count = sizeof points / sizeof *points, .points = points}};
+                       .shading = {.ambient = 0.25, .diffuse = 0.75, .specular = 0.25, .power = 30},
+                       .step_voxels = 0.5,
+                       .tf = {.fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 256,
+                              .point_count = sizeof points / sizeof *points,
+                              .points = points}};
     return iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &s->view, err);
 }
 
@@ -84,8 +98,9 @@ static iso_status add_row(stage *s, const iso_level *level, directions_by by, co
     iso_image_destroy(&image);
     if (status != ISO_OK)
         return status;
-    json_t *row = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "volume", s->name, "gradients", m->name, "bytes", m->bytes,
-                            "encode_seconds", m->encode_seconds, "rms_deg", m->rms_deg, "milliseconds", 1e3 * seconds);
+    json_t *row = json_pack("{s:s, s:s, s:f, s:f, s:f, s:f}", "volume", s->name, "gradients", m->name, "bytes",
+                            m->bytes, "encode_seconds", m->encode_seconds, "rms_deg", m->rms_deg, "milliseconds",
+                            1e3 * seconds);
     json_object_update_new(row, iso_metrics_to_json(&metrics));
     json_array_append_new(s->rows, row);
     if (!s->bench->cli->json) {
@@ -153,8 +168,12 @@ static iso_status sample_level(stage *s, bool weighted, iso_direction_set *set, 
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu weights", tf->count);
     for (size_t i = 0; i < tf->count; ++i)
         opacity[i] = (float)-expm1(-(double)tf->entries[4 * i + 3] * iso_geometry_mean_spacing_mm(&l->geometry));
-    const iso_palette_weighting w = {.by_magnitude = true, .value_span = l->max - l->min, .by_value = opacity,
-                                     .by_value_count = tf->count, .by_value_lo = tf->lo, .by_value_hi = tf->hi};
+    const iso_palette_weighting w = {.by_magnitude = true,
+                                     .value_span = l->max - l->min,
+                                     .by_value = opacity,
+                                     .by_value_count = tf->count,
+                                     .by_value_lo = tf->lo,
+                                     .by_value_hi = tf->hi};
     iso_direction_pool *pool;
     iso_status status = iso_direction_pool_create(&pool, s->bench->cli->threads, err);
     if (status == ISO_OK)
@@ -213,12 +232,12 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
 static iso_status all_rows(stage *s, iso_error *err)
 {
     const iso_level *level = &s->pyramid.levels[0];
-    iso_status status =
-        render(s, level, (directions_by){s->pyramid.options.code, ISO_FROM_FLOAT, false}, &s->wanted, NULL, err);
+    iso_status status = render(s, level, (directions_by){s->pyramid.options.code, ISO_FROM_FLOAT, false}, &s->wanted,
+                               NULL, err);
     const method floats = {"float", 12, 0, 0};
     if (!s->bench->cli->json)
-        printf("  %-24s %5s %11s %8s %10s %9s %9s %9s %8s\n", "gradients", "bytes", "encode", "rms deg", "rmse", "max abs",
-               "ssim", "flip", "GL ms");
+        printf("  %-24s %5s %11s %8s %10s %9s %9s %9s %8s\n", "gradients", "bytes", "encode", "rms deg", "rmse",
+               "max abs", "ssim", "flip", "GL ms");
     if (status == ISO_OK)
         status = add_row(s, level, (directions_by){s->pyramid.options.code, ISO_FROM_FLOAT, false}, &floats, err);
     for (int code = 0; code < ISO_CODE_COUNT && status == ISO_OK; ++code)

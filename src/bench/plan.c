@@ -55,7 +55,8 @@ static iso_status measure_vdbs(bench_state *s, iso_error *err)
         if (m == FULL)
             status = iso_vdb_save(s->pyramid, 0, 1, path, &options, NULL, err);
         else
-            status = iso_planned_lattices_create(&s->planned, m == MERGED, false, s->bench->cli->threads, &lattices, err);
+            status = iso_planned_lattices_create(&s->planned, m == MERGED, false, s->bench->cli->threads, &lattices,
+                                                 err);
         if (m != FULL && status == ISO_OK)
             status = iso_vdb_save_lattices(lattices.items, lattices.count, NULL, path, &options, NULL, err);
         if (status == ISO_OK)
@@ -75,7 +76,8 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     o.planes = 0;
     iso_status status = iso_povray_export(s->pyramid, 0, s->views, full, &o, NULL, err);
     if (status == ISO_OK)
-        status = iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->pyramid->options.code, s->bench->cli->threads, &crop, err);
+        status = iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->pyramid->options.code,
+                                         s->bench->cli->threads, &crop, err);
     const iso_pyramid cropped = {.options = s->pyramid->options, .level_count = 1, .levels = &crop.level};
     o.box = (const double(*)[3])crop.box;
     if (status == ISO_OK)
@@ -109,8 +111,11 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     uint8_t *pieces = status == ISO_OK ? iso_planned_pieces(&s->planned, &lattices) : NULL;
     if (status == ISO_OK && !pieces)
         status = iso_fail(err, ISO_E_MEMORY, "bench plan: out of memory");
-    const iso_blender_plan plan = {.geometry = &n->geometry, .bricks = {n->count[0], n->count[1], n->count[2]},
-                                   .brick_voxels = n->brick_voxels, .piece = pieces, .lattices = lattices.items,
+    const iso_blender_plan plan = {.geometry = &n->geometry,
+                                   .bricks = {n->count[0], n->count[1], n->count[2]},
+                                   .brick_voxels = n->brick_voxels,
+                                   .piece = pieces,
+                                   .lattices = lattices.items,
                                    .count = lattices.count};
     o.stats = &s->entries[LEVELS].cycles;
     if (status == ISO_OK)
@@ -136,7 +141,8 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
         iso_brick_store store = {0};
         memset(all, 1, count);
         double start = iso_clock_seconds();
-        status = iso_brick_store_update(&store, &field, k ? s->planner.best.drawn : all, s->bench->cli->threads, NULL, err);
+        status = iso_brick_store_update(&store, &field, k ? s->planner.best.drawn : all, s->bench->cli->threads, NULL,
+                                        err);
         s->bake_seconds[k] = iso_clock_seconds() - start;
         iso_brick_store_destroy(&store);
     }
@@ -165,9 +171,10 @@ static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const 
     status = iso_json_save(path, plan, err);
     json_decref(plan);
     if (status == ISO_OK)
-        status = iso_planned_create(
-            path, &(iso_planned_subject){&s->pyramid->levels[0], s->pyramid->options.code, &s->views[0].tf, 1},
-            s->bench->cli->threads, &s->planned, err);
+        status = iso_planned_create(path,
+                                    &(iso_planned_subject){&s->pyramid->levels[0], s->pyramid->options.code,
+                                                           &s->views[0].tf, 1},
+                                    s->bench->cli->threads, &s->planned, err);
     free(path);
     return status;
 }
@@ -183,9 +190,10 @@ static json_t *model_json(const bench_state *s, model m)
     if (e->df3_bytes > 0)
         json_object_set_new(o, "df3_bytes", json_real(e->df3_bytes));
     if (e->image.rgba)
-        json_object_update_new(o, json_pack("{s:f, s:f, s:f, s:f}", "cycles_memory_bytes", e->cycles.device_bytes, "cycles_load_seconds", e->cycles.load_seconds,
-                                            "cycles_render_seconds", e->cycles.render_seconds, "cycles_peak_rss_bytes",
-                                            e->cycles.peak_rss_bytes));
+        json_object_update_new(o,
+                               json_pack("{s:f, s:f, s:f, s:f}", "cycles_memory_bytes", e->cycles.device_bytes,
+                                         "cycles_load_seconds", e->cycles.load_seconds, "cycles_render_seconds",
+                                         e->cycles.render_seconds, "cycles_peak_rss_bytes", e->cycles.peak_rss_bytes));
     return o;
 }
 
@@ -210,11 +218,15 @@ static void print_table(const bench_state *s)
     printf("%zu of %zu bricks of %d; RMSE %.3g predicted, %.3g measured, largest %.3g\n", t->drawn_count,
            s->planner.plan.brick_count, s->bench->brick, t->predicted_rmse, t->measured.rmse, t->measured.max_abs);
     printf("%-32s %18s %18s %18s\n", "", "full", "plan, merged", "plan, levels");
-    print_row("isoshade: cache, MB", 1e-6, ISO_BYTES_A_NODE * (double)s->planner.full_node_count, 0, iso_plan_trial_bytes(t));
+    print_row("isoshade: cache, MB", 1e-6, ISO_BYTES_A_NODE * (double)s->planner.full_node_count, 0,
+              iso_plan_trial_bytes(t));
     print_row("isoshade: baking, s", 1, s->bake_seconds[0], 0, s->bake_seconds[1]);
-    print_row("OpenVDB: file, MB", 1e-6, (double)f->vdb.file_bytes, (double)m->vdb.file_bytes, (double)l->vdb.file_bytes);
-    print_row("OpenVDB: active values, million", 1e-6, (double)f->vdb.active_voxels, (double)m->vdb.active_voxels, (double)l->vdb.active_voxels);
-    print_row("OpenVDB: memory, MB", 1e-6, (double)f->vdb.memory_bytes, (double)m->vdb.memory_bytes, (double)l->vdb.memory_bytes);
+    print_row("OpenVDB: file, MB", 1e-6, (double)f->vdb.file_bytes, (double)m->vdb.file_bytes,
+              (double)l->vdb.file_bytes);
+    print_row("OpenVDB: active values, million", 1e-6, (double)f->vdb.active_voxels, (double)m->vdb.active_voxels,
+              (double)l->vdb.active_voxels);
+    print_row("OpenVDB: memory, MB", 1e-6, (double)f->vdb.memory_bytes, (double)m->vdb.memory_bytes,
+              (double)l->vdb.memory_bytes);
     print_row("OpenVDB: reading, s", 1, f->vdb.read_seconds, m->vdb.read_seconds, l->vdb.read_seconds);
     print_row("POV-Ray: DF3 files, MB", 1e-6, f->df3_bytes, m->df3_bytes, 0);
     if (!s->bench->cycles)
@@ -236,14 +248,15 @@ static void report(const bench_state *s)
     }
     json_t *root = iso_cli_json(s->bench->cli);
     const double full = ISO_BYTES_A_NODE * (double)s->planner.full_node_count;
-    json_object_update_new(root, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "measured_rmse", t->measured.rmse, "bytes",
-                                           iso_plan_trial_bytes(t), "full_bytes", full, "bytes_part",
+    json_object_update_new(root, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "measured_rmse", t->measured.rmse,
+                                           "bytes", iso_plan_trial_bytes(t), "full_bytes", full, "bytes_part",
                                            iso_plan_trial_bytes(t) / full, "full_bake_seconds", s->bake_seconds[0],
                                            "bake_seconds", s->bake_seconds[1], "peak_rss_bytes", iso_peak_rss_bytes()));
     for (int m = 0; m < MODEL_COUNT; ++m)
         json_object_set_new(root, names[m], model_json(s, (model)m));
     if (s->bench->cycles)
-        json_object_update_new(root, json_pack("{s:f, s:f}", "cycles_rmse", s->cycles_rmse, "cycles_max_abs", s->cycles_max));
+        json_object_update_new(root,
+                               json_pack("{s:f, s:f}", "cycles_rmse", s->cycles_rmse, "cycles_max_abs", s->cycles_max));
     iso_cli_print_json(root);
 }
 
@@ -298,7 +311,8 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     if (status == ISO_OK && view_count != 1)
         status = iso_fail(err, ISO_E_USAGE, "bench plan: one scene is wanted");
     if (status == ISO_OK)
-        status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true, b->cli->threads, err);
+        status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true,
+                                        b->cli->threads, err);
     if (status == ISO_OK) {
         iso_node_levels_round(&nodes);
         status = run_all(&s, &nodes, err);
@@ -315,7 +329,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.error, 0, "RMSE of the image that is allowed", "E"},
+        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.error, 0, "RMSE of the image that is allowed",
+         "E"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.brick, 0, "voxels a side", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
         {"size", 0, POPT_ARG_STRING, &b.size, 0, "image size that the plan is made for, instead of the scene's", "WxH"},
@@ -336,10 +351,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_plan = {
     .name = "bench plan",
-    .summary = "a plan against the full model: bytes, memory and load times in each program, and the pictures' difference",
+    .summary =
+        "a plan against the full model: bytes, memory and load times in each program, and the pictures' difference",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
-    .details = "The same volume as a full level and as a plan leaves it: OpenVDB as one merged grid and as a grid a level, DF3 files\n"
-               "cropped; with --cycles also Blender's memory and the RMSE between its two pictures.",
+    .details =
+        "The same volume as a full level and as a plan leaves it: OpenVDB as one merged grid and as a grid a level, DF3 files\n"
+        "cropped; with --cycles also Blender's memory and the RMSE between its two pictures.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade bench plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --levels 3\n",
     .run = run,

@@ -26,12 +26,13 @@ typedef struct tally {
 } tally;
 
 typedef struct power_result {
-    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS];  /* value over limit of the check made for it; NaN: not asked */
-    size_t scenes, bright;                              /* all; those with a pixel above 1 */
-    size_t changed[ISO_FAULT_COUNT];                    /* scenes that the fault changes by more than their error bar */
+    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS]; /* value over limit of the check made for it; NaN: not asked */
+    size_t scenes, bright;                            /* all; those with a pixel above 1 */
+    size_t changed[ISO_FAULT_COUNT];                  /* scenes that the fault changes by more than their error bar */
     tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS]; /* in those; ISO_FAULT_NONE: clean scenes */
-    iso_power_noise noise[ISO_MAX_RENDERERS][ISO_POWER_KIND_COUNT]; /* of random renderers, on scenes with planted faults */
-    json_t *wrong;                                      /* faults that were missed and clean scenes that were flagged */
+    iso_power_noise noise[ISO_MAX_RENDERERS]
+                         [ISO_POWER_KIND_COUNT]; /* of random renderers, on scenes with planted faults */
+    json_t *wrong;                               /* faults that were missed and clean scenes that were flagged */
 } power_result;
 
 /* Where the time goes, for the estimate: what every scene takes, and what the slow gates take where faults are planted. */
@@ -58,15 +59,16 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
             if (!o->wanted[w])
                 continue;
             iso_progress_report(progress, "faults in the calibrations", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
-            status = iso_calibrate_check(r, iso_renderer_at(w), &planted, iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
+            status = iso_calibrate_check(r, iso_renderer_at(w), &planted,
+                                         iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
             out->ratio[f][w] = c.value / c.limit;
         }
     return status;
 }
 
 /* All wanted gates that are slow, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
-static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault, bool slow,
-                            power_result *out, iso_error *err)
+static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault,
+                            bool slow, power_result *out, iso_error *err)
 {
     const iso_planted planted = {.fault = fault};
     iso_status status = ISO_OK;
@@ -82,17 +84,18 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
             t->asked += 1;
             t->rejected += rejected;
             if (status == ISO_OK && rejected == (fault == ISO_FAULT_NONE))
-                json_array_append_new(out->wrong, json_pack("{s:s, s:s, s:s, s:I, s:s}", "fault", iso_fault_name(fault), "gate",
-                                                            iso_power_gate_name(gate), "renderer", renderer->name,
-                                                            "seed", (json_int_t)c->seed, "kind", iso_power_kind_name(c->kind)));
+                json_array_append_new(out->wrong,
+                                      json_pack("{s:s, s:s, s:s, s:I, s:s}", "fault", iso_fault_name(fault), "gate",
+                                                iso_power_gate_name(gate), "renderer", renderer->name, "seed",
+                                                (json_int_t)c->seed, "kind", iso_power_kind_name(c->kind)));
         }
     return status;
 }
 
 /* A fault that changes the picture by less than the bar that a limit may have cannot be asked to be seen: it is left out,
  * and counted. */
-static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool slow, power_result *out,
-                                 iso_error *err)
+static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool slow,
+                                 power_result *out, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f) {
@@ -108,7 +111,8 @@ static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const
     return status;
 }
 
-static iso_status test_noise(iso_renderers *r, const power_options *o, const iso_power_case *c, power_result *out, iso_error *err)
+static iso_status test_noise(iso_renderers *r, const power_options *o, const iso_power_case *c, power_result *out,
+                             iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
@@ -147,8 +151,11 @@ static void tell(const pace *p, const power_options *o, int i)
 
 static iso_status run_scene(iso_renderers *r, const power_options *o, int i, power_result *out, pace *p, iso_error *err)
 {
-    iso_power_case c = {.seed = (uint64_t)o->seed * 1000 + (uint64_t)i, .pixels = (size_t)o->size, .first_seed = 1000 * i,
-                        .seeds = o->quick ? 3 : 4, .threads = o->threads};
+    iso_power_case c = {.seed = (uint64_t)o->seed * 1000 + (uint64_t)i,
+                        .pixels = (size_t)o->size,
+                        .first_seed = 1000 * i,
+                        .seeds = o->quick ? 3 : 4,
+                        .threads = o->threads};
     const double start = iso_clock_seconds();
     tell(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
@@ -180,7 +187,10 @@ static bool is_caught(const power_result *r, int fault)
 }
 
 /* The largest rate of false alarms that `asked` clean comparisons without one leave possible, at 95 % confidence. */
-static double rate_bound(size_t asked) { return 1 - pow(0.05, 1 / (double)asked); }
+static double rate_bound(size_t asked)
+{
+    return 1 - pow(0.05, 1 / (double)asked);
+}
 
 static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS], const char *rejected)
 {
@@ -188,9 +198,10 @@ static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERE
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
         for (size_t w = 0; w < iso_renderer_count(); ++w)
             if (t[g][w].asked)
-                json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
-                                                      "renderer", iso_renderer_at(w)->name, "comparisons",
-                                                      (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
+                json_array_append_new(list,
+                                      json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
+                                                "renderer", iso_renderer_at(w)->name, "comparisons",
+                                                (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
     return list;
 }
 
@@ -201,10 +212,11 @@ static json_t *noise_to_json(const power_result *r)
         for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
             const iso_power_noise *n = &r->noise[w][k];
             if (n->tests)
-                json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:I, s:I, s:I}", "renderer", iso_renderer_at(w)->name, "kind",
-                                                      iso_power_kind_name((iso_power_kind)k), "groups", (json_int_t)n->groups,
-                                                      "flagged", (json_int_t)n->flagged, "tests", (json_int_t)n->tests, "below_1e-3",
-                                                      (json_int_t)n->below));
+                json_array_append_new(list,
+                                      json_pack("{s:s, s:s, s:I, s:I, s:I, s:I}", "renderer", iso_renderer_at(w)->name,
+                                                "kind", iso_power_kind_name((iso_power_kind)k), "groups",
+                                                (json_int_t)n->groups, "flagged", (json_int_t)n->flagged, "tests",
+                                                (json_int_t)n->tests, "below_1e-3", (json_int_t)n->below));
         }
     return list;
 }
@@ -217,19 +229,21 @@ static json_t *to_json(const power_result *r)
         for (size_t w = 0; w < iso_renderer_count(); ++w)
             if (isfinite(r->ratio[f][w]))
                 json_object_set_new(ratios, iso_renderer_at(w)->name, json_real(r->ratio[f][w]));
-        json_array_append_new(faults, json_pack("{s:s, s:s, s:b, s:o, s:I, s:I, s:o}", "fault", iso_fault_name((iso_fault)f),
-                                                "check", iso_fault_check((iso_fault)f), "caught", is_caught(r, f),
-                                                "times_the_limit", ratios, "scenes", (json_int_t)r->scenes, "scenes_changed",
-                                                (json_int_t)r->changed[f], "gates", gates_to_json(r->seen[f], "rejected")));
+        json_array_append_new(faults,
+                              json_pack("{s:s, s:s, s:b, s:o, s:I, s:I, s:o}", "fault", iso_fault_name((iso_fault)f),
+                                        "check", iso_fault_check((iso_fault)f), "caught", is_caught(r, f),
+                                        "times_the_limit", ratios, "scenes", (json_int_t)r->scenes, "scenes_changed",
+                                        (json_int_t)r->changed[f], "gates", gates_to_json(r->seen[f], "rejected")));
     }
     return json_pack("{s:o, s:o, s:O, s:o, s:I, s:I}", "faults", faults, "clean",
-                     gates_to_json(r->seen[ISO_FAULT_NONE], "flagged"), "wrong", r->wrong, "noise", noise_to_json(r), "scenes",
-                     (json_int_t)r->scenes, "scenes_above_1", (json_int_t)r->bright);
+                     gates_to_json(r->seen[ISO_FAULT_NONE], "flagged"), "wrong", r->wrong, "noise", noise_to_json(r),
+                     "scenes", (json_int_t)r->scenes, "scenes_above_1", (json_int_t)r->bright);
 }
 
 static void print_calibrations(const power_options *o, const power_result *r)
 {
-    printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault", "check");
+    printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault",
+           "check");
     for (size_t w = 0; w < iso_renderer_count(); ++w)
         if (o->wanted[w])
             printf(" %10s", iso_renderer_at(w)->name);
@@ -266,18 +280,20 @@ static void print_noise(const power_result *r)
         for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
             const iso_power_noise *n = &r->noise[w][k];
             if (n->tests)
-                printf("%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
-                       "    pixels would be below a chance of 1e-3\n",
-                       iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
-                       (double)n->below / (double)n->tests);
+                printf(
+                    "%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
+                    "    pixels would be below a chance of 1e-3\n",
+                    iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
+                    (double)n->below / (double)n->tests);
         }
 }
 
 static void print_scenes(const power_options *o, const power_result *r)
 {
-    printf("\n%zu random scenes, %zu of them with highlights above 1: rejected of those that the fault changes by more than the bar\n"
-           "of the scene (RMSE 1/2550, sharp 1/255); in the others it is too small to be asked for\n%-50s %9s",
-           r->scenes, r->bright, "planted fault", "too small");
+    printf(
+        "\n%zu random scenes, %zu of them with highlights above 1: rejected of those that the fault changes by more than the bar\n"
+        "of the scene (RMSE 1/2550, sharp 1/255); in the others it is too small to be asked for\n%-50s %9s",
+        r->scenes, r->bright, "planted fault", "too small");
     print_scene_row(o, r, ISO_FAULT_NONE);
     printf("\n");
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
@@ -301,7 +317,8 @@ static void print_scenes(const power_options *o, const power_result *r)
     json_array_foreach(r->wrong, i, wrong)
         printf("WRONG: %s, %s of %s, scene %lld (%s)\n", json_string_value(json_object_get(wrong, "fault")),
                json_string_value(json_object_get(wrong, "gate")), json_string_value(json_object_get(wrong, "renderer")),
-               (long long)json_integer_value(json_object_get(wrong, "seed")), json_string_value(json_object_get(wrong, "kind")));
+               (long long)json_integer_value(json_object_get(wrong, "seed")),
+               json_string_value(json_object_get(wrong, "kind")));
 }
 
 static iso_status verdict(const power_result *r, iso_error *err)
@@ -312,9 +329,11 @@ static iso_status verdict(const power_result *r, iso_error *err)
     if (json_array_size(r->wrong) == 0)
         return ISO_OK;
     const json_t *first = json_array_get(r->wrong, 0);
-    return iso_fail(err, ISO_E_DIFFERS, "bench power: %zu wrong answers, the first for \"%s\" by the %s of %s on scene %lld",
+    return iso_fail(err, ISO_E_DIFFERS,
+                    "bench power: %zu wrong answers, the first for \"%s\" by the %s of %s on scene %lld",
                     json_array_size(r->wrong), json_string_value(json_object_get(first, "fault")),
-                    json_string_value(json_object_get(first, "gate")), json_string_value(json_object_get(first, "renderer")),
+                    json_string_value(json_object_get(first, "gate")),
+                    json_string_value(json_object_get(first, "renderer")),
                     (long long)json_integer_value(json_object_get(first, "seed")));
 }
 
@@ -366,15 +385,20 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
     char names[256], with[300];
-    snprintf(with, sizeof with, "renderers besides the reference (%s)", iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
+    snprintf(with, sizeof with, "renderers besides the reference (%s)",
+             iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
     struct poptOption options[] = {
-        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
-        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
+        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)",
+         "N"},
+        {"planted", 0, POPT_ARG_INT, &o.planted, 0,
+         "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
         {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
-        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)", "N"},
+        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)",
+         "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
         {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds; the same gates", NULL},
-        {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0, "instead: the smallest amount of each deviation that each gate rejects", NULL},
+        {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0,
+         "instead: the smallest amount of each deviation that each gate rejects", NULL},
         {"output", 'o', POPT_ARG_STRING, &o.output, 0, "of --sensitivity: a folder for the chart and its data", "DIR"},
         {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
         POPT_TABLEEND,
@@ -385,8 +409,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && (status = check(&o, err)) == ISO_OK) {
         o.threads = cli.threads;
-        iso_sensitivity_options s = {.scenes = o.repetitions, .pixels = o.size, .seed = o.seed, .threads = o.threads,
-                                     .output = o.output, .format = o.format};
+        iso_sensitivity_options s = {.scenes = o.repetitions,
+                                     .pixels = o.size,
+                                     .seed = o.seed,
+                                     .threads = o.threads,
+                                     .output = o.output,
+                                     .format = o.format};
         memcpy(s.wanted, o.wanted, sizeof s.wanted);
         status = o.sensitivity ? iso_power_sensitivity(&renderers, &s, &cli, err) : bench(&cli, &o, &renderers, err);
     }
@@ -397,13 +425,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_power = {
     .name = "bench power",
-    .summary = "which planted faults validation finds, how often it flags clean scenes, and the smallest faults that it sees",
+    .summary =
+        "which planted faults validation finds, how often it flags clean scenes, and the smallest faults that it sees",
     .usage = "[options]",
-    .details = "Each fault is planted into the calibration of each renderer; the figure is how many times the limit of the check\n"
-               "made for it is exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many\n"
-               "clean ones each gate of validate flags, and in how many it finds each fault, of those in which the fault changes the\n"
-               "image by more than the scene's error bar. --sensitivity: the smallest shift of a volume, turn of a light ... that each\n"
-               "gate rejects. Exit code 1: a fault was not found, or a clean scene was flagged.",
+    .details =
+        "Each fault is planted into the calibration of each renderer; the figure is how many times the limit of the check\n"
+        "made for it is exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many\n"
+        "clean ones each gate of validate flags, and in how many it finds each fault, of those in which the fault changes the\n"
+        "image by more than the scene's error bar. --sensitivity: the smallest shift of a volume, turn of a light ... that each\n"
+        "gate rejects. Exit code 1: a fault was not found, or a clean scene was flagged.",
     .examples = "  isoshade bench power --with gl --repetitions 2 --size 16\n"
                 "  isoshade bench power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",
     .run = run,

@@ -17,7 +17,13 @@
 #include "validate/faults.h"
 #include "validate/validate.h"
 
-typedef enum iso_power_kind { ISO_POWER_SMOOTH, ISO_POWER_BRIGHT, ISO_POWER_SHARP, ISO_POWER_LIT, ISO_POWER_KIND_COUNT } iso_power_kind;
+typedef enum iso_power_kind {
+    ISO_POWER_SMOOTH,
+    ISO_POWER_BRIGHT,
+    ISO_POWER_SHARP,
+    ISO_POWER_LIT,
+    ISO_POWER_KIND_COUNT
+} iso_power_kind;
 const char *iso_power_kind_name(iso_power_kind kind);
 
 typedef enum iso_power_gate { ISO_POWER_LOCK_STEP, ISO_POWER_LIMIT, ISO_POWER_GATE_COUNT } iso_power_gate;
@@ -27,15 +33,17 @@ bool iso_power_has_gate(iso_power_gate gate, const iso_renderer_info *renderer);
 typedef struct iso_power_case {
     uint64_t seed;
     iso_power_kind kind;
-    size_t pixels;      /* along the sides of its images */
-    size_t seeds;       /* of random renderers */
+    size_t pixels; /* along the sides of its images */
+    size_t seeds;  /* of random renderers */
     int first_seed;
     int threads;
     iso_scene_agreement asked;
-    iso_image converged, midpoint; /* the reference's of the clean scene: what limits have to meet; what shows a fault */
-    iso_image same_samples[ISO_MAX_RENDERERS]; /* the reference's in lock-step with a renderer, of those that have one */
+    iso_image converged,
+        midpoint; /* the reference's of the clean scene: what limits have to meet; what shows a fault */
+    iso_image
+        same_samples[ISO_MAX_RENDERERS]; /* the reference's in lock-step with a renderer, of those that have one */
     iso_tolerances lock_step[ISO_MAX_RENDERERS];
-    double brightest;   /* value of a pixel of `converged` */
+    double brightest; /* value of a pixel of `converged` */
 } iso_power_case;
 
 /* The scene's images are rendered. seed, pixels, seeds, first_seed and threads of *c are given; its kind is that of
@@ -44,11 +52,12 @@ iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err);
 void iso_power_close(iso_power_case *c);
 
 /* RMSE by which what is planted changes the reference's picture of the scene. */
-iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse, iso_error *err);
+iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse,
+                            iso_error *err);
 
 /* Does the gate reject the renderer, which is given the scene with the fault? planted NULL: the clean one. */
-iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
-                         const iso_planted *planted, bool *rejected, iso_error *err);
+iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                         const iso_renderer_info *renderer, const iso_planted *planted, bool *rejected, iso_error *err);
 
 /* The same for a deviation, whose renderer has the clean scene while the reference's deviates the other way: with a cache
  * in r the images of the renderer are made once for all amounts. */
@@ -64,8 +73,8 @@ typedef struct iso_power_noise {
     size_t tests, below; /* pixels and channels with noise, of all groups; those below a chance of ISO_POWER_NOISE_P */
 } iso_power_noise;
 #define ISO_POWER_NOISE_P 1e-3
-iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, size_t groups,
-                                iso_power_noise *out, iso_error *err);
+iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                                size_t groups, iso_power_noise *out, iso_error *err);
 
 /* The smallest amount of each deviation that is rejected, by each gate. */
 typedef struct iso_sensitivity_options {
@@ -73,6 +82,7 @@ typedef struct iso_sensitivity_options {
     int scenes, pixels, seed, threads;
     const char *output, *format; /* a folder for the chart and its data; or NULL */
 } iso_sensitivity_options;
-iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli, iso_error *err);
+iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli,
+                                 iso_error *err);
 
 #endif

@@ -31,7 +31,10 @@ typedef struct power_scene {
     iso_view view;
 } power_scene;
 
-static double between(iso_random *r, double lo, double hi) { return lo + (hi - lo) * iso_random_unit(r); }
+static double between(iso_random *r, double lo, double hi)
+{
+    return lo + (hi - lo) * iso_random_unit(r);
+}
 
 static iso_vec3 direction(iso_random *r)
 {
@@ -70,12 +73,16 @@ static void random_camera(iso_random *r, const iso_geometry *g, iso_camera *c)
 
 /* Five colours and extinctions, linear between them. Bright: thrice as dense, so that highlights are not diluted. Sharp:
  * nothing below a random entry, half an opacity or more a millimetre from it on. */
-static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kind kind, iso_tf_table *tf, iso_error *err)
+static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kind kind, iso_tf_table *tf,
+                            iso_error *err)
 {
     enum { entries = 64, points = 5 };
     double p[points][4];
     const double dense = kind == ISO_POWER_BRIGHT ? 3 : 1, from = kind == ISO_POWER_SHARP ? between(r, 0.4, 0.6) : 0;
-    *tf = (iso_tf_table){.count = entries, .lo = level->min, .hi = level->max, .entries = malloc(entries * 4 * sizeof(float))};
+    *tf = (iso_tf_table){.count = entries,
+                         .lo = level->min,
+                         .hi = level->max,
+                         .entries = malloc(entries * 4 * sizeof(float))};
     if (!tf->entries)
         return iso_fail(err, ISO_E_MEMORY, "bench power: no memory");
     for (int i = 0; i < points; ++i)
@@ -95,7 +102,8 @@ static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kin
 static void random_light(iso_random *r, iso_power_kind kind, iso_view *v)
 {
     v->light_count = 1 + iso_random_below(r, 3);
-    v->shading = (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = between(r, 0.3, 1), .power = between(r, 2, 20)};
+    v->shading =
+        (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = between(r, 0.3, 1), .power = between(r, 2, 20)};
     if (kind == ISO_POWER_BRIGHT) /* wide highlights of twice to four times the diffuse light */
         v->shading.specular = between(r, 1.6, 3.2), v->shading.power = between(r, 2, 6);
     for (size_t i = 0; i < v->light_count; ++i)
@@ -167,7 +175,8 @@ iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err)
     power_scene s;
     c->kind = (iso_power_kind)(c->seed % ISO_POWER_KIND_COUNT);
     c->asked = (iso_scene_agreement){.tier = c->kind == ISO_POWER_LIT ? ISO_TIER_LIT : ISO_TIER_CONVERGENCE,
-                                     .sharp = c->kind == ISO_POWER_SHARP, .why = "random"};
+                                     .sharp = c->kind == ISO_POWER_SHARP,
+                                     .why = "random"};
     iso_status status = make_scene(c, &s, err);
     if (status == ISO_OK)
         status = iso_render_with(r, &s.pyramid, 0, &s.view, &converged, &c->converged, NULL, NULL, err);
@@ -217,7 +226,8 @@ static iso_status render_faulty(iso_renderers *r, const iso_power_case *c, const
     return status;
 }
 
-iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse, iso_error *err)
+iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse,
+                            iso_error *err)
 {
     iso_image image;
     iso_metrics m = {0};
@@ -232,10 +242,13 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
 
 /* ---- gates ---------------------------------------------------------------------------- */
 
-static bool is_rejected(const iso_report_agreement *row) { return strcmp(iso_report_verdict(row), "agree") != 0; }
+static bool is_rejected(const iso_report_agreement *row)
+{
+    return strcmp(iso_report_verdict(row), "agree") != 0;
+}
 
-static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, const iso_planted *planted,
-                                bool *rejected, iso_error *err)
+static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                                const iso_planted *planted, bool *rejected, iso_error *err)
 {
     const size_t index = iso_renderer_index(renderer);
     iso_image image = {0};
@@ -247,7 +260,9 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
-        status = iso_render_several(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt, NULL}, 1, &image, err);
+        status = iso_render_several(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, &opt,
+                                                          NULL},
+                                    1, &image, err);
     r->after = (iso_image_hook){0};
     clear_scene(&s);
     if (status == ISO_OK)
@@ -257,8 +272,8 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     return status;
 }
 
-static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, const iso_planted *planted,
-                            bool *rejected, iso_error *err)
+static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                            const iso_planted *planted, bool *rejected, iso_error *err)
 {
     power_scene s;
     iso_extrapolated limit = {0};
@@ -269,7 +284,9 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
-        status = iso_limit_find(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, NULL, NULL}, &c->converged, renderer, &opt, &limit, err);
+        status = iso_limit_find(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, NULL,
+                                                      NULL},
+                                &c->converged, renderer, &opt, &limit, err);
     r->after = (iso_image_hook){0};
     if (status == ISO_OK)
         status = iso_metrics_measure(&c->converged, &limit.image, &row.metrics, err);
@@ -281,8 +298,8 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     return status;
 }
 
-iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer,
-                         const iso_planted *planted, bool *rejected, iso_error *err)
+iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                         const iso_renderer_info *renderer, const iso_planted *planted, bool *rejected, iso_error *err)
 {
     return gate == ISO_POWER_LOCK_STEP ? ask_lock_step(r, c, renderer, planted, rejected, err)
                                        : ask_limit(r, c, renderer, planted, rejected, err);
@@ -318,7 +335,8 @@ static void mean_of_others(const iso_image *images, size_t all, size_t skip, siz
 }
 
 /* Without any tolerance, at the significance of all tests that leaves a single one the chance that is asked. */
-static iso_status test_group(const iso_image *limits, size_t count, const iso_image *others, iso_power_noise *out, iso_error *err)
+static iso_status test_group(const iso_image *limits, size_t count, const iso_image *others, iso_power_noise *out,
+                             iso_error *err)
 {
     const double least_deviation = 1e-6; /* floats round by 6e-8 */
     iso_samples s;
@@ -332,8 +350,8 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
         s.mean[i] = noisy ? s.mean[i] : (double)others->rgba[i];
     }
     if (status == ISO_OK)
-        status = iso_samples_test(&s, -expm1(4 * (double)(others->width * others->height) * log1p(-ISO_POWER_NOISE_P)), 0, 0,
-                                  &test, err);
+        status = iso_samples_test(&s, -expm1(4 * (double)(others->width * others->height) * log1p(-ISO_POWER_NOISE_P)),
+                                  0, 0, &test, err);
     if (status == ISO_OK)
         out->below += test.rejected;
     iso_samples_destroy(&s);
@@ -341,8 +359,8 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
 }
 
 /* images: of each group the seeds' at the double step, then at the step; limits: a seed each. */
-static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images, iso_image *limits,
-                              iso_power_noise *out, iso_error *err)
+static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
+                              iso_image *limits, iso_power_noise *out, iso_error *err)
 {
     const size_t n = c->seeds;
     iso_extrapolation unused;
@@ -366,8 +384,8 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     return status;
 }
 
-iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer, size_t groups,
-                                iso_power_noise *out, iso_error *err)
+iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                                size_t groups, iso_power_noise *out, iso_error *err)
 {
     const size_t n = c->seeds, count = 2 * n * groups;
     const iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, n, c->threads);

@@ -68,7 +68,10 @@ static void list_probes(study *s)
 
 /* A scene is quickly rendered anew with each amount by a renderer of this process. A program renders it once, and the
  * reference's scene deviates the other way. */
-static bool renders_each_amount(const probe *p) { return !iso_renderer_has(p->renderer, ISO_IS_PROGRAM); }
+static bool renders_each_amount(const probe *p)
+{
+    return !iso_renderer_has(p->renderer, ISO_IS_PROGRAM);
+}
 
 static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double amount, bool *rejected,
                       iso_error *err)
@@ -87,10 +90,14 @@ static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_dev
 }
 
 /* An RMSE is about a quarter of the largest difference. */
-static double guess_of_lock_step(const iso_lock_step *lock) { return lock->smooth.rmse > 0 ? lock->smooth.rmse : lock->smooth.max_abs / 4; }
+static double guess_of_lock_step(const iso_lock_step *lock)
+{
+    return lock->smooth.rmse > 0 ? lock->smooth.rmse : lock->smooth.max_abs / 4;
+}
 
 /* Where to begin: images change in proportion to small amounts, and the gates' limits are known. */
-static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double *amount, iso_error *err)
+static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double *amount,
+                        iso_error *err)
 {
     const double small = iso_deviation_most(d) / 128;
     const iso_planted planted = {.deviation = d, .amount = small};
@@ -104,7 +111,8 @@ static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_d
         wanted = result.limit;
     } else {
         status = iso_power_change(s->renderers, c, &planted, &change, err);
-        wanted = p->gate == ISO_POWER_LIMIT ? 0.5 * iso_validate_error_bar(&c->asked) : guess_of_lock_step(p->renderer->lock_step);
+        wanted = p->gate == ISO_POWER_LIMIT ? 0.5 * iso_validate_error_bar(&c->asked)
+                                            : guess_of_lock_step(p->renderer->lock_step);
     }
     *amount = fmin(change > 0 ? small * wanted / change : iso_deviation_most(d), iso_deviation_most(d));
     return status;
@@ -185,7 +193,10 @@ static iso_status run_study(study *s, iso_error *err)
         if (s->probes[p].is_calibration)
             status = run_probe(s, NULL, p, 0, err);
     for (int i = 0; i < s->opt->scenes && status == ISO_OK; ++i) {
-        iso_power_case c = {.seed = seed_of(s, i), .pixels = (size_t)s->opt->pixels, .seeds = 4, .first_seed = 1000 * i,
+        iso_power_case c = {.seed = seed_of(s, i),
+                            .pixels = (size_t)s->opt->pixels,
+                            .seeds = 4,
+                            .first_seed = 1000 * i,
                             .threads = s->opt->threads};
         iso_frame_cache cache = {0};
         status = iso_power_open(s->renderers, &c, err);
@@ -216,18 +227,23 @@ static void sort_all(study *s)
             qsort(s->found[d][p].amount, s->found[d][p].count, sizeof(double), by_value);
 }
 
-static double median(const threshold *t) { return t->amount[t->count / 2]; } /* of an even number the larger */
+static double median(const threshold *t)
+{
+    return t->amount[t->count / 2];
+} /* of an even number the larger */
 
 static void print_table(const study *s)
 {
-    printf("The smallest amount that is rejected: median of %d scenes whose transfer functions are not sharp, %d x %d pixels\n%-52s",
-           s->opt->scenes, s->opt->pixels, s->opt->pixels, "deviation");
+    printf(
+        "The smallest amount that is rejected: median of %d scenes whose transfer functions are not sharp, %d x %d pixels\n%-52s",
+        s->opt->scenes, s->opt->pixels, s->opt->pixels, "deviation");
     for (size_t p = 0; p < s->probe_count; ++p)
         printf(" %18s", s->probes[p].name);
     printf("\n");
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d) {
         char label[80];
-        snprintf(label, sizeof label, "%s (%s)", iso_deviation_name((iso_deviation)d), iso_deviation_unit((iso_deviation)d));
+        snprintf(label, sizeof label, "%s (%s)", iso_deviation_name((iso_deviation)d),
+                 iso_deviation_unit((iso_deviation)d));
         printf("%-52s", label);
         for (size_t p = 0; p < s->probe_count; ++p) {
             const threshold *t = &s->found[d][p];
@@ -251,9 +267,11 @@ static void print_json(const study *s, const iso_cli *cli)
             json_t *amounts = json_array();
             for (size_t i = 0; i < t->count; ++i)
                 json_array_append_new(amounts, iso_json_number(t->amount[i]));
-            json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o, s:o}", "deviation", iso_deviation_name((iso_deviation)d),
-                                                  "unit", iso_deviation_unit((iso_deviation)d), "gate", s->probes[p].name,
-                                                  "smallest_rejected", iso_json_number(median(t)), "of_each_scene", amounts));
+            json_array_append_new(list,
+                                  json_pack("{s:s, s:s, s:s, s:o, s:o}", "deviation",
+                                            iso_deviation_name((iso_deviation)d), "unit",
+                                            iso_deviation_unit((iso_deviation)d), "gate", s->probes[p].name,
+                                            "smallest_rejected", iso_json_number(median(t)), "of_each_scene", amounts));
         }
     json_object_set_new(root, "sensitivity", list);
     iso_cli_print_json(root);
@@ -274,9 +292,9 @@ static iso_status draw(const study *s, iso_error *err)
             if (!t->count || !isfinite(median(t)))
                 continue;
             const double last = t->amount[t->count - 1];
-            fprintf(f, "\"%s (%s)\",%s,%.6g,%.6g,%.6g,%s\n", iso_deviation_name((iso_deviation)d), iso_deviation_unit((iso_deviation)d),
-                    s->probes[p].name, t->amount[0], median(t), isfinite(last) ? last : iso_deviation_most((iso_deviation)d),
-                    s->probes[p].renderer->color);
+            fprintf(f, "\"%s (%s)\",%s,%.6g,%.6g,%.6g,%s\n", iso_deviation_name((iso_deviation)d),
+                    iso_deviation_unit((iso_deviation)d), s->probes[p].name, t->amount[0], median(t),
+                    isfinite(last) ? last : iso_deviation_most((iso_deviation)d), s->probes[p].renderer->color);
         }
     fclose(f);
     iso_output out = {0};
@@ -290,11 +308,13 @@ static iso_status draw(const study *s, iso_error *err)
     return status;
 }
 
-iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli, iso_error *err)
+iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli,
+                                 iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     if (opt->scenes > most_scenes)
-        return iso_fail(err, ISO_E_USAGE, "--repetitions is %d, at most %d with --sensitivity", opt->scenes, most_scenes);
+        return iso_fail(err, ISO_E_USAGE, "--repetitions is %d, at most %d with --sensitivity", opt->scenes,
+                        most_scenes);
     study *s = calloc(1, sizeof *s);
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "bench power: no memory");

@@ -20,19 +20,30 @@ static iso_tf make_tf(bench_tf kind)
 {
     static iso_tf_point dense[] = {{0, {0.2, 0.3, 0.9}, 0.002}, {1, {1, 0.9, 0.7}, 0.02}};
     static iso_tf_point sparse[] = {{0, {0, 0, 0}, 0}, {0.6, {0.9, 0.4, 0.2}, 0}, {0.7, {1, 0.9, 0.7}, 0.3}};
-    iso_tf tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256,
-                 .point_count = kind == TF_DENSE ? 2 : 3, .points = kind == TF_DENSE ? dense : sparse};
+    iso_tf tf = {.fit_range = true,
+                 .unit_distance = 1,
+                 .unit_is_voxels = true,
+                 .table_size = 256,
+                 .point_count = kind == TF_DENSE ? 2 : 3,
+                 .points = kind == TF_DENSE ? dense : sparse};
     return tf;
 }
 
 iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients)
 {
-    return (iso_scene){.path = "bench", .width = (size_t)opt->image, .height = (size_t)opt->image, .camera_fit = true,
-                       .camera_direction = {0.5, 1, -0.4}, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 0.8,
+    return (iso_scene){.path = "bench",
+                       .width = (size_t)opt->image,
+                       .height = (size_t)opt->image,
+                       .camera_fit = true,
+                       .camera_direction = {0.5, 1, -0.4},
+                       .camera_up = {0, 0, 1},
+                       .fov_y_deg = 30,
+                       .margin = 0.8,
                        .light_count = gradients == GRADIENTS_NONE ? 0 : 1,
                        .lights = {{.direction = {-0.5, 0.5, 1}, .in_camera_space = true, .intensity = 1}},
                        .shading = {.ambient = gradients == GRADIENTS_NONE ? 1 : 0.3, .diffuse = 0.7},
-                       .step_voxels = opt->step_voxels, .tf = make_tf(tf)};
+                       .step_voxels = opt->step_voxels,
+                       .tf = make_tf(tf)};
 }
 
 iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
@@ -77,14 +88,15 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
                 status = iso_bench_measure(gl, p, opt,
                                            (bench_render_case){(bench_tf)tf, (bench_gradients)g, (bench_loop)loop},
                                            &seconds[loop], err);
-                json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "size",
-                                                       size_text, "tf", iso_bench_tf_names[tf], "gradients", iso_bench_gradients_names[g],
-                                                       "loop", loop_names[loop], "step_voxels", opt->step_voxels,
-                                                       "milliseconds", 1e3 * seconds[loop]));
+                json_array_append_new(cases,
+                                      json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "size",
+                                                size_text, "tf", iso_bench_tf_names[tf], "gradients",
+                                                iso_bench_gradients_names[g], "loop", loop_names[loop], "step_voxels",
+                                                opt->step_voxels, "milliseconds", 1e3 * seconds[loop]));
             }
             if (!cli->json && status == ISO_OK)
-                printf("%-8s %-12s %10.1f %10.1f %10.1f\n", iso_bench_tf_names[tf], iso_bench_gradients_names[g], 1e3 * seconds[0],
-                       1e3 * seconds[1], 1e3 * seconds[2]);
+                printf("%-8s %-12s %10.1f %10.1f %10.1f\n", iso_bench_tf_names[tf], iso_bench_gradients_names[g],
+                       1e3 * seconds[0], 1e3 * seconds[1], 1e3 * seconds[2]);
         }
     json_object_set_new(root, "cases", cases);
     if (cli->json && status == ISO_OK)
@@ -145,12 +157,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     bench_render_options opt = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1};
     iso_volume_input_defaults(&opt.input);
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels a side of the synthetic volume", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels a side of the synthetic volume",
+         "N"},
         {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels a side", "N"},
         {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
-        {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0, "of all cores instead of the clock's: software GL on a busy machine", NULL},
-        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0, "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-corrected", "NAME"},
+        {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0,
+         "of all cores instead of the clock's: software GL on a busy machine", NULL},
+        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0,
+         "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-corrected", "NAME"},
         {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
         {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
@@ -169,13 +184,14 @@ const iso_command iso_bench_render = {
     .name = "bench render",
     .summary = "the OpenGL ray caster: dense and sparse TFs, sources of gradients, empty-space skipping",
     .usage = "[VOLUME] [options]",
-    .details = "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "
-               "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
-               "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
-               "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
-               "samples\ninside bricks, on their own, with the paper's transitions as written and as corrected; a quarter of the "
-               "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
-               "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
+    .details =
+        "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "
+        "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
+        "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
+        "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
+        "samples\ninside bricks, on their own, with the paper's transitions as written and as corrected; a quarter of the "
+        "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
+        "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",

@@ -25,10 +25,10 @@ typedef enum bench_texture {
 static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
                                                          "centres-own", "paper",      "paper-corrected"};
 /* What --transition calls them. */
-static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous", "baked", "centres-discontinuous",
+static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous",  "baked", "centres-discontinuous",
                                                             "paper", "paper-corrected"};
-static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {[TEXTURE_PAPER] = ISO_WARP_WRITTEN,
-                                                        [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
+static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {
+    [TEXTURE_PAPER] = ISO_WARP_WRITTEN, [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
 
 /* Fine in a box of bricks in the middle, coarse around it; returns the part of all bricks that are fine and touch a
  * coarse one. */
@@ -132,9 +132,10 @@ static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const
 
 static void print_ratios(const double s[TEXTURE_COUNT])
 {
-    printf("  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centres-own); bricks / uniform %.3f\n",
-           s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
-           s[TEXTURE_PAPER_CORRECTED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
+    printf(
+        "  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centres-own); bricks / uniform %.3f\n",
+        s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
+        s[TEXTURE_PAPER_CORRECTED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
 }
 
 static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fields *fields, double transition,
@@ -146,7 +147,8 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
     json_object_set_new(root, "transition_bricks", json_real(transition));
     if (!cli->json) {
         printf("%s, image %d x %d, bricks of %d, %.0f %% of them in transition; milliseconds, least of %d\n%-12s",
-               iso_gl_describe(gl).renderer, opt->image, opt->image, opt->bricks, 100 * transition, opt->runs, "gradients");
+               iso_gl_describe(gl).renderer, opt->image, opt->image, opt->bricks, 100 * transition, opt->runs,
+               "gradients");
         for (int t = 0; t < TEXTURE_COUNT; ++t)
             printf(" %13s", texture_names[t]);
         printf("\n");
@@ -158,10 +160,10 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
         for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
             if (isinf(seconds[t]))
                 continue; /* not asked for */
-            json_array_append_new(cases, json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
-                                                   texture_names[t], "tf", "dense", "gradients",
-                                                   iso_bench_gradients_names[g], "step_voxels", opt->step_voxels,
-                                                   "milliseconds", 1e3 * seconds[t]));
+            json_array_append_new(cases,
+                                  json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
+                                            texture_names[t], "tf", "dense", "gradients", iso_bench_gradients_names[g],
+                                            "step_voxels", opt->step_voxels, "milliseconds", 1e3 * seconds[t]));
         }
         if (!cli->json && status == ISO_OK) {
             printf("%-12s", iso_bench_gradients_names[g]);
@@ -226,8 +228,8 @@ static void report_level(const iso_cli *cli, bench_tf tf, size_t k, const iso_me
 }
 
 /* RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
-static iso_status compare_levels(const level_comparison *c, const iso_node_levels *const nodes[LEVEL_KINDS], bench_tf tf,
-                                 json_t *cases, iso_error *err)
+static iso_status compare_levels(const level_comparison *c, const iso_node_levels *const nodes[LEVEL_KINDS],
+                                 bench_tf tf, json_t *cases, iso_error *err)
 {
     const iso_pyramid *p = c->pyramid;
     iso_scene scene = iso_bench_scene(c->opt, tf, GRADIENTS_CODES);
@@ -263,11 +265,13 @@ static iso_status compare_nodes_with_cells(const level_comparison *c, const iso_
     json_t *cases = json_array();
     iso_node_levels smooth = {0}, from_cells = {0};
     const iso_node_levels *const nodes[LEVEL_KINDS] = {NULL, &smooth, sharp, &from_cells};
-    iso_status status = iso_node_levels_create_by(
-        &smooth, &p->levels[0],
-        &(iso_node_options){sharp->brick_voxels, sharp->level_count, ISO_NODES_SMOOTH, true, cli->threads}, err);
+    iso_status status = iso_node_levels_create_by(&smooth, &p->levels[0],
+                                                  &(iso_node_options){sharp->brick_voxels, sharp->level_count,
+                                                                      ISO_NODES_SMOOTH, true, cli->threads},
+                                                  err);
     if (status == ISO_OK)
-        status = iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err);
+        status = iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count,
+                                                   cli->threads, err);
     if (!cli->json) {
         printf("\nwhole levels against level 0, shaded: RMSE and SSIM\n%-8s %5s", "tf", "level");
         for (int i = 0; i < LEVEL_KINDS; ++i)
@@ -288,8 +292,10 @@ static iso_status check_transition(const char *name, iso_error *err)
     for (int t = 1; t < TEXTURE_COUNT; ++t)
         known = known || strcmp(name, transition_names[t]) == 0;
     return known ? ISO_OK
-                 : iso_fail(err, ISO_E_USAGE, "--transition is \"%s\", wanted discontinuous, baked, centres-discontinuous, "
-                                              "paper or paper-corrected", name);
+                 : iso_fail(err, ISO_E_USAGE,
+                            "--transition is \"%s\", wanted discontinuous, baked, centres-discontinuous, "
+                            "paper or paper-corrected",
+                            name);
 }
 
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
@@ -301,8 +307,8 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     iso_status status = check_transition(opt->transition, err);
     if (status != ISO_OK)
         return status;
-    status = iso_node_levels_create(&n, &p->levels[0], side, opt->bricks < 8 ? 2 : BENCH_LEVELS, true,
-                                               cli->threads, err);
+    status = iso_node_levels_create(&n, &p->levels[0], side, opt->bricks < 8 ? 2 : BENCH_LEVELS, true, cli->threads,
+                                    err);
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&n);

@@ -14,7 +14,8 @@
 #include "image/image.h"
 
 /* What a point emits and absorbs over one level-0 voxel, unshaded: premultiplied colour and opacity. */
-static void emit(const iso_roi_setup *s, const iso_sampler *at, iso_vec3 index, const iso_tf_table *tf, double weight, double e[4])
+static void emit(const iso_roi_setup *s, const iso_sampler *at, iso_vec3 index, const iso_tf_table *tf, double weight,
+                 double e[4])
 {
     double rgbs[4];
     if (weight <= 0)
@@ -35,7 +36,8 @@ static double distance(const double a[4], const double b[4])
 }
 
 /* Of the region of interest at an index of the level around it; kind: with the weights of roi. */
-static void emit_blended(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around, iso_vec3 index, double e[4])
+static void emit_blended(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around, iso_vec3 index,
+                         double e[4])
 {
     const double w = iso_roi_weight(roi, index);
     for (int c = 0; c < 4; ++c)
@@ -56,7 +58,10 @@ static void note(squares *q, double d)
     ++q->count;
 }
 
-static double rms(const squares *q) { return q->count ? sqrt(q->sum / (double)q->count) : 0; }
+static double rms(const squares *q)
+{
+    return q->count ? sqrt(q->sum / (double)q->count) : 0;
+}
 
 /* A point of a face of the box grown by `grown`, by number: spread over it by an additive recurrence. */
 static iso_vec3 face_point(const iso_roi *f, double grown, size_t i, double normal[3])
@@ -77,7 +82,8 @@ static iso_vec3 shifted(iso_vec3 p, const double normal[3], double by)
     return iso_v3(p.x + by * normal[0], p.y + by * normal[1], p.z + by * normal[2]);
 }
 
-iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi, iso_error *err)
+iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi,
+                                iso_error *err)
 {
     *s = (iso_roi_setup){.length_mm = iso_geometry_mean_spacing_mm(&p->levels[0].geometry), .roi = roi};
     iso_status status = iso_sampler_create(&s->around, &p->levels[level], p->options.code, ISO_FROM_CODES, err);
@@ -131,7 +137,8 @@ iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_v
     iso_geometry_spacing_mm(g, h);
     *view = (iso_view){0};
     if (!iso_geometry_is_axis_aligned(g))
-        return iso_fail(err, ISO_E_RANGE, "bench roi: the volume's grid is turned; looking along its axes is what is measured");
+        return iso_fail(err, ISO_E_RANGE,
+                        "bench roi: the volume's grid is turned; looking along its axes is what is measured");
     iso_scene along = *scene; /* borrowed, but for the camera */
     const iso_vec3 center = iso_geometry_box_center_mm(g);
     along.camera_fit = false;
@@ -163,7 +170,8 @@ double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, const is
     const double x_scale = (double)image->width / (double)p->levels[0].geometry.size[0];
     const double y_scale = (double)image->height / (double)p->levels[0].geometry.size[1];
     /* row 0 is the top: the largest y */
-    size_t row0 = (size_t)((double)image->height - box->hi[1] * y_scale), row1 = (size_t)((double)image->height - box->lo[1] * y_scale);
+    size_t row0 = (size_t)((double)image->height - box->hi[1] * y_scale),
+           row1 = (size_t)((double)image->height - box->lo[1] * y_scale);
     double left = column_step(image, (size_t)lrint(box->lo[0] * x_scale), row0, row1);
     double right = column_step(image, (size_t)lrint(box->hi[0] * x_scale), row0, row1);
     return sqrt(0.5 * (left * left + right * right));
@@ -204,28 +212,30 @@ static void choose_box(bench_run *run)
     }
 }
 
-static iso_status render(const bench_run *run, size_t level, const iso_tf_table *tf, iso_roi *roi, iso_image *image, iso_error *err)
+static iso_status render(const bench_run *run, size_t level, const iso_tf_table *tf, iso_roi *roi, iso_image *image,
+                         iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
     iso_view view = run->view; /* lent */
     view.tf = *tf;
     view.roi = roi;
-    return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, NULL, err);
+    return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, NULL,
+                         err);
 }
 
 /* step: NULL for a level alone. */
 static void report(bench_run *run, const char *name, const iso_roi_step *step, double image_step, const iso_metrics *m)
 {
-    json_t *row = json_pack("{s:s, s:f, s:f, s:f}", "case", name, "image_step_rms", image_step, "ssim_dissimilarity", 1 - m->ssim, "rmse",
-                            m->rmse);
+    json_t *row = json_pack("{s:s, s:f, s:f, s:f}", "case", name, "image_step_rms", image_step, "ssim_dissimilarity",
+                            1 - m->ssim, "rmse", m->rmse);
     if (step)
-        json_object_update_new(row, json_pack("{s:f, s:f, s:f, s:f, s:f}", "step_rms", step->rms, "step_max", step->largest,
-                                              "own_variation_rms", step->own, "levels_differ_rms", step->change, "levels_differ_mean",
-                                              step->tone));
+        json_object_update_new(row, json_pack("{s:f, s:f, s:f, s:f, s:f}", "step_rms", step->rms, "step_max",
+                                              step->largest, "own_variation_rms", step->own, "levels_differ_rms",
+                                              step->change, "levels_differ_mean", step->tone));
     json_array_append_new(run->cases, row);
     if (!run->cli->json && step)
-        printf("%-31s %8.1e %8.1e %8.1e %8.1e %8.1e   %8.1e %7.4f %7.4f\n", name, step->rms, step->largest, step->own, step->change,
-               step->tone, image_step, 1 - m->ssim, m->rmse);
+        printf("%-31s %8.1e %8.1e %8.1e %8.1e %8.1e   %8.1e %7.4f %7.4f\n", name, step->rms, step->largest, step->own,
+               step->change, step->tone, image_step, 1 - m->ssim, m->rmse);
     else if (!run->cli->json)
         printf("%-31s %44s   %8.1e %7.4f %7.4f\n", name, "", image_step, 1 - m->ssim, m->rmse);
 }
@@ -258,8 +268,8 @@ static iso_status run_variant(bench_run *run, const struct variant *v, const iso
     return status;
 }
 
-static iso_status run_level_alone(bench_run *run, const char *name, size_t level, const iso_tf_table *tf, const iso_image *finest,
-                                  iso_error *err)
+static iso_status run_level_alone(bench_run *run, const char *name, size_t level, const iso_tf_table *tf,
+                                  const iso_image *finest, iso_error *err)
 {
     iso_image image = {0};
     iso_metrics m = {0};
@@ -279,11 +289,13 @@ static iso_status measure(bench_run *run, iso_error *err)
     opt.fall_back = false;
     opt.threads = run->cli->threads;
     choose_box(run);
-    iso_status status = iso_adapt_level(&run->pyramid, NULL, (size_t)run->level, &run->view.tf, &opt, &run->adapted, NULL, err);
+    iso_status status = iso_adapt_level(&run->pyramid, NULL, (size_t)run->level, &run->view.tf, &opt, &run->adapted,
+                                        NULL, err);
     if (status == ISO_OK)
         status = render(run, 0, &run->view.tf, NULL, &finest, err);
     if (status == ISO_OK && !run->cli->json)
-        printf("%-31s %8s %8s %8s %8s %8s   %8s %7s %7s\n", "", "step", "largest", "own", "levels", "tone", "image", "1-SSIM", "RMSE");
+        printf("%-31s %8s %8s %8s %8s %8s   %8s %7s %7s\n", "", "step", "largest", "own", "levels", "tone", "image",
+               "1-SSIM", "RMSE");
     for (int i = 0; i < VARIANT_COUNT && status == ISO_OK; ++i)
         status = run_variant(run, &variants[i], &finest, err);
     if (status == ISO_OK)
@@ -312,7 +324,8 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err);
     if (status == ISO_OK && (size_t)run->level >= run->pyramid.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "--level is %d, the pyramid has levels 0 to %zu", run->level, run->pyramid.level_count - 1);
+        status = iso_fail(err, ISO_E_RANGE, "--level is %d, the pyramid has levels 0 to %zu", run->level,
+                          run->pyramid.level_count - 1);
     if (status == ISO_OK)
         status = iso_roi_make_view(&scene, &run->pyramid, &run->view, err);
     if (status == ISO_OK)
@@ -338,7 +351,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     bench_run b = {.level = 2};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &b.scene_path, 0, "lights, shading and transfer function; the camera looks along z", "SCENE.scene.json"},
+        {"scene", 0, POPT_ARG_STRING, &b.scene_path, 0,
+         "lights, shading and transfer function; the camera looks along z", "SCENE.scene.json"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "around the box", "K"},
         {"output", 'o', POPT_ARG_STRING, &b.picture, 0, "a picture of the blended case", "FILE.png"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -358,10 +372,11 @@ const iso_command iso_bench_roi = {
     .name = "bench roi",
     .summary = "the seam round a region of interest: full resolution in the middle third of a coarse level",
     .usage = "VOLUME --scene SCENE.scene.json [options]",
-    .details = "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"
-               "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"
-               "levels: between the two levels at the same place (rms). tone: between the means of the two levels. image: between the\n"
-               "pixels on both sides of the box's faces, seen along them. 1-SSIM and RMSE compare the whole image with level 0.",
+    .details =
+        "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"
+        "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"
+        "levels: between the two levels at the same place (rms). tone: between the means of the two levels. image: between the\n"
+        "pixels on both sides of the box's faces, seen along them. 1-SSIM and RMSE compare the whole image with level 0.",
     .examples = "  isoshade make noise --size 48 --type uint8 -o noise.nrrd\n"
                 "  isoshade bench roi noise.nrrd --scene refscenes/marschner-lobb.scene.json --level 1\n",
     .run = run,

@@ -15,7 +15,8 @@ typedef struct iso_roi_setup {
     iso_sampler around, inside;
     double length_mm; /* a voxel of level 0 */
 } iso_roi_setup;
-iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi, iso_error *err);
+iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t level, const iso_roi *roi,
+                                iso_error *err);
 void iso_roi_setup_destroy(iso_roi_setup *s);
 
 /* Distances of (premultiplied colour, opacity) over one level-0 voxel, unshaded, on the faces of the box and of its band. */

@@ -34,7 +34,8 @@ static iso_status create(seams *s, iso_random *state, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "no memory for a volume of %d^3", VOXELS + 1);
     for (size_t i = 0; i < all * all * all; ++i)
         s->noise[i] = (float)iso_random_unit(state);
-    iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = s->noise,
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}),
+                       .scalar = s->noise,
                        .max = 1};
     iso_status status = iso_node_levels_create(&s->nodes, &level, BRICK, 2, false, 1, err);
     return status == ISO_OK ? iso_warp_field_create(&s->warp, s->noise, 1, cells, BRICK, err) : status;
@@ -57,9 +58,9 @@ static double sample_in(seams *s, scheme which, const size_t brick[3], const dou
         return value[0];
     }
     s->warp.levels = s->levels;
-    s->warp.mode = which == PAPER_WRITTEN  ? ISO_WARP_WRITTEN
+    s->warp.mode = which == PAPER_WRITTEN     ? ISO_WARP_WRITTEN
                    : which == PAPER_CORRECTED ? ISO_WARP_CORRECTED
-                                           : ISO_WARP_NONE;
+                                              : ISO_WARP_NONE;
     return iso_warp_sample_in(&s->warp, brick, p);
 }
 
@@ -198,9 +199,10 @@ const iso_command iso_bench_seams = {
     .name = "bench seams",
     .summary = "bricks of mixed resolution: how far they disagree on their faces, by scheme",
     .usage = "[options]",
-    .details = "White noise in 3 x 3 x 3 bricks of 8, random layouts of two levels. Jumps are parts of the range. The picture\n"
-               "is a plane across an edge where fine and coarse bricks meet: centres-own, paper-written, paper-corrected,\n"
-               "nodes-baked.",
+    .details =
+        "White noise in 3 x 3 x 3 bricks of 8, random layouts of two levels. Jumps are parts of the range. The picture\n"
+        "is a plane across an edge where fine and coarse bricks meet: centres-own, paper-written, paper-corrected,\n"
+        "nodes-baked.",
     .examples = "  isoshade bench seams --layouts 5 -o seams.png\n",
     .run = run,
 };

@@ -46,9 +46,9 @@ static const char *const block_names[BLOCK_COUNT] = {"volumes of the set", "anal
 typedef struct subject {
     block block;
     const char *name;
-    const char *path;    /* of a file; else made from */
+    const char *path; /* of a file; else made from */
     iso_field_kind kind;
-    double noise;        /* standard deviation, of normal noise added to values in [0, 1] */
+    double noise; /* standard deviation, of normal noise added to values in [0, 1] */
 } subject;
 
 static const subject analytic[] = {
@@ -79,7 +79,7 @@ typedef struct shading_run {
     size_t subject_count;
     subject subjects[MAX_SUBJECTS];
     double surfaces[MAX_SUBJECTS]; /* where the TF put them, of the range */
-    result *results; /* [subject][level] */
+    result *results;               /* [subject][level] */
 } shading_run;
 
 static result *result_of(const shading_run *run, size_t at, size_t level)
@@ -87,7 +87,8 @@ static result *result_of(const shading_run *run, size_t at, size_t level)
     return &run->results[at * MAX_LEVELS + level];
 }
 
-static iso_status load_subject(const shading_run *run, const subject *s, iso_volume *v, iso_field *field, iso_error *err)
+static iso_status load_subject(const shading_run *run, const subject *s, iso_volume *v, iso_field *field,
+                               iso_error *err)
 {
     if (s->path)
         return iso_volume_input_load(s->path, &run->input, v, err);
@@ -96,8 +97,8 @@ static iso_status load_subject(const shading_run *run, const subject *s, iso_vol
 
 /* ---- measuring ---- */
 
-static iso_status measure_level(const shading_run *run, const iso_shading_subject *s, const iso_pyramid *p, size_t k, int m,
-                                result *r, iso_error *err)
+static iso_status measure_level(const shading_run *run, const iso_shading_subject *s, const iso_pyramid *p, size_t k,
+                                int m, result *r, iso_error *err)
 {
     iso_tf_table table = {0};
     iso_adapt_options opt = iso_adapt_defaults();
@@ -106,16 +107,20 @@ static iso_status measure_level(const shading_run *run, const iso_shading_subjec
     if (methods[m].adapted)
         status = iso_adapt_level(p, NULL, k, &s->views[0].tf, &opt, &table, NULL, err);
     if (status == ISO_OK)
-        status = iso_shading_measure(s, &(iso_shading_shown){&p->levels[k], k, p->options.code, methods[m].source, methods[m].adapted ? &table : NULL, 0}, &r->error[m], err);
+        status = iso_shading_measure(s,
+                                     &(iso_shading_shown){&p->levels[k], k, p->options.code, methods[m].source,
+                                                          methods[m].adapted ? &table : NULL, 0},
+                                     &r->error[m], err);
     iso_tf_table_destroy(&table);
     return status;
 }
 
-static iso_status measure_method(const shading_run *run, const iso_shading_subject *s, const iso_volume *v, size_t at, int m,
-                                 iso_error *err)
+static iso_status measure_method(const shading_run *run, const iso_shading_subject *s, const iso_volume *v, size_t at,
+                                 int m, iso_error *err)
 {
     iso_pyramid p = {0};
-    iso_status status = iso_shading_build(&methods[m], v, run->subjects[at].name, (size_t)run->levels, run->cli->threads, &p, err);
+    iso_status status = iso_shading_build(&methods[m], v, run->subjects[at].name, (size_t)run->levels,
+                                          run->cli->threads, &p, err);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         status = measure_level(run, s, &p, k, m, result_of(run, at, k), err);
     iso_pyramid_destroy(&p);
@@ -131,7 +136,8 @@ static int wins(const shading_run *run, const result *r, int m)
 }
 
 /* What level 0's own directions would give: everywhere with --floor, else where the default lost. */
-static iso_status measure_floors(const shading_run *run, const iso_shading_subject *s, const iso_pyramid *p, size_t at, iso_error *err)
+static iso_status measure_floors(const shading_run *run, const iso_shading_subject *s, const iso_pyramid *p, size_t at,
+                                 iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k) {
@@ -163,7 +169,8 @@ static void print_subject(const shading_run *run, size_t at)
             printf("  floor %.4f", r->floor.dssim_mean);
         printf("\n%-26s  ", "");
         for (int m = 0; m < method_end(run); ++m)
-            printf(isfinite(r->error[m].truth_mean_deg) ? " %6.1f/%4.1f" : " %6.1f     ", r->error[m].angle_mean_deg, r->error[m].truth_mean_deg);
+            printf(isfinite(r->error[m].truth_mean_deg) ? " %6.1f/%4.1f" : " %6.1f     ", r->error[m].angle_mean_deg,
+                   r->error[m].truth_mean_deg);
         printf("  better: %d of %d\n", wins(run, r, DEFAULT), run->views);
     }
     fflush(stdout);
@@ -242,8 +249,10 @@ static void report_block(const shading_run *run, block b, json_t *rows)
     if (summarise(run, b, 1, DEFAULT).cases == 0)
         return;
     if (!run->cli->json)
-        printf("\n%s, levels 1 to %d: geometric mean of DSSIM / that on the fly; mean angle to G0; to the truth; better than on the\n"
-               "fly of all volumes at all levels (means of the views), of all views\n", block_names[b], run->levels - 1);
+        printf(
+            "\n%s, levels 1 to %d: geometric mean of DSSIM / that on the fly; mean angle to G0; to the truth; better than on the\n"
+            "fly of all volumes at all levels (means of the views), of all views\n",
+            block_names[b], run->levels - 1);
     for (int m = 0; m < method_end(run); ++m) {
         size_t better = 0, images = 0, levels_better = 0, cases = 0;
         char ratios[128] = "", angles[128] = "", truths[128] = "";
@@ -257,12 +266,13 @@ static void report_block(const shading_run *run, block b, json_t *rows)
             images += s.images;
             levels_better += s.levels_better;
             cases += s.cases;
-            json_array_append_new(rows, json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "block", block_names[b], "method",
-                                                  methods[m].name, "level", (int)k, "dssim_ratio", iso_json_number(s.ratio),
-                                                  "gradient_angle_mean_deg", iso_json_number(s.angle),
-                                                  "truth_angle_mean_deg", iso_json_number(s.truth),
-                                                  "images", (int)s.images, "images_better", (int)s.better, "volumes", (int)s.cases,
-                                                  "volumes_better", (int)s.levels_better));
+            json_array_append_new(rows,
+                                  json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "block",
+                                            block_names[b], "method", methods[m].name, "level", (int)k, "dssim_ratio",
+                                            iso_json_number(s.ratio), "gradient_angle_mean_deg",
+                                            iso_json_number(s.angle), "truth_angle_mean_deg", iso_json_number(s.truth),
+                                            "images", (int)s.images, "images_better", (int)s.better, "volumes",
+                                            (int)s.cases, "volumes_better", (int)s.levels_better));
         }
         if (!run->cli->json)
             printf("%-12s %s  | %s  | %-18s  | %zu of %zu, %zu of %zu\n", methods[m].name, ratios, angles, truths,
@@ -288,16 +298,20 @@ static void report_exceptions(const shading_run *run, json_t *rows)
         for (size_t k = 1; k < (size_t)run->levels; ++k) {
             const result *r = result_of(run, at, k);
             for (int i = 0; r->done && i < run->views; ++i) {
-                const double fly = r->error[ON_THE_FLY].dssim[i], own = r->error[DEFAULT].dssim[i], least = r->floor.dssim[i];
+                const double fly = r->error[ON_THE_FLY].dssim[i], own = r->error[DEFAULT].dssim[i],
+                             least = r->floor.dssim[i];
                 if (own < fly)
                     continue;
                 const char *cause = cause_of(r, i);
                 if (!run->cli->json)
                     printf("%s%s, level %zu, view %d: %.5f, on the fly %.5f, floor %.5f, mean length %.2f: %s\n",
-                           count++ ? "" : "\nnot better than on the fly:\n", run->subjects[at].name, k, i, own, fly, least,
-                           r->error[DEFAULT].length_mean, cause);
-                json_array_append_new(rows, json_pack("{s:s, s:i, s:o, s:i, s:f, s:f, s:f, s:s}", "volume", run->subjects[at].name, "level", (int)k,
-                                                      "length_mean", iso_json_number(r->error[DEFAULT].length_mean), "view", i, "dssim", own, "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
+                           count++ ? "" : "\nnot better than on the fly:\n", run->subjects[at].name, k, i, own, fly,
+                           least, r->error[DEFAULT].length_mean, cause);
+                json_array_append_new(rows,
+                                      json_pack("{s:s, s:i, s:o, s:i, s:f, s:f, s:f, s:s}", "volume",
+                                                run->subjects[at].name, "level", (int)k, "length_mean",
+                                                iso_json_number(r->error[DEFAULT].length_mean), "view", i, "dssim", own,
+                                                "dssim_on_the_fly", fly, "dssim_floor", least, "cause", cause));
             }
         }
 }
@@ -309,11 +323,13 @@ static json_t *cases_to_json(const shading_run *run)
         for (size_t k = 1; k < (size_t)run->levels; ++k)
             for (int m = 0; m < method_end(run) && result_of(run, at, k)->done; ++m) {
                 const iso_shading_error *e = &result_of(run, at, k)->error[m];
-                json_array_append_new(cases, json_pack("{s:s, s:f, s:s, s:i, s:s, s:f, s:o, s:o, s:o, s:o}", "volume", run->subjects[at].name, "surface", run->surfaces[at],
-                                                       "block", block_names[run->subjects[at].block], "level", (int)k, "method",
+                json_array_append_new(cases, json_pack("{s:s, s:f, s:s, s:i, s:s, s:f, s:o, s:o, s:o, s:o}", "volume",
+                                                       run->subjects[at].name, "surface", run->surfaces[at], "block",
+                                                       block_names[run->subjects[at].block], "level", (int)k, "method",
                                                        methods[m].name, "dssim_mean", e->dssim_mean, "dssim",
-                                                       iso_json_numbers(e->dssim, (size_t)run->views), "gradient_angle_mean_deg",
-                                                       iso_json_number(e->angle_mean_deg), "gradient_angle_p95_deg", iso_json_number(e->angle_p95_deg),
+                                                       iso_json_numbers(e->dssim, (size_t)run->views),
+                                                       "gradient_angle_mean_deg", iso_json_number(e->angle_mean_deg),
+                                                       "gradient_angle_p95_deg", iso_json_number(e->angle_p95_deg),
                                                        "truth_angle_mean_deg", iso_json_number(e->truth_mean_deg)));
             }
     return cases;
@@ -326,15 +342,17 @@ static iso_status write_csv(const shading_run *run, iso_error *err)
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
         return iso_fail(err, ISO_E_MEMORY, "no memory for the table");
-    fprintf(memory, "block,volume,level,method,dssim_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,truth_angle_mean_deg");
+    fprintf(memory,
+            "block,volume,level,method,dssim_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,truth_angle_mean_deg");
     for (int i = 0; i < run->views; ++i)
         fprintf(memory, ",dssim_%d", i);
     for (size_t at = 0; at < run->subject_count; ++at)
         for (size_t k = 1; k < (size_t)run->levels; ++k)
             for (int m = 0; m < method_end(run) && result_of(run, at, k)->done; ++m) {
                 const iso_shading_error *e = &result_of(run, at, k)->error[m];
-                fprintf(memory, "\n%s,%s,%zu,%s,%.6f,%.3f,%.3f,%.3f", block_names[run->subjects[at].block], run->subjects[at].name, k,
-                        methods[m].name, e->dssim_mean, e->angle_mean_deg, e->angle_p95_deg, e->truth_mean_deg);
+                fprintf(memory, "\n%s,%s,%zu,%s,%.6f,%.3f,%.3f,%.3f", block_names[run->subjects[at].block],
+                        run->subjects[at].name, k, methods[m].name, e->dssim_mean, e->angle_mean_deg, e->angle_p95_deg,
+                        e->truth_mean_deg);
                 for (int i = 0; i < run->views; ++i)
                     fprintf(memory, ",%.6f", e->dssim[i]);
             }
@@ -348,8 +366,9 @@ static iso_status write_csv(const shading_run *run, iso_error *err)
 static void report(const shading_run *run)
 {
     json_t *root = iso_cli_json(run->cli), *summaries = json_array(), *exceptions = json_array();
-    json_object_update_new(json_object_get(root, "options"), json_pack("{s:i, s:i, s:i, s:i}", "views", run->views, "size", run->size,
-                                                                       "levels", run->levels, "analytic_size", run->analytic_size));
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:i, s:i, s:i, s:i}", "views", run->views, "size", run->size, "levels",
+                                     run->levels, "analytic_size", run->analytic_size));
     for (int b = 0; b < BLOCK_COUNT; ++b)
         report_block(run, (block)b, summaries);
     report_exceptions(run, exceptions);
@@ -410,7 +429,9 @@ static iso_status run_all(shading_run *run, iso_error *err)
     if (status == ISO_OK)
         status = iso_gl_create(&run->gl, NULL, err);
     if (status == ISO_OK && !run->cli->json) {
-        printf("DSSIM; below it angles to G0 and to the truth, degrees; how many images the default has better than on the fly\n%-26s k", "volume");
+        printf(
+            "DSSIM; below it angles to G0 and to the truth, degrees; how many images the default has better than on the fly\n%-26s k",
+            "volume");
         for (int m = 0; m < method_end(run); ++m)
             printf(" %11s", methods[m].name);
         printf("\n");
@@ -430,9 +451,10 @@ static const iso_command command = {
     .name = "bench consistency",
     .summary = "shading at coarse levels against level 0, with each kind of directions",
     .usage = "--shading [VOLUME...] [options]",
-    .details = "One surface-like transfer function, the same at all levels and for all volumes. Errors are DSSIM over what either image\n"
-               "shows, against level 0 with its own directions. Beside the volumes named, six analytic ones stand; three more, and\n"
-               "those of --held, are held back: nothing was chosen by them.",
+    .details =
+        "One surface-like transfer function, the same at all levels and for all volumes. Errors are DSSIM over what either image\n"
+        "shows, against level 0 with its own directions. Beside the volumes named, six analytic ones stand; three more, and\n"
+        "those of --held, are held back: nothing was chosen by them.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade bench consistency --shading shells.nrrd --quick --levels 3\n",
 };
@@ -445,13 +467,17 @@ iso_status iso_bench_shading(int argc, const char **argv, iso_error *err)
     struct poptOption options[] = {
         {"shading", 0, POPT_ARG_NONE, &shading, 0, "directions (this); implied where no volume is named", NULL},
         {"held", 0, POPT_ARG_STRING, &run.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.views, 0, "along an icosahedron's diagonals, at most 6", "N"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.views, 0,
+         "along an icosahedron's diagonals, at most 6", "N"},
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "pixels along an edge", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.levels, 0, "with level 0", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0, "a fraction of the range; else between each volume's two classes [otsu-1979]", "FRACTION"},
-        {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.analytic_size, 0, "voxels along an edge of the analytic volumes", "N"},
+        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0,
+         "a fraction of the range; else between each volume's two classes [otsu-1979]", "FRACTION"},
+        {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.analytic_size, 0,
+         "voxels along an edge of the analytic volumes", "N"},
         {"adapted", 0, POPT_ARG_NONE, &run.adapted, 0, "also with each level's own transfer function", NULL},
-        {"floor", 0, POPT_ARG_NONE, &run.floor, 0, "also with level 0's directions at every level; else only where the default lost", NULL},
+        {"floor", 0, POPT_ARG_NONE, &run.floor, 0,
+         "also with level 0's directions at every level; else only where the default lost", NULL},
         {"quick", 0, POPT_ARG_NONE, &run.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
         {"csv", 0, POPT_ARG_STRING, &run.csv, 0, "all figures as a table", "FILE"},
         ISO_CLI_INPUT_OPTIONS(&run.input),

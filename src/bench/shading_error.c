@@ -14,8 +14,13 @@ static const double step_of_views = 0.5; /* voxels of the level */
 iso_tf iso_shading_make_tf(double fraction, iso_shading_tf *storage)
 {
     const double half = 0.05, lo = fmax(fraction - half, 0.001), hi = fmin(fraction + half, 0.999);
-    *storage = (iso_shading_tf){{{0, {0.9, 0.7, 0.4}, 0}, {lo, {0.9, 0.7, 0.4}, 0}, {hi, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}};
-    return (iso_tf){.point_count = 4, .points = storage->points, .fit_range = true, .unit_distance = 1, .unit_is_voxels = true,
+    *storage = (iso_shading_tf){
+        {{0, {0.9, 0.7, 0.4}, 0}, {lo, {0.9, 0.7, 0.4}, 0}, {hi, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}};
+    return (iso_tf){.point_count = 4,
+                    .points = storage->points,
+                    .fit_range = true,
+                    .unit_distance = 1,
+                    .unit_is_voxels = true,
                     .table_size = 256};
 }
 
@@ -47,13 +52,22 @@ double iso_otsu_fraction(const iso_level *level)
 
 /* ---- views ---- */
 
-static iso_status make_view(const iso_level *level0, const iso_tf *tf, int i, size_t image_size, iso_view *view, iso_error *err)
+static iso_status make_view(const iso_level *level0, const iso_tf *tf, int i, size_t image_size, iso_view *view,
+                            iso_error *err)
 {
     const iso_vec3 direction = iso_view_along_diagonal(i);
-    const iso_scene scene = {.path = "bench", .width = image_size, .height = image_size, .camera_fit = true, .orthographic = true,
-                             .camera_direction = direction, .camera_up = iso_view_up(direction), .margin = 1, .light_count = 1,
+    const iso_scene scene = {.path = "bench",
+                             .width = image_size,
+                             .height = image_size,
+                             .camera_fit = true,
+                             .orthographic = true,
+                             .camera_direction = direction,
+                             .camera_up = iso_view_up(direction),
+                             .margin = 1,
+                             .light_count = 1,
                              .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1}, .step_voxels = step_of_views,
+                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                             .step_voxels = step_of_views,
                              .tf = *tf};
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
@@ -85,12 +99,13 @@ static bool is_surface(const iso_tf_table *tf, const iso_level *level, size_t x,
     const size_t *n = level->geometry.size, row = n[0], plane = n[0] * n[1], i = x + y * row + z * plane;
     if (x == 0 || y == 0 || z == 0 || x + 1 >= n[0] || y + 1 >= n[1] || z + 1 >= n[2] || !shows(tf, level, i))
         return false;
-    return !shows(tf, level, i - 1) || !shows(tf, level, i + 1) || !shows(tf, level, i - row) || !shows(tf, level, i + row) ||
-           !shows(tf, level, i - plane) || !shows(tf, level, i + plane);
+    return !shows(tf, level, i - 1) || !shows(tf, level, i + 1) || !shows(tf, level, i - row) ||
+           !shows(tf, level, i + row) || !shows(tf, level, i - plane) || !shows(tf, level, i + plane);
 }
 
 /* At most MOST_POINTS of the surface's voxels that have a direction, each as likely as any other. */
-static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, iso_code code, const iso_field *field, iso_error *err)
+static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, iso_code code, const iso_field *field,
+                               iso_error *err)
 {
     const size_t *n = level0->geometry.size;
     iso_random random = {1};
@@ -125,8 +140,8 @@ static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, 
     return ISO_OK;
 }
 
-iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code, const iso_field *field,
-                             const iso_shading_look *look, iso_error *err)
+iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code,
+                             const iso_field *field, const iso_shading_look *look, iso_error *err)
 {
     iso_shading_tf points;
     *s = (iso_shading_subject){.gl = gl, .view_count = look->view_count};
@@ -136,7 +151,9 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
         status = make_view(level0, &tf, i, look->image_size, &s->views[i], err);
         if (status == ISO_OK)
-            status = iso_shading_render(s, i, &(iso_shading_shown){level0, 0, code, ISO_FROM_CODES, NULL, step_of_views}, &s->finest[i], err);
+            status = iso_shading_render(s, i,
+                                        &(iso_shading_shown){level0, 0, code, ISO_FROM_CODES, NULL, step_of_views},
+                                        &s->finest[i], err);
     }
     if (status == ISO_OK)
         status = find_surface(s, level0, code, field, err);
@@ -239,8 +256,8 @@ iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_s
 
 /* The level's scalar on the grid of level 0, so that one texture coordinate serves both: at fine centres it is exact, and
  * linear between them. */
-iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k, iso_code code,
-                             iso_shading_error *e, iso_error *err)
+iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k,
+                             iso_code code, iso_shading_error *e, iso_error *err)
 {
     iso_level mixed = *level0;
     const size_t *n = level0->geometry.size, count = iso_geometry_voxel_count(&level0->geometry);
@@ -254,11 +271,13 @@ iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *leve
         const double scale = ldexp(1, -(int)k);
 #pragma omp parallel for schedule(static)
         for (size_t i = 0; i < count; ++i) {
-            const iso_vec3 at = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5, (double)(i / (n[0] * n[1])) + 0.5};
+            const iso_vec3 at = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5,
+                                 (double)(i / (n[0] * n[1])) + 0.5};
             mixed.scalar[i] = (float)iso_sample_scalar(&sampler, iso_scale(at, scale));
         }
         *e = (iso_shading_error){.angle_mean_deg = 0, .angle_p95_deg = 0, .truth_mean_deg = NAN};
-        status = measure_images(s, &(iso_shading_shown){&mixed, k, code, ISO_FROM_CODES, NULL, ldexp(step_of_views, (int)k)}, e, err);
+        status = measure_images(
+            s, &(iso_shading_shown){&mixed, k, code, ISO_FROM_CODES, NULL, ldexp(step_of_views, (int)k)}, e, err);
     }
     iso_sampler_destroy(&sampler);
     free(mixed.scalar);

@@ -35,7 +35,7 @@ typedef struct iso_shading_error {
     double dssim_mean;
     double angle_mean_deg, angle_p95_deg; /* to level 0's directions; NaN: no surface */
     double truth_mean_deg;                /* to the field's gradients; NaN: none known */
-    double length_mean;                   /* of the codes' directions in the voxels that hold the surface: their coherence */
+    double length_mean; /* of the codes' directions in the voxels that hold the surface: their coherence */
 } iso_shading_error;
 
 /* A surface: opacity rises from 0 to .8 over a tenth of the volume's range about this fraction of it. */
@@ -57,8 +57,8 @@ typedef struct iso_shading_look {
 } iso_shading_look;
 
 /* level0 stays borrowed for the call alone. field: what the volume was sampled from, or NULL. */
-iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code, const iso_field *field,
-                             const iso_shading_look *look, iso_error *err);
+iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code,
+                             const iso_field *field, const iso_shading_look *look, iso_error *err);
 void iso_shading_end(iso_shading_subject *s);
 
 /* A level, and how it is shown. */
@@ -76,8 +76,8 @@ iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_s
                                iso_error *err);
 
 /* What is left when directions are level 0's and the scalar alone is level k's: DSSIM only. */
-iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k, iso_code code,
-                             iso_shading_error *e, iso_error *err);
+iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k,
+                             iso_code code, iso_shading_error *e, iso_error *err);
 
 /* One view of a level, as measured. */
 iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_shading_shown *shown, iso_image *image,

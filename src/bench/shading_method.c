@@ -21,8 +21,8 @@ static void drop_lengths(iso_pyramid *p)
     }
 }
 
-iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, const char *name, size_t level_count, int threads,
-                             iso_pyramid *p, iso_error *err)
+iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, const char *name, size_t level_count,
+                             int threads, iso_pyramid *p, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     build.level_count = level_count;
@@ -49,9 +49,12 @@ static void add_noise(iso_volume *v, double deviation)
     }
 }
 
-iso_status iso_shading_sample(iso_field_kind kind, size_t n, double noise, iso_field *field, iso_volume *v, iso_error *err)
+iso_status iso_shading_sample(iso_field_kind kind, size_t n, double noise, iso_field *field, iso_volume *v,
+                              iso_error *err)
 {
-    *field = (iso_field){.kind = kind, .seed = 1, .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
+    *field = (iso_field){.kind = kind,
+                         .seed = 1,
+                         .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
     iso_status status = iso_field_sample(field, ISO_F32, v, err);
     if (status == ISO_OK && noise > 0)
         add_noise(v, noise);

@@ -49,12 +49,18 @@ static iso_status make_pyramid(const tf_bench *b, iso_pyramid *p, iso_error *err
 static iso_status make_table(const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     static iso_tf_point points[] = {{0, {0.1, 0.2, 0.6}, 0}, {0.3, {0.3, 0.4, 0.5}, 0.01}, {1, {1, 0.9, 0.6}, 0.2}};
-    const iso_tf tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 3, .points = points};
+    const iso_tf tf = {.fit_range = true,
+                       .unit_distance = 1,
+                       .unit_is_voxels = true,
+                       .table_size = 256,
+                       .point_count = 3,
+                       .points = points};
     return iso_tf_tabulate(&tf, p->levels[0].min, p->levels[0].max, &p->levels[0].geometry, table, err);
 }
 
 /* The least time of several runs, each step by itself. */
-static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level, int bits, const iso_tf_table *tf, tf_times *t, iso_error *err)
+static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level, int bits, const iso_tf_table *tf,
+                          tf_times *t, iso_error *err)
 {
     const iso_geometry *level0 = &p->levels[0].geometry;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -99,7 +105,8 @@ static iso_status measure_copy(const tf_bench *b, const iso_pyramid *p, double *
 {
     const size_t bytes = iso_geometry_voxel_count(&p->levels[0].geometry) * sizeof(float);
     float *copy = malloc(bytes);
-    void *(*volatile copy_bytes)(void *, const void *, size_t) = memcpy; /* nobody reads the copy: it must not be left out */
+    void *(*volatile copy_bytes)(void *, const void *,
+                                 size_t) = memcpy; /* nobody reads the copy: it must not be left out */
     if (!copy)
         return iso_fail(err, ISO_E_MEMORY, "bench: no memory for a copy of %zu bytes", bytes);
     *seconds = INFINITY;
@@ -113,7 +120,8 @@ static iso_status measure_copy(const tf_bench *b, const iso_pyramid *p, double *
 }
 
 /* One frame of level 0 at 512 x 512, for scale. */
-static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const iso_tf_table *tf, double *seconds, iso_error *err)
+static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const iso_tf_table *tf, double *seconds,
+                                iso_error *err)
 {
     iso_gl *gl = NULL;
     iso_view view;
@@ -121,12 +129,26 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     iso_gl_options opt = iso_gl_defaults();
     opt.repeats = (size_t)b->runs;
     static iso_tf_point points[] = {{0, {0, 0, 0}, 0}, {1, {1, 1, 1}, 0.1}};
-    const iso_scene scene = {.path = "bench", .width = 512, .height = 512, .camera_fit = true, .orthographic = true,
-                             .camera_direction = {1, 2, -1}, .camera_up = {0, 0, 1}, .margin = 0.8, .light_count = 1,
+    const iso_scene scene = {.path = "bench",
+                             .width = 512,
+                             .height = 512,
+                             .camera_fit = true,
+                             .orthographic = true,
+                             .camera_direction = {1, 2, -1},
+                             .camera_up = {0, 0, 1},
+                             .margin = 0.8,
+                             .light_count = 1,
                              .lights = {{.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 1}},
-                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1}, .step_voxels = 0.5,
-                             .tf = {.fit_range = true, .unit_distance = 1, .unit_is_voxels = true, .table_size = 256, .point_count = 2, .points = points}};
-    iso_status status = iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, err);
+                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                             .step_voxels = 0.5,
+                             .tf = {.fit_range = true,
+                                    .unit_distance = 1,
+                                    .unit_is_voxels = true,
+                                    .table_size = 256,
+                                    .point_count = 2,
+                                    .points = points}};
+    iso_status status = iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view,
+                                          err);
     if (status != ISO_OK)
         return status;
     iso_tf_table own = view.tf;
@@ -151,12 +173,14 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
         coarse += (double)iso_geometry_voxel_count(&p->levels[k].geometry);
     all += coarse;
     const double tf_1d = histograms + levels * table, tf_2d = coarse + tf_1d + levels * ISO_TF_2D_ROWS * table;
-    json_object_set_new(root, "storage", json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "tf_1d_bytes", tf_1d,
-                                                   "tf_2d_bytes", tf_2d, "four_bytes_a_coarse_voxel", 3 * coarse));
+    json_object_set_new(root, "storage",
+                        json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "tf_1d_bytes", tf_1d, "tf_2d_bytes",
+                                  tf_2d, "four_bytes_a_coarse_voxel", 3 * coarse));
     if (!b->cli->json)
-        printf("storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with 2D transfer functions by deviation %.3g MB;\n"
-               "         four bytes a coarse voxel [younesy-2006] would add %.4g MB\n",
-               all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
+        printf(
+            "storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with 2D transfer functions by deviation %.3g MB;\n"
+            "         four bytes a coarse voxel [younesy-2006] would add %.4g MB\n",
+            all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
 }
 
 static iso_status run_all(const tf_bench *b, iso_error *err)
@@ -176,10 +200,11 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
     if (status == ISO_OK && !b->cli->json && isfinite(frame))
         printf("a frame of 512 x 512 takes %.4g ms\n", 1e3 * frame);
     if (status == ISO_OK && !b->cli->json)
-        printf("%.0f fine voxels, %d threads; a copy of level 0 (memcpy, one thread) takes %.3g ns a voxel; least of %d\n"
-               "                ---- counting, once a volume: ns a voxel ----  once a level  ------ after an edit ------\n"
-               "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame   entries     bytes\n",
-               voxels, iso_threads(b->cli->threads), 1e9 * copy / voxels, b->runs);
+        printf(
+            "%.0f fine voxels, %d threads; a copy of level 0 (memcpy, one thread) takes %.3g ns a voxel; least of %d\n"
+            "                ---- counting, once a volume: ns a voxel ----  once a level  ------ after an edit ------\n"
+            "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame   entries     bytes\n",
+            voxels, iso_threads(b->cli->threads), 1e9 * copy / voxels, b->runs);
     for (int bits = 8; bits <= 12 && status == ISO_OK; bits += 4)
         for (size_t level = 1; level < p.level_count && status == ISO_OK; ++level) {
             tf_times t;
@@ -189,13 +214,15 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
             histograms += bits == 8 ? t.stored_bytes : 0;
             double ns = 1e9 * t.histogram_seconds / voxels, cpu_ns = 1e9 * t.histogram_cpu_seconds / voxels;
             if (!b->cli->json)
-                printf("%zu %4d  %6.3f  %9.3f  %19.2f  %12.3f %10.4f %8.4f  %10.5f  %8zu  %8.0f\n", level, bits, ns, cpu_ns,
-                       t.histogram_cpu_seconds / copy, 1e3 * t.plan_seconds, 1e3 * t.adapt_seconds, 1e3 * t.edit_seconds,
-                       t.edit_seconds / frame, t.entry_count, t.stored_bytes);
-            json_array_append_new(rows, json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:f}", "level", (int)level, "bits", bits,
-                                                  "histogram_ns_per_voxel", ns, "histogram_processor_ns_per_voxel", cpu_ns, "weights_seconds", t.plan_seconds, "adapt_seconds",
-                                                  t.adapt_seconds, "edit_seconds", t.edit_seconds, "entries", (json_int_t)t.entry_count,
-                                                  "stored_bytes", t.stored_bytes));
+                printf("%zu %4d  %6.3f  %9.3f  %19.2f  %12.3f %10.4f %8.4f  %10.5f  %8zu  %8.0f\n", level, bits, ns,
+                       cpu_ns, t.histogram_cpu_seconds / copy, 1e3 * t.plan_seconds, 1e3 * t.adapt_seconds,
+                       1e3 * t.edit_seconds, t.edit_seconds / frame, t.entry_count, t.stored_bytes);
+            json_array_append_new(rows, json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:f}", "level", (int)level,
+                                                  "bits", bits, "histogram_ns_per_voxel", ns,
+                                                  "histogram_processor_ns_per_voxel", cpu_ns, "weights_seconds",
+                                                  t.plan_seconds, "adapt_seconds", t.adapt_seconds, "edit_seconds",
+                                                  t.edit_seconds, "entries", (json_int_t)t.entry_count, "stored_bytes",
+                                                  t.stored_bytes));
         }
     if (status == ISO_OK)
         report_storage(b, &p, histograms, root);
@@ -217,7 +244,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     tf_bench b = {.size = 128, .levels = 4, .runs = 3};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "of the noise that is made where no volume is given", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0,
+         "of the noise that is made where no volume is given", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
         {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "the least time counts", "N"},
         {"no-gl", 0, POPT_ARG_NONE, &b.no_gl, 0, "without the frame that times are compared with", NULL},
@@ -244,8 +272,9 @@ const iso_command iso_bench_tf = {
     .name = "bench tf",
     .summary = "joint histograms and adapted transfer functions: time and bytes",
     .usage = "[VOLUME] [options]",
-    .details = "Counting is done once a volume, weights once a level, adapting after each edit of the transfer function; \"all\" is\n"
-               "adapting and the indicator, which needs the histogram and the transfer function alone.",
+    .details =
+        "Counting is done once a volume, weights once a level, adapting after each edit of the transfer function; \"all\" is\n"
+        "adapting and the indicator, which needs the histogram and the transfer function alone.",
     .examples = "  isoshade bench tf --size 64 --runs 2\n",
     .run = run,
 };

@@ -20,11 +20,15 @@ static size_t all_nodes(const iso_node_levels *n, size_t level)
     return node_count(n, level, 0) * node_count(n, level, 1) * node_count(n, level, 2);
 }
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
 
 /* Scalar and moments (m^2 d, 3 values; m^2 is their length, so S starts as |N|). Gradients are taken in ranges a
  * voxel, so that their squares neither overflow nor vanish. */
-static void fill_level0(iso_node_levels *n, const float *scalar, const float *gradients, float *moment_sums, int threads)
+static void fill_level0(iso_node_levels *n, const float *scalar, const float *gradients, float *moment_sums,
+                        int threads)
 {
     double range = n->max - n->min;
     float unit = (float)(range > 0 ? iso_geometry_min_spacing_mm(&n->geometry) / range : 1);
@@ -33,8 +37,7 @@ static void fill_level0(iso_node_levels *n, const float *scalar, const float *gr
     for (size_t z = 0; z < nz; ++z)
         for (size_t y = 0; y < ny; ++y)
             for (size_t x = 0; x < nx; ++x) {
-                size_t v = least(x, size[0] - 1) +
-                           size[0] * (least(y, size[1] - 1) + size[1] * least(z, size[2] - 1));
+                size_t v = least(x, size[0] - 1) + size[0] * (least(y, size[1] - 1) + size[1] * least(z, size[2] - 1));
                 size_t i = x + nx * (y + ny * z);
                 float *node = n->nodes[0] + ISO_NODE_CHANNELS * i;
                 node[0] = scalar[v];
@@ -50,8 +53,8 @@ static void fill_level0(iso_node_levels *n, const float *scalar, const float *gr
 }
 
 /* One coarse node: [1 2 1]^3 / 64 round its place, continued by the edge, of the channels and of the moments' sum. */
-static void filter_node(const size_t size[3], const float *fine, const float *fine_sums, const size_t at[3], float *node,
-                        float *sum)
+static void filter_node(const size_t size[3], const float *fine, const float *fine_sums, const size_t at[3],
+                        float *node, float *sum)
 {
     float total[ISO_NODE_CHANNELS] = {0}, s = 0;
     for (int o = 0; o < 27; ++o) {
@@ -167,8 +170,11 @@ static void fill_levels(iso_node_levels *n, const iso_level *level0, const float
 static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                           iso_error *err)
 {
-    *n = (iso_node_levels){.geometry = level0->geometry, .min = level0->min, .max = level0->max,
-                           .brick_voxels = brick_voxels, .level_count = level_count};
+    *n = (iso_node_levels){.geometry = level0->geometry,
+                           .min = level0->min,
+                           .max = level0->max,
+                           .brick_voxels = brick_voxels,
+                           .level_count = level_count};
     iso_status status = check(brick_voxels, level_count, err);
     if (status != ISO_OK)
         return status;
@@ -265,7 +271,8 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
                                              size_t level_count, int threads, iso_error *err)
 {
     if (level_count > p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels are asked for, the pyramid has %zu", level_count, p->level_count);
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels are asked for, the pyramid has %zu", level_count,
+                        p->level_count);
     iso_status status = lay_out(n, &p->levels[0], brick_voxels, level_count, err);
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
         const iso_level *level = &p->levels[l];
@@ -281,7 +288,8 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
         for (size_t z = 0; z < nz; ++z)
             for (size_t y = 0; y < ny; ++y)
                 for (size_t x = 0; x < nx; ++x) {
-                    const cell_stencil s[3] = {among_cells(x, l, size[0]), among_cells(y, l, size[1]), among_cells(z, l, size[2])};
+                    const cell_stencil s[3] = {among_cells(x, l, size[0]), among_cells(y, l, size[1]),
+                                               among_cells(z, l, size[2])};
                     node_from_cells(level, directions, s, n->nodes[l] + ISO_NODE_CHANNELS * (x + nx * (y + ny * z)));
                 }
         free(directions);
@@ -360,7 +368,8 @@ static bool coarsest_at(const iso_brick_field *f, const size_t p[3], size_t leve
     return found;
 }
 
-void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3], double out[ISO_NODE_CHANNELS])
+void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
+                    double out[ISO_NODE_CHANNELS])
 {
     const iso_node_levels *n = f->nodes;
     size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, p[3], coarser[3];

@@ -80,13 +80,19 @@ void iso_node_levels_round(iso_node_levels *n);
 void iso_node_levels_encode(iso_node_levels *n, iso_code code);
 void iso_node_levels_destroy(iso_node_levels *n); /* accepts empty and NULL */
 
-static inline size_t iso_brick_count(const iso_node_levels *n) { return n->count[0] * n->count[1] * n->count[2]; }
+static inline size_t iso_brick_count(const iso_node_levels *n)
+{
+    return n->count[0] * n->count[1] * n->count[2];
+}
 static inline size_t iso_brick_index(const iso_node_levels *n, const size_t brick[3])
 {
     return brick[0] + n->count[0] * (brick[1] + n->count[1] * brick[2]);
 }
 /* Nodes along a side of a brick at a level. */
-static inline size_t iso_brick_side(const iso_node_levels *n, size_t level) { return (n->brick_voxels >> level) + 1; }
+static inline size_t iso_brick_side(const iso_node_levels *n, size_t level)
+{
+    return (n->brick_voxels >> level) + 1;
+}
 
 /* Which nodes the bricks hold. */
 typedef enum iso_brick_faces {

@@ -52,7 +52,10 @@ typedef struct builder {
     iso_lattice *lattice;
 } builder;
 
-static size_t node_at(const iso_lattice *l, size_t x, size_t y, size_t z) { return x + l->size[0] * (y + l->size[1] * z); }
+static size_t node_at(const iso_lattice *l, size_t x, size_t y, size_t z)
+{
+    return x + l->size[0] * (y + l->size[1] * z);
+}
 
 static bool belongs(const builder *b, size_t brick)
 {
@@ -206,7 +209,8 @@ static bool trim(iso_lattice *l, bool whole_box)
                 size_t from = node_at(l, x, y, z);
                 const float empty[ISO_NODE_CHANNELS] = {(float)l->background};
                 bool active = l->active[from] != 0;
-                memmove(l->nodes + ISO_NODE_CHANNELS * to, active ? l->nodes + ISO_NODE_CHANNELS * from : empty, sizeof empty);
+                memmove(l->nodes + ISO_NODE_CHANNELS * to, active ? l->nodes + ISO_NODE_CHANNELS * from : empty,
+                        sizeof empty);
                 l->active[to] = active;
                 l->min = fmin(l->min, (double)l->nodes[ISO_NODE_CHANNELS * to]);
                 l->max = fmax(l->max, (double)l->nodes[ISO_NODE_CHANNELS * to]);

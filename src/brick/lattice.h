@@ -35,18 +35,18 @@ typedef struct iso_lattice {
     float *nodes;          /* owned; ISO_NODE_CHANNELS a node, x fastest */
     uint8_t *active;       /* owned; one byte a node */
     size_t active_count;
-    double background;     /* of the scalar; directions are 0 */
-    double min, max;       /* of the scalar, background included */
+    double background; /* of the scalar; directions are 0 */
+    double min, max;   /* of the scalar, background included */
 } iso_lattice;
 
 typedef struct iso_lattice_options {
-    const uint8_t *drawn;      /* one byte a brick: what pack.h's cull and the plan leave */
-    const uint8_t *seen;       /* one byte a brick, 0: in no view, may be left out without a halo; NULL: all are seen */
-    const iso_tf_table *tfs;   /* a node is needed when one of them shows a cell round it */
+    const uint8_t *drawn;    /* one byte a brick: what pack.h's cull and the plan leave */
+    const uint8_t *seen;     /* one byte a brick, 0: in no view, may be left out without a halo; NULL: all are seen */
+    const iso_tf_table *tfs; /* a node is needed when one of them shows a cell round it */
     size_t tf_count;
-    size_t level;              /* one level: which; merged: ignored */
+    size_t level; /* one level: which; merged: ignored */
     bool merged;
-    bool whole_box;            /* the box of the bricks instead of that of the active nodes: its corners are made active */
+    bool whole_box; /* the box of the bricks instead of that of the active nodes: its corners are made active */
     int threads;
 } iso_lattice_options;
 

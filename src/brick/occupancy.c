@@ -21,8 +21,8 @@ static void brick_extent(size_t b, size_t n, size_t size, size_t *lo, size_t *hi
     *hi = (b + 1) * n + 1 < size ? (b + 1) * n + 1 : size;
 }
 
-iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g,
-                                   size_t brick_voxels, iso_error *err)
+iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g, size_t brick_voxels,
+                                   iso_error *err)
 {
     *r = (iso_brick_ranges){.brick_voxels = brick_voxels};
     if (brick_voxels == 0)

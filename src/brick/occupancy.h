@@ -29,8 +29,8 @@ typedef struct iso_brick_ranges {
 } iso_brick_ranges;
 
 /* scalar: the voxels of g. ISO_E_RANGE for bricks of no voxel, ISO_E_MEMORY. */
-iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g,
-                                   size_t brick_voxels, iso_error *err);
+iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, const iso_geometry *g, size_t brick_voxels,
+                                   iso_error *err);
 void iso_brick_ranges_destroy(iso_brick_ranges *r); /* accepts empty and NULL */
 
 static inline size_t iso_brick_ranges_count(const iso_brick_ranges *r)

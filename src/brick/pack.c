@@ -8,7 +8,10 @@
 #include "base/parallel.h"
 #include "brick/occupancy.h"
 
-static bool is_visible(const uint8_t *visible, size_t brick) { return !visible || visible[brick]; }
+static bool is_visible(const uint8_t *visible, size_t brick)
+{
+    return !visible || visible[brick];
+}
 
 /* Visible bricks of each level; returns the coarsest level in use. */
 static size_t count_by_level(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible,
@@ -124,7 +127,8 @@ iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n,
         return iso_fail(err, ISO_E_RANGE, "bricks: %zu slots of %zu^3 are needed, the cache holds %zu",
                         pack->slot_count, pack->slot_side, max_slots);
     if (pack->page_count > ISO_BRICK_MAX_PAGES || pack->slot_side > max_side)
-        return iso_fail(err, ISO_E_RANGE, "bricks: %zu cache textures of %zu x %zu x %zu are needed, at most %d of %zu a side",
+        return iso_fail(err, ISO_E_RANGE,
+                        "bricks: %zu cache textures of %zu x %zu x %zu are needed, at most %d of %zu a side",
                         pack->page_count, pack->size[0], pack->size[1], pack->size[2], ISO_BRICK_MAX_PAGES, max_side);
     pack->layout = calloc(iso_brick_count(n), 4 * sizeof *pack->layout);
     if (!pack->layout)

@@ -31,10 +31,10 @@
 #define ISO_BRICK_MAX_PAGES 4 /* textures that one program reads */
 
 typedef struct iso_brick_pack {
-    size_t slot_side;   /* texels */
-    size_t slot_count;  /* used */
-    size_t slots[3];    /* of a page, along x, y, z */
-    size_t size[3];     /* texels of a page */
+    size_t slot_side;  /* texels */
+    size_t slot_count; /* used */
+    size_t slots[3];   /* of a page, along x, y, z */
+    size_t size[3];    /* texels of a page */
     size_t page_count;
     size_t brick_count; /* in the cache */
     size_t node_count;  /* that these bricks hold */

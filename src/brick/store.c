@@ -45,9 +45,10 @@ static iso_status begin(iso_brick_store *store, const iso_brick_field *f, iso_er
 {
     size_t count = iso_brick_count(f->nodes);
     if (store->bricks)
-        return store->brick_count == count ? ISO_OK
-                                           : iso_fail(err, ISO_E_RANGE, "bricks: a store of %zu bricks, the field has %zu",
-                                                      store->brick_count, count);
+        return store->brick_count == count
+                   ? ISO_OK
+                   : iso_fail(err, ISO_E_RANGE, "bricks: a store of %zu bricks, the field has %zu", store->brick_count,
+                              count);
     store->brick_count = count;
     store->bricks = calloc(count, sizeof *store->bricks);
     store->levels = malloc(count);
@@ -112,7 +113,8 @@ bool iso_brick_store_equal(const iso_brick_store *a, const iso_brick_store *b, c
         return false;
     for (size_t i = 0; i < a->brick_count; ++i)
         if (!a->bricks[i] != !b->bricks[i] ||
-            (a->bricks[i] && (a->levels[i] != b->levels[i] || memcmp(a->bricks[i], b->bricks[i], bytes_of(n, a->levels[i])) != 0)))
+            (a->bricks[i] &&
+             (a->levels[i] != b->levels[i] || memcmp(a->bricks[i], b->bricks[i], bytes_of(n, a->levels[i])) != 0)))
             return false;
     return true;
 }

@@ -20,8 +20,8 @@ typedef struct iso_brick_store {
 /* Bakes what has changed since the last update, or all bricks into an empty store. drawn: one byte a brick. *baked
  * (may be NULL) is how many bricks were baked. On failure the store is empty. ISO_E_MEMORY, ISO_E_RANGE for a store of
  * another volume. */
-iso_status iso_brick_store_update(iso_brick_store *store, const iso_brick_field *field, const uint8_t *drawn, int threads,
-                                  size_t *baked, iso_error *err);
+iso_status iso_brick_store_update(iso_brick_store *store, const iso_brick_field *field, const uint8_t *drawn,
+                                  int threads, size_t *baked, iso_error *err);
 void iso_brick_store_destroy(iso_brick_store *store); /* accepts empty and NULL */
 
 /* Same bricks, same bytes. */

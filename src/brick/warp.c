@@ -17,18 +17,23 @@
 
 /* ---- samples ------------------------------------------------------------------ */
 
-static size_t clamp_index(long i, size_t count) { return i < 0 ? 0 : i >= (long)count ? count - 1 : (size_t)i; }
+static size_t clamp_index(long i, size_t count)
+{
+    return i < 0 ? 0 : i >= (long)count ? count - 1 : (size_t)i;
+}
 
 static const float *fine_at(const iso_warp_field *f, const long v[3])
 {
-    return f->fine + f->channels * (clamp_index(v[0], f->size[0]) +
-                                    f->size[0] * (clamp_index(v[1], f->size[1]) + f->size[1] * clamp_index(v[2], f->size[2])));
+    return f->fine +
+           f->channels * (clamp_index(v[0], f->size[0]) +
+                          f->size[0] * (clamp_index(v[1], f->size[1]) + f->size[1] * clamp_index(v[2], f->size[2])));
 }
 
 static const float *coarse_at(const iso_warp_field *f, const long j[3])
 {
     const size_t n[3] = {f->size[0] / 2 + 1, f->size[1] / 2 + 1, f->size[2] / 2 + 1};
-    return f->coarse + f->channels * (clamp_index(j[0], n[0]) + n[0] * (clamp_index(j[1], n[1]) + n[1] * clamp_index(j[2], n[2])));
+    return f->coarse +
+           f->channels * (clamp_index(j[0], n[0]) + n[0] * (clamp_index(j[1], n[1]) + n[1] * clamp_index(j[2], n[2])));
 }
 
 typedef const float *sample_function(const iso_warp_field *f, const size_t brick[3], const long at[3]);
@@ -225,8 +230,9 @@ iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, size_t ch
         return iso_fail(err, ISO_E_RANGE, "warped bricks: %zu channels, must be 1 to %d", channels, ISO_WARP_CHANNELS);
     for (int a = 0; a < 3; ++a) {
         if (brick_voxels == 0 || brick_voxels % 2 || size[a] == 0 || size[a] % brick_voxels)
-            return iso_fail(err, ISO_E_RANGE, "warped bricks: %zu x %zu x %zu voxels, must be whole bricks of an even side, %zu",
-                            size[0], size[1], size[2], brick_voxels);
+            return iso_fail(err, ISO_E_RANGE,
+                            "warped bricks: %zu x %zu x %zu voxels, must be whole bricks of an even side, %zu", size[0],
+                            size[1], size[2], brick_voxels);
         f->size[a] = size[a];
         count *= size[a] / 2 + 1;
     }

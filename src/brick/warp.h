@@ -43,12 +43,12 @@ typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_CORRECTED
 #define ISO_WARP_CHANNELS 4 /* at most: a scalar and a direction */
 
 typedef struct iso_warp_field {
-    size_t size[3];      /* voxels: whole bricks */
-    size_t brick_voxels; /* even */
-    size_t channels;     /* 1 to ISO_WARP_CHANNELS a sample */
-    const float *fine;   /* channels a voxel, x fastest */
-    float *owned;        /* what fine points to, where it was made here */
-    float *coarse;       /* owned; size / 2 + 1 samples along each axis */
+    size_t size[3];        /* voxels: whole bricks */
+    size_t brick_voxels;   /* even */
+    size_t channels;       /* 1 to ISO_WARP_CHANNELS a sample */
+    const float *fine;     /* channels a voxel, x fastest */
+    float *owned;          /* what fine points to, where it was made here */
+    float *coarse;         /* owned; size / 2 + 1 samples along each axis */
     const uint8_t *levels; /* 0 fine, 1 coarse; a brick each, x fastest */
     iso_warp_mode mode;
 } iso_warp_field;
@@ -63,7 +63,10 @@ iso_status iso_warp_field_of_level(iso_warp_field *f, const iso_level *level, is
                                    iso_error *err);
 void iso_warp_field_destroy(iso_warp_field *f); /* accepts empty and NULL */
 
-static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis) { return f->size[axis] / f->brick_voxels; }
+static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis)
+{
+    return f->size[axis] / f->brick_voxels;
+}
 
 /* A bit for each coarse neighbour (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
 unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);

@@ -64,7 +64,7 @@ ISO_FUNCTION iso_warp_primitive iso_warp_better(iso_warp_primitive best, ISO_VEC
     bool holds = depth > 0.0 && (coarse >> iso_warp_bit(step) & 1u) != 0u;
     bool deeper = depth > best.depth, simpler = axes < best.axes;
     bool wins = mode == ISO_TRANSITION_CORRECTED ? deeper || (depth == best.depth && simpler)
-                                              : simpler || (axes == best.axes && deeper);
+                                                 : simpler || (axes == best.axes && deeper);
     if (holds && wins) {
         best.step = step;
         best.depth = depth;
@@ -73,7 +73,10 @@ ISO_FUNCTION iso_warp_primitive iso_warp_better(iso_warp_primitive best, ISO_VEC
     return best;
 }
 
-ISO_FUNCTION ISO_REAL iso_warp_least(ISO_REAL a, ISO_REAL b) { return a < b ? a : b; }
+ISO_FUNCTION ISO_REAL iso_warp_least(ISO_REAL a, ISO_REAL b)
+{
+    return a < b ? a : b;
+}
 
 /* Section 4.2, steps 1 to 3. */
 ISO_FUNCTION iso_warp_primitive iso_warp_choose(ISO_VEC3 p, ISO_REAL side, ISO_UINT coarse, int mode)
@@ -145,7 +148,8 @@ ISO_FUNCTION iso_warp_fetch iso_warp_place(ISO_VEC3 p, ISO_REAL side, ISO_UINT c
         return fetch;
     ISO_REAL v = at.depth;
     if (mode == ISO_TRANSITION_CORRECTED) {
-        ISO_VEC3 x = iso_warp_corrected_axis(p.x, at.step.x, side, v), y = iso_warp_corrected_axis(p.y, at.step.y, side, v),
+        ISO_VEC3 x = iso_warp_corrected_axis(p.x, at.step.x, side, v),
+                 y = iso_warp_corrected_axis(p.y, at.step.y, side, v),
                  z = iso_warp_corrected_axis(p.z, at.step.z, side, v);
         fetch.top = ISO_MAKE_VEC3(x.x, y.x, z.x);
         fetch.foot = ISO_MAKE_VEC3(x.y, y.y, z.y);

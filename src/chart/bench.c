@@ -50,9 +50,10 @@ iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, 
                            .threads = threads,
                            .progress = *progress,
                            .is_volume = !iso_pyramid_is_one(s->path)};
-    iso_status status =
-        load(b, &(chart_build){grid->first_estimator, grid->first_filter, s->level_count, grid->first_code}, progress,
-             &b->first, err);
+    iso_status status = load(b,
+                             &(chart_build){grid->first_estimator, grid->first_filter, s->level_count,
+                                            grid->first_code},
+                             progress, &b->first, err);
     return status == ISO_OK ? iso_subject_load_view(s->scene, &b->first, s->size, &b->view, err) : status;
 }
 
@@ -86,7 +87,8 @@ iso_status iso_chart_bench_reference(iso_chart_bench *b, iso_error *err)
     opt.tolerance = 1e-3;
     opt.threads = b->threads;
     const double start = iso_clock_seconds();
-    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &b->view, &opt, &b->reference, &b->progress, err);
+    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &b->view, &opt, &b->reference,
+                                             &b->progress, err);
     b->reference_seconds = iso_clock_seconds() - start;
     return status;
 }
@@ -109,16 +111,18 @@ static const iso_pyramid *pyramid_of(const iso_chart_bench *b, const iso_chart_c
 
 static iso_status need_pyramid(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
-    const double bytes = 8.0 / 7 * (sizeof(float) + 3 + 3 * sizeof(float)) * (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
-    const size_t most = bytes < MOST_OTHERS_BYTES / ISO_CHART_MAX_OTHERS ? ISO_CHART_MAX_OTHERS : (size_t)fmax(MOST_OTHERS_BYTES / bytes, 1);
+    const double bytes = 8.0 / 7 * (sizeof(float) + 3 + 3 * sizeof(float)) *
+                         (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
+    const size_t most = bytes < MOST_OTHERS_BYTES / ISO_CHART_MAX_OTHERS ? ISO_CHART_MAX_OTHERS
+                                                                         : (size_t)fmax(MOST_OTHERS_BYTES / bytes, 1);
     const iso_progress silent = {0};
     if (pyramid_of(b, c))
         return ISO_OK;
     iso_pyramid *p = &b->others[b->other_count < most ? b->other_count : b->replaced++ % most];
     iso_pyramid_destroy(p);
     *p = (iso_pyramid){0};
-    iso_status status =
-        load(b, &(chart_build){c->estimator, c->filter, b->first.level_count, b->first.options.code}, &silent, p, err);
+    iso_status status = load(b, &(chart_build){c->estimator, c->filter, b->first.level_count, b->first.options.code},
+                             &silent, p, err);
     b->other_count += status == ISO_OK && p == &b->others[b->other_count];
     return status;
 }
@@ -129,7 +133,8 @@ static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error
     opt.threads = b->threads;
     if (c->second != ISO_SECOND_VALUE_NONE) {
         iso_tf_2d *tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, NULL, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
+        return tf_2d->bytes ? ISO_OK
+                            : iso_adapt_tf_2d(&b->first, NULL, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
     }
     if (!c->adapted || b->adapted[c->level].entries)
         return ISO_OK;
@@ -142,15 +147,16 @@ static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_
     iso_palette *palette = &b->palettes[c->palette];
     if (c->source != ISO_FROM_PALETTE || palette->xyz)
         return ISO_OK;
-    return iso_level_fit_palette(&b->first.levels[0], b->first.options.code, iso_chart_palettes[c->palette], 2, b->threads, palette, err);
+    return iso_level_fit_palette(&b->first.levels[0], b->first.options.code, iso_chart_palettes[c->palette], 2,
+                                 b->threads, palette, err);
 }
 
 static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
     if (!(c->plan_error > 0) || b->plan.levels)
         return ISO_OK;
-    iso_status status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS, true,
-                                               b->threads, err);
+    iso_status status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS,
+                                               ISO_CHART_BRICK_LEVELS, true, b->threads, err);
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&b->nodes);
@@ -167,7 +173,8 @@ static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
     double a_million = 0;
     if (!pyramid_of(b, c))
         a_million += 0.4;
-    if (c->second != ISO_SECOND_VALUE_NONE ? !b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes : c->adapted && !b->adapted[c->level].entries)
+    if (c->second != ISO_SECOND_VALUE_NONE ? !b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes
+                                           : c->adapted && !b->adapted[c->level].entries)
         a_million += 0.2;
     if (c->source == ISO_FROM_PALETTE && !b->palettes[c->palette].xyz)
         a_million += 1;
@@ -202,7 +209,8 @@ static void learn(iso_chart_bench *b, const iso_chart_case *c, double all_second
 /* ---- one setting ------------------------------------------------------------------- */
 
 /* Directions of the case's level in its code, or indices into its palette: made once where there is room to keep them. */
-static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso_chart_case *c, void **bytes, bool *is_kept, iso_error *err)
+static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso_chart_case *c, void **bytes,
+                             bool *is_kept, iso_error *err)
 {
     const bool keep = p == &b->first;
     *bytes = NULL;
@@ -227,7 +235,8 @@ static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso
     } else {
         iso_code_encode(c->code, level.directions, *bytes, count);
     }
-    if (status == ISO_OK && keep && b->kept_bytes + size <= MOST_KEPT_BYTES && b->kept_count < sizeof b->kept / sizeof *b->kept) {
+    if (status == ISO_OK && keep && b->kept_bytes + size <= MOST_KEPT_BYTES &&
+        b->kept_count < sizeof b->kept / sizeof *b->kept) {
         b->kept[b->kept_count++] = (iso_chart_kept){c->source, c->code, c->palette, c->level, *bytes};
         b->kept_bytes += size;
         *is_kept = true;
@@ -238,7 +247,8 @@ static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso
 static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
     const iso_pyramid *base = pyramid_of(b, c);
-    const bool palette = c->source == ISO_FROM_PALETTE, recoded = c->source == ISO_FROM_CODES && c->code != base->options.code;
+    const bool palette = c->source == ISO_FROM_PALETTE,
+               recoded = c->source == ISO_FROM_CODES && c->code != base->options.code;
     iso_render_options opt = iso_render_defaults(c->renderer);
     iso_level levels[ISO_CHART_MAX_LEVELS];
     iso_pyramid p = *base;

@@ -34,7 +34,7 @@ typedef struct iso_chart_bench {
     bool processor_time;
     iso_progress progress;
     bool is_volume;
-    iso_pyramid first;          /* of the first estimator and filter */
+    iso_pyramid first;                        /* of the first estimator and filter */
     iso_pyramid others[ISO_CHART_MAX_OTHERS]; /* as many as fit in memory, the oldest replaced */
     size_t other_count, replaced;
     iso_view view;

@@ -89,7 +89,8 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     put_number(f, "step", c->step_voxels);
     if (c->preintegrated)
         put_option(f, "quadrature", "preintegrated");
-    else if (iso_renderer_has(c->renderer, ISO_READS_QUADRATURE) && c->renderer->defaults.quadrature != ISO_QUADRATURE_MIDPOINT)
+    else if (iso_renderer_has(c->renderer, ISO_READS_QUADRATURE) &&
+             c->renderer->defaults.quadrature != ISO_QUADRATURE_MIDPOINT)
         put_option(f, "quadrature", "midpoint");
     fputs(" -o setting.exr", f);
     if (fclose(f) == 0)

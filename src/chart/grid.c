@@ -116,7 +116,8 @@ static iso_status take_tf(const char *word, bool *flags, iso_error *err)
 }
 
 /* "a,b,c": sets the flag of each. */
-static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags, iso_error *err)
+static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags,
+                             iso_error *err)
 {
     char *copy = strdup(list), *rest = copy;
     iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -133,7 +134,10 @@ static const char *first_word(const char *list, char word[64])
     return word;
 }
 
-const char *iso_chart_default_renderers(char *text, size_t size) { return iso_renderers_with(ISO_HAS_LIMIT, ",", ",", text, size); }
+const char *iso_chart_default_renderers(char *text, size_t size)
+{
+    return iso_renderers_with(ISO_HAS_LIMIT, ",", ",", text, size);
+}
 
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)
 {
@@ -194,7 +198,10 @@ void iso_chart_name_shading(const iso_chart_case *c, char *text, size_t size)
 
 const char *iso_chart_name_tf(const iso_chart_case *c)
 {
-    return c->second == ISO_SECOND_VALUE_DEVIATION ? "deviation" : c->second == ISO_SECOND_VALUE_GRADIENT ? "gradient" : c->adapted ? "adapted" : "original";
+    return c->second == ISO_SECOND_VALUE_DEVIATION  ? "deviation"
+           : c->second == ISO_SECOND_VALUE_GRADIENT ? "gradient"
+           : c->adapted                             ? "adapted"
+                                                    : "original";
 }
 
 /* The estimator is named where it is not the usual one. */
@@ -208,12 +215,14 @@ void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
     char shading_from[64];
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
     snprintf(text, size, "%s; level %zu%s; %s%s%s%s%s; step %g%s", c->renderer->name, c->level,
-             !c->adapted                       ? ""
+             !c->adapted                               ? ""
              : c->second == ISO_SECOND_VALUE_DEVIATION ? " 2D TF (deviation)"
              : c->second == ISO_SECOND_VALUE_GRADIENT  ? " 2D TF (gradient)"
-                                               : " adapted TF", shading_from, on_the_fly || c->level == 0 ? "" : " ",
+                                                       : " adapted TF",
+             shading_from, on_the_fly || c->level == 0 ? "" : " ",
              on_the_fly || c->level == 0 ? "" : iso_direction_filter_name(c->filter), on_the_fly || usual ? "" : " ",
-             on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels, c->preintegrated ? " pre-integrated" : "");
+             on_the_fly || usual ? "" : iso_gradient_name(c->estimator), c->step_voxels,
+             c->preintegrated ? " pre-integrated" : "");
 }
 
 void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
@@ -233,7 +242,8 @@ static double stored_bytes(const iso_level *level, const iso_chart_case *c)
     if (c->source == ISO_FROM_PALETTE)
         direction = iso_chart_palettes[c->palette] <= 255 ? 1 : 2;
     double second = c->second == ISO_SECOND_VALUE_NONE ? 0 : 1;
-    return (double)iso_geometry_voxel_count(&level->geometry) * ((double)iso_type_bytes(level->stored_type) + direction + second);
+    return (double)iso_geometry_voxel_count(&level->geometry) *
+           ((double)iso_type_bytes(level->stored_type) + direction + second);
 }
 
 /* Relative: 1 fetch of the scalar, 1 of a code, 8 to flip them, 6 more scalars on the fly; the reference and other programs are slower
@@ -242,8 +252,12 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
 {
     const size_t *n = level->geometry.size;
     double longest = fmax((double)n[0], fmax((double)n[1], (double)n[2]));
-    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7 : c->source == ISO_FROM_FLIPPED ? 9 : c->source == ISO_FROM_PALETTE ? 4 : 2;
-    return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) * c->renderer->relative_cost;
+    double fetches = c->source == ISO_FROM_ON_THE_FLY ? 7
+                     : c->source == ISO_FROM_FLIPPED  ? 9
+                     : c->source == ISO_FROM_PALETTE  ? 4
+                                                      : 2;
+    return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) *
+           c->renderer->relative_cost;
 }
 
 /* What is usual, from which a setting departs. */
@@ -257,8 +271,8 @@ typedef struct usual_choice {
 
 static size_t count_departures(const iso_chart_case *c, const usual_choice *usual)
 {
-    size_t n = (size_t)c->adapted + (c->second != ISO_SECOND_VALUE_NONE) + c->preintegrated + (c->filter != usual->filter) +
-               (c->estimator != usual->estimator) + (c->plan_error > 0);
+    size_t n = (size_t)c->adapted + (c->second != ISO_SECOND_VALUE_NONE) + c->preintegrated +
+               (c->filter != usual->filter) + (c->estimator != usual->estimator) + (c->plan_error > 0);
     if (iso_renderer_has(usual->renderer, ISO_IS_PROGRAM)) /* nothing else was asked for: they are equals */
         n += !iso_renderer_has(c->renderer, ISO_IS_PROGRAM);
     else if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM))
@@ -279,7 +293,8 @@ static int by_turn(const void *a, const void *b)
     const iso_chart_case *x = a, *y = b;
     const double keys[][2] = {{(double)x->departures, (double)y->departures},
                               {x->needs_pyramid, y->needs_pyramid},
-                              {iso_renderer_has(x->renderer, ISO_IS_PROGRAM), iso_renderer_has(y->renderer, ISO_IS_PROGRAM)},
+                              {iso_renderer_has(x->renderer, ISO_IS_PROGRAM),
+                               iso_renderer_has(y->renderer, ISO_IS_PROGRAM)},
                               {x->estimator, y->estimator},
                               {x->filter, y->filter},
                               {x->relative_cost, y->relative_cost},
@@ -295,8 +310,10 @@ static int by_turn(const void *a, const void *b)
  * filter, estimator nor code; other programs get decoded directions and have a quadrature of their own. */
 static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
 {
-    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY, usual_pyramid = c->filter == usual->filter && c->estimator == usual->estimator;
-    if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM) && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
+    const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY,
+               usual_pyramid = c->filter == usual->filter && c->estimator == usual->estimator;
+    if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM) &&
+        (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated))
         return false;
     if ((c->level == 0 || on_the_fly) && c->filter != usual->filter)
         return false;
@@ -305,18 +322,22 @@ static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
     if (c->level == 0 && c->adapted)
         return false;
     /* 2D transfer functions: by the usual directions alone, which say what they gain */
-    if (c->second != ISO_SECOND_VALUE_NONE && (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
+    if (c->second != ISO_SECOND_VALUE_NONE &&
+        (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
         return false;
     return c->source == ISO_FROM_CODES || c->code == usual->code;
 }
 
 /* Is the setting asked for, and can it be made? A pyramid on disk is what it is; without floats it keeps its code. */
-static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual, const iso_chart_case *c)
+static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual,
+                      const iso_chart_case *c)
 {
-    const bool other_program = iso_renderer_has(c->renderer, ISO_IS_PROGRAM), has_floats = is_volume || first->levels[c->level].directions;
+    const bool other_program = iso_renderer_has(c->renderer, ISO_IS_PROGRAM),
+               has_floats = is_volume || first->levels[c->level].directions;
     if (!g->with[iso_renderer_index(c->renderer)])
         return false;
-    if (is_volume ? !g->filters[c->filter] || !g->estimators[c->estimator] : c->filter != usual->filter || c->estimator != usual->estimator)
+    if (is_volume ? !g->filters[c->filter] || !g->estimators[c->estimator]
+                  : c->filter != usual->filter || c->estimator != usual->estimator)
         return false;
     if (c->source == ISO_FROM_CODES && !g->codes[c->code] && !other_program)
         return false;
@@ -333,8 +354,8 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     static const struct {
         iso_direction_source source;
         size_t palette;
-    } sources[] = {{ISO_FROM_CODES, 0}, {ISO_FROM_FLOAT, 0}, {ISO_FROM_FLIPPED, 0}, {ISO_FROM_ON_THE_FLY, 0},
-                 {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
+    } sources[] = {{ISO_FROM_CODES, 0},      {ISO_FROM_FLOAT, 0},   {ISO_FROM_FLIPPED, 0},
+                   {ISO_FROM_ON_THE_FLY, 0}, {ISO_FROM_PALETTE, 0}, {ISO_FROM_PALETTE, 1}};
     const size_t source_count = sizeof sources / sizeof *sources;
     iso_chart_case c = {.metrics = {.rmse = NAN}};
     c.step_voxels = g->steps[i % g->step_count], i /= g->step_count;
@@ -344,7 +365,8 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
     i /= source_count;
     c.filter = (iso_direction_filter)(i % ISO_DIRECTION_COUNT), i /= ISO_DIRECTION_COUNT;
     c.estimator = (iso_gradient_method)(i % ISO_GRADIENT_COUNT), i /= ISO_GRADIENT_COUNT;
-    static const iso_second_value second[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT};
+    static const iso_second_value second[] = {ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_NONE, ISO_SECOND_VALUE_DEVIATION,
+                                              ISO_SECOND_VALUE_GRADIENT};
     c.adapted = i % 4 > 0, c.second = second[i % 4], i /= 4;
     c.level = i % levels, i /= levels;
     c.renderer = i < iso_renderer_count() ? iso_renderer_at(i) : NULL; /* NULL: no more */
@@ -361,13 +383,19 @@ static const iso_renderer_info *wanted_with_bricks(const iso_chart_grid *g)
 }
 
 /* Plans are nodes of level 0 in bricks, whose bytes are known when they are made. */
-static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual, iso_chart_case *cases, size_t *count)
+static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual,
+                      iso_chart_case *cases, size_t *count)
 {
     const iso_renderer_info *renderer = wanted_with_bricks(g);
     for (size_t i = 0; i < g->plan_count && renderer; ++i)
         for (size_t k = 0; k < g->step_count; ++k) {
-            iso_chart_case c = {.renderer = renderer, .source = ISO_FROM_FLOAT, .second = ISO_SECOND_VALUE_NONE, .metrics = {.rmse = NAN},
-                                .estimator = usual->estimator, .filter = usual->filter, .code = usual->code};
+            iso_chart_case c = {.renderer = renderer,
+                                .source = ISO_FROM_FLOAT,
+                                .second = ISO_SECOND_VALUE_NONE,
+                                .metrics = {.rmse = NAN},
+                                .estimator = usual->estimator,
+                                .filter = usual->filter,
+                                .code = usual->code};
             c.plan_error = g->plans[i];
             c.step_voxels = g->steps[k];
             c.voxel_count = iso_geometry_voxel_count(&level0->geometry);
@@ -377,11 +405,14 @@ static void add_plans(const iso_chart_grid *g, const iso_level *level0, const us
         }
 }
 
-iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
-                                size_t *count, iso_error *err)
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume,
+                                iso_chart_case **cases, size_t *count, iso_error *err)
 {
-    usual_choice usual = {.renderer = iso_renderers_usual(), .code = first->options.code, .estimator = first->options.gradient.method,
-                          .filter = first->options.direction_filter, .step_voxels = g->steps[g->step_count / 2]};
+    usual_choice usual = {.renderer = iso_renderers_usual(),
+                          .code = first->options.code,
+                          .estimator = first->options.gradient.method,
+                          .filter = first->options.direction_filter,
+                          .step_voxels = g->steps[g->step_count / 2]};
     for (size_t r = 0; r < iso_renderer_count() && !g->with[iso_renderer_index(usual.renderer)]; ++r)
         usual.renderer = iso_renderer_at(r);
     *cases = NULL;

@@ -32,10 +32,11 @@ typedef struct iso_chart_grid {
     bool with[ISO_MAX_RENDERERS], codes[ISO_CODE_COUNT], filters[ISO_DIRECTION_COUNT], estimators[ISO_GRADIENT_COUNT];
     bool optional[ISO_MAX_RENDERERS]; /* in the default list: left out where it does not answer */
     bool midpoint, preintegrated;
-    bool original, adapted, tf_2d; /* transfer functions of coarse levels */
+    bool original, adapted, tf_2d;                               /* transfer functions of coarse levels */
     double steps[ISO_CHART_MAX_LIST], plans[ISO_CHART_MAX_LIST]; /* voxels; predicted errors */
     size_t step_count, plan_count;
-    iso_gradient_method first_estimator; /* what the user named first: the reference's, and that of settings with the usual one */
+    iso_gradient_method
+        first_estimator; /* what the user named first: the reference's, and that of settings with the usual one */
     iso_direction_filter first_filter;
     iso_code first_code;
 } iso_chart_grid;
@@ -48,21 +49,21 @@ typedef struct iso_chart_case {
     iso_direction_filter filter;
     iso_direction_source source;
     iso_code code;
-    size_t palette;      /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
-    bool adapted;        /* the level's own transfer function */
+    size_t palette;          /* which of iso_chart_palettes, with ISO_FROM_PALETTE */
+    bool adapted;            /* the level's own transfer function */
     iso_second_value second; /* of a 2D transfer function (tf/tf_2d.h), or ISO_SECOND_VALUE_NONE */
     bool preintegrated;
-    double plan_error;   /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
+    double plan_error; /* above 0: bricks of mixed resolution planned for this predicted RMSE, instead of a level */
     double step_voxels;
-    size_t voxel_count;  /* of the level; a plan's is level 0's */
+    size_t voxel_count;   /* of the level; a plan's is level 0's */
     double relative_cost; /* samples along all rays, times the fetches of one */
-    size_t departures;   /* from the usual choice of each axis but level and step */
-    bool needs_pyramid;  /* by another estimator or filter than the first */
+    size_t departures;    /* from the usual choice of each axis but level and step */
+    bool needs_pyramid;   /* by another estimator or filter than the first */
     iso_render_stats took;
     double stored_bytes; /* of the level in a pyramid on disk: scalars as stored, and directions; of a plan's nodes */
     iso_metrics metrics;
     bool done, on_time_front, on_bytes_front;
-    size_t number;       /* of those on a front that are named in the chart, by falling error, from 1; else 0 */
+    size_t number; /* of those on a front that are named in the chart, by falling error, from 1; else 0 */
 } iso_chart_case;
 
 /* ISO_E_USAGE with the option and the word. */
@@ -72,8 +73,8 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
  * Their order: level and step alone, then one departure from the usual choices, then two ..., cheap ones first within
  * each, so that wherever the budget ends, the chart covers all axes, if less densely. Codes and palettes, which differ
  * little, and other programs, which take long, count two; but one image of each other program comes early. */
-iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, iso_chart_case **cases,
-                                size_t *count, iso_error *err);
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume,
+                                iso_chart_case **cases, size_t *count, iso_error *err);
 
 /* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);

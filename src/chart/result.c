@@ -13,8 +13,14 @@ static const struct {
 } metrics[] = {{"rmse", "RMSE"}, {"flip", "mean FLIP"}, {"ssim", "1 - SSIM"}};
 static const iso_names metric_names = ISO_NAMES_OF_ROWS("--metric", metrics);
 
-const char *iso_chart_metric_name(iso_chart_metric m) { return metrics[m].name; }
-const char *iso_chart_metric_title(iso_chart_metric m) { return metrics[m].summary; }
+const char *iso_chart_metric_name(iso_chart_metric m)
+{
+    return metrics[m].name;
+}
+const char *iso_chart_metric_title(iso_chart_metric m)
+{
+    return metrics[m].summary;
+}
 
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err)
 {
@@ -30,10 +36,19 @@ double iso_chart_error(const iso_chart_case *c, iso_chart_metric m)
     return m == ISO_CHART_FLIP ? c->metrics.flip_mean : m == ISO_CHART_SSIM ? 1 - c->metrics.ssim : c->metrics.rmse;
 }
 
-double iso_chart_bytes_of(const iso_chart_case *c, iso_chart_bytes b) { return b == ISO_CHART_STORED ? c->stored_bytes : c->took.bytes; }
+double iso_chart_bytes_of(const iso_chart_case *c, iso_chart_bytes b)
+{
+    return b == ISO_CHART_STORED ? c->stored_bytes : c->took.bytes;
+}
 
-const char *iso_chart_bytes_kind(const iso_chart_result *r) { return r->bytes == ISO_CHART_STORED ? "stored" : "device"; }
-const char *iso_chart_time_kind(const iso_chart_result *r) { return r->bench->processor_time ? "processor" : "clock"; }
+const char *iso_chart_bytes_kind(const iso_chart_result *r)
+{
+    return r->bytes == ISO_CHART_STORED ? "stored" : "device";
+}
+const char *iso_chart_time_kind(const iso_chart_result *r)
+{
+    return r->bench->processor_time ? "processor" : "clock";
+}
 
 static int by_falling_error(const void *a, const void *b)
 {

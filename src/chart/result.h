@@ -13,7 +13,12 @@
 #include "chart/bench.h"
 
 /* Which figure of a comparison is the error. */
-typedef enum iso_chart_metric { ISO_CHART_RMSE, ISO_CHART_FLIP, ISO_CHART_SSIM, ISO_CHART_METRIC_COUNT } iso_chart_metric;
+typedef enum iso_chart_metric {
+    ISO_CHART_RMSE,
+    ISO_CHART_FLIP,
+    ISO_CHART_SSIM,
+    ISO_CHART_METRIC_COUNT
+} iso_chart_metric;
 /* "rmse", "flip", "ssim" */
 const char *iso_chart_metric_name(iso_chart_metric m);
 /* "RMSE", "mean FLIP", "1 - SSIM": of an axis */
@@ -28,18 +33,18 @@ typedef struct iso_chart_result {
     const char *command_line; /* that made it; borrowed */
     const iso_chart_bench *bench;
     iso_chart_case *cases;
-    size_t count, done_count;  /* those that are done come first */
+    size_t count, done_count; /* those that are done come first */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
-    double want;               /* 0: none */
-    size_t fastest, smallest;  /* with at most the wanted error; done_count: none */
-    size_t best;               /* of the least error */
+    double want;                          /* 0: none */
+    size_t fastest, smallest;             /* with at most the wanted error; done_count: none */
+    size_t best;                          /* of the least error */
     double budget_seconds, spent_seconds; /* budget 0: none */
     const char *scene, *size, *output, *style;
     char versions[ISO_MAX_RENDERERS][320]; /* empty: not used */
     char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
-    size_t refused_count;      /* settings that could not be rendered */
-    char refusal[320];         /* why the first could not */
+    size_t refused_count;                  /* settings that could not be rendered */
+    char refusal[320];                     /* why the first could not */
 } iso_chart_result;
 
 /* Along a front, from the largest error: a setting is named when its error is this part of the last named one's or less.

@@ -34,16 +34,19 @@ static char *result_csv(const iso_chart_result *r)
     snprintf(machine, sizeof machine, "%s; %d cores", json_string_value(json_object_get(about, "processor")),
              (int)json_integer_value(json_object_get(about, "cores")));
     json_decref(about);
-    fputs("series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
-          "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
-          "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,command\n", f);
+    fputs(
+        "series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
+        "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
+        "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,command\n",
+        f);
     for (size_t i = 0; i < r->done_count; ++i) {
         const iso_chart_case *c = &r->cases[i];
         char series[160], setting[192], shading_from[64], versions[400];
         iso_chart_describe_series(c, series, sizeof series);
         iso_chart_describe(c, setting, sizeof setting);
         iso_chart_name_shading(c, shading_from, sizeof shading_from);
-        snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION, r->versions[iso_renderer_index(c->renderer)]);
+        snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION,
+                 r->versions[iso_renderer_index(c->renderer)]);
         char *command = iso_chart_command(r, c);
         fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, c->renderer->name, c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
@@ -51,10 +54,11 @@ static char *result_csv(const iso_chart_result *r)
         fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.12g,", 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
                 1e3 * c->took.most_seconds, c->took.count, 1e3 * c->took.setup_seconds, c->took.bytes, c->stored_bytes,
                 iso_chart_bytes_of(c, r->bytes));
-        fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric), c->metrics.rmse,
-                c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front, c->on_bytes_front, c->number,
-                (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want, iso_chart_metric_title(r->metric),
-                iso_chart_time_kind(r), iso_chart_bytes_kind(r), r->bench->view.width, r->bench->view.height);
+        fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric),
+                c->metrics.rmse, c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front,
+                c->on_bytes_front, c->number, (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want,
+                iso_chart_metric_title(r->metric), iso_chart_time_kind(r), iso_chart_bytes_kind(r),
+                r->bench->view.width, r->bench->view.height);
         put_field(f, r->bench->path);
         put_field(f, r->scene);
         put_field(f, versions);
@@ -73,7 +77,8 @@ static iso_status write_style(const iso_chart_result *r, const char *dir, iso_er
 {
     char *content = NULL, *path = iso_path_join(dir, "style.gp");
     size_t size = 0;
-    iso_status status = path ? iso_file_read(r->style, &content, &size, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    iso_status status = path ? iso_file_read(r->style, &content, &size, err)
+                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     if (status == ISO_OK)
         status = iso_file_write(path, content, size, err);
     free(content);
@@ -86,7 +91,8 @@ static iso_status write_images(const iso_chart_result *r, const char *dir, iso_e
 {
     char *path = iso_path_join(dir, "reference.exr");
     const iso_image_note notes[] = {{"isoshade:command", r->command_line}, {NULL, NULL}};
-    iso_status status = path ? iso_image_save_exr(&r->bench->reference, path, notes, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    iso_status status = path ? iso_image_save_exr(&r->bench->reference, path, notes, err)
+                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     free(path);
     for (size_t i = 0; i < ISO_CHART_PALETTES && status == ISO_OK; ++i) {
         char name[64];
@@ -94,7 +100,8 @@ static iso_status write_images(const iso_chart_result *r, const char *dir, iso_e
         if (!r->bench->palettes[i].xyz)
             continue;
         path = iso_path_join(dir, name);
-        status = path ? iso_palette_save_csv(&r->bench->palettes[i], path, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+        status = path ? iso_palette_save_csv(&r->bench->palettes[i], path, err)
+                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
         free(path);
     }
     return status;

@@ -15,16 +15,18 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
     iso_chart_describe(c, setting, sizeof setting);
     char *command = iso_chart_command(r, c);
-    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer", c->renderer->name,
-                          "level", (json_int_t)c->level, "shading_from", shading_from, "filter", iso_direction_filter_name(c->filter),
-                          "estimator", iso_gradient_name(c->estimator), "tf", iso_chart_name_tf(c), "quadrature",
-                          c->preintegrated ? "preintegrated" : "midpoint", "step_voxels", c->step_voxels);
+    json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer",
+                          c->renderer->name, "level", (json_int_t)c->level, "shading_from", shading_from, "filter",
+                          iso_direction_filter_name(c->filter), "estimator", iso_gradient_name(c->estimator), "tf",
+                          iso_chart_name_tf(c), "quadrature", c->preintegrated ? "preintegrated" : "midpoint",
+                          "step_voxels", c->step_voxels);
     if (c->plan_error > 0)
         json_object_set_new(o, "plan_error", json_real(c->plan_error));
     json_object_update_new(o, json_pack("{s:f, s:f, s:f, s:I, s:f, s:f, s:f}", "milliseconds", 1e3 * c->took.seconds,
-                                        "milliseconds_median", 1e3 * c->took.median_seconds, "milliseconds_most", 1e3 * c->took.most_seconds,
-                                        "frames", (json_int_t)c->took.count, "setup_milliseconds", 1e3 * c->took.setup_seconds,
-                                        "device_bytes", c->took.bytes, "stored_bytes", c->stored_bytes));
+                                        "milliseconds_median", 1e3 * c->took.median_seconds, "milliseconds_most",
+                                        1e3 * c->took.most_seconds, "frames", (json_int_t)c->took.count,
+                                        "setup_milliseconds", 1e3 * c->took.setup_seconds, "device_bytes",
+                                        c->took.bytes, "stored_bytes", c->stored_bytes));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
     json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
@@ -50,19 +52,21 @@ static json_t *want_json(const iso_chart_result *r)
     const char *const keys[] = {"fastest", "smallest", "best"};
     const size_t chosen[] = {r->fastest, r->smallest, r->best};
     for (int k = 0; k < 3; ++k)
-        json_object_set_new(want, keys[k], chosen[k] < r->done_count ? case_json(r, &r->cases[chosen[k]]) : json_null());
+        json_object_set_new(want, keys[k],
+                            chosen[k] < r->done_count ? case_json(r, &r->cases[chosen[k]]) : json_null());
     return want;
 }
 
 json_t *iso_chart_result_json(const iso_chart_result *r)
 {
-    json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line), *cases = json_array(), *names = json_array();
+    json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line),
+           *cases = json_array(), *names = json_array();
     iso_chart_tags *untried;
     json_object_set_new(root, "options",
-                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene", r->scene, "metric",
-                                  iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r), "bytes", iso_chart_bytes_kind(r),
-                                  "budget_seconds", r->budget_seconds, "image", (json_int_t)r->bench->view.width,
-                                  (json_int_t)r->bench->view.height));
+                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene",
+                                  r->scene, "metric", iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r),
+                                  "bytes", iso_chart_bytes_kind(r), "budget_seconds", r->budget_seconds, "image",
+                                  (json_int_t)r->bench->view.width, (json_int_t)r->bench->view.height));
     json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
     json_object_set_new(root, "versions", strings_json(r->versions));
     json_object_set_new(root, "machine", iso_machine_describe());

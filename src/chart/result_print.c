@@ -11,8 +11,9 @@ static void print_chosen(const iso_chart_result *r, const char *what, size_t ind
     char name[192];
     iso_chart_describe(c, name, sizeof name);
     char *command = iso_chart_command(r, c);
-    printf("%s: %s (%.4g ms, %.0f bytes, %s %.3g)\n  %s\n", what, name, 1e3 * c->took.seconds, iso_chart_bytes_of(c, r->bytes),
-           iso_chart_metric_name(r->metric), iso_chart_error(c, r->metric), command ? command : "");
+    printf("%s: %s (%.4g ms, %.0f bytes, %s %.3g)\n  %s\n", what, name, 1e3 * c->took.seconds,
+           iso_chart_bytes_of(c, r->bytes), iso_chart_metric_name(r->metric), iso_chart_error(c, r->metric),
+           command ? command : "");
     free(command);
 }
 
@@ -65,7 +66,8 @@ void iso_chart_result_print(const iso_chart_result *r)
         most = r->cases[i].number > most ? r->cases[i].number : most;
         unnamed += r->cases[i].number == 0 && (r->cases[i].on_time_front || r->cases[i].on_bytes_front);
     }
-    printf("on the front of time (t) or bytes (b)%-36s %9s %9s %12s %9s %9s\n", "", "ms", "median", "bytes", "rmse", "flip_mean");
+    printf("on the front of time (t) or bytes (b)%-36s %9s %9s %12s %9s %9s\n", "", "ms", "median", "bytes", "rmse",
+           "flip_mean");
     for (size_t k = 1; k <= most; ++k)
         for (size_t i = 0; i < r->done_count; ++i) {
             const iso_chart_case *c = &r->cases[i];
@@ -73,12 +75,13 @@ void iso_chart_result_print(const iso_chart_result *r)
             if (c->number != k)
                 continue;
             iso_chart_describe(c, name, sizeof name);
-            printf("%3zu %s%s %-66s %9.4g %9.4g %12.0f %9.3g %9.3g\n", k, c->on_time_front ? "t" : " ", c->on_bytes_front ? "b" : " ", name,
-                   1e3 * c->took.seconds, 1e3 * c->took.median_seconds, iso_chart_bytes_of(c, r->bytes), c->metrics.rmse, c->metrics.flip_mean);
+            printf("%3zu %s%s %-66s %9.4g %9.4g %12.0f %9.3g %9.3g\n", k, c->on_time_front ? "t" : " ",
+                   c->on_bytes_front ? "b" : " ", name, 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
+                   iso_chart_bytes_of(c, r->bytes), c->metrics.rmse, c->metrics.flip_mean);
         }
     if (unnamed > 0)
-        printf("and %zu that lower the error by less than %.0f %%: on_time_front and on_bytes_front in chart.json\n", unnamed,
-               100 * (1 - ISO_CHART_NAMED_PART));
+        printf("and %zu that lower the error by less than %.0f %%: on_time_front and on_bytes_front in chart.json\n",
+               unnamed, 100 * (1 - ISO_CHART_NAMED_PART));
     print_skipped(r);
     if (r->want > 0)
         print_want(r);

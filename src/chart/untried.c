@@ -21,7 +21,10 @@ static void add_tags(const iso_chart_case *c, const iso_chart_tags *without, iso
     snprintf(tags[2], ISO_CHART_TAG_BYTES, "step %g", c->step_voxels);
     snprintf(tags[3], ISO_CHART_TAG_BYTES, "filter %s", iso_direction_filter_name(c->filter));
     snprintf(tags[4], ISO_CHART_TAG_BYTES, "estimator %s", iso_gradient_name(c->estimator));
-    snprintf(tags[5], ISO_CHART_TAG_BYTES, "%s%s", c->preintegrated ? "pre-integration" : c->level > 0 ? "TF " : "midpoints",
+    snprintf(tags[5], ISO_CHART_TAG_BYTES, "%s%s",
+             c->preintegrated ? "pre-integration"
+             : c->level > 0   ? "TF "
+                              : "midpoints",
              !c->preintegrated && c->level > 0 ? iso_chart_name_tf(c) : "");
     for (size_t i = 0; i < 6; ++i)
         if (l->count < ISO_CHART_MAX_TAGS && !has_tag(l, tags[i]) && !(without && has_tag(without, tags[i])))

@@ -21,7 +21,8 @@ static iso_status choose(const char *list, bool *wanted, iso_error *err)
         if (!c) {
             char names[1024] = "";
             for (size_t i = 0; i < iso_atlas_case_count; ++i)
-                snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i ? ", " : "", iso_atlas_cases[i].id);
+                snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i ? ", " : "",
+                         iso_atlas_cases[i].id);
             return iso_fail(err, ISO_E_USAGE, "--case: the atlas has no \"%s\"; it has %s", id, names);
         }
         wanted[c - iso_atlas_cases] = true;
@@ -31,8 +32,8 @@ static iso_status choose(const char *list, bool *wanted, iso_error *err)
 
 static void print_case(const iso_atlas_case *c, const iso_atlas_result *r)
 {
-    printf("%-20s failure %-9.3g fallback %-9.3g %s%s\n", c->id, r->values[ISO_ATLAS_FAILURE], r->values[ISO_ATLAS_FALLBACK],
-           iso_atlas_measure(c), iso_atlas_is_valid(c, r) ? "" : "  (out of date)");
+    printf("%-20s failure %-9.3g fallback %-9.3g %s%s\n", c->id, r->values[ISO_ATLAS_FAILURE],
+           r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), iso_atlas_is_valid(c, r) ? "" : "  (out of date)");
 }
 
 /* A part of the whole each. */
@@ -43,7 +44,8 @@ static void expect_cases(const iso_cli *cli, const bool *wanted)
             iso_cli_expect(cli, &(iso_cli_stage){iso_atlas_cases[i].id, 1}, 1);
 }
 
-static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_page *page, size_t *fallen, iso_error *err)
+static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_page *page, size_t *fallen,
+                             iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_status status = ISO_OK;
@@ -114,7 +116,9 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(root));
     if (status == ISO_OK && fallen > 0)
-        status = iso_fail(err, ISO_E_DIFFERS, "%zu failures are no longer ones, or not corrected by their fallback: see %s/index.html", fallen, output);
+        status = iso_fail(err, ISO_E_DIFFERS,
+                          "%zu failures are no longer ones, or not corrected by their fallback: see %s/index.html",
+                          fallen, output);
     return status;
 }
 
@@ -153,9 +157,10 @@ const iso_command iso_command_atlas = {
     .name = "atlas",
     .summary = "the ways in which methods fail: the smallest scene for each, its figure, and the fallback",
     .usage = "-o DIR [--case LIST] [options]",
-    .details = "DIR/index.html shows each failure beside what is right and what helps, with the commands that repeat both from\n"
-               "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
-               "Exit code 1: a failure has disappeared, or a fallback no longer corrects it, so that the documentation is out of date.",
+    .details =
+        "DIR/index.html shows each failure beside what is right and what helps, with the commands that repeat both from\n"
+        "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
+        "Exit code 1: a failure has disappeared, or a fallback no longer corrects it, so that the documentation is out of date.",
     .examples = "  isoshade atlas -o atlas\n"
                 "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
                 "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",

@@ -40,23 +40,26 @@ static void print_changes(const iso_baseline_result *r)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(r->facts, i, row)
-        print_change("other", json_string_value(json_object_get(row, "fact")), json_object_get(row, "accepted"), json_object_get(row, "now"));
-    json_array_foreach(r->changes, i, row)
-        print_change(json_string_value(json_object_get(row, "change")), json_string_value(json_object_get(row, "figure")),
-                     json_object_get(row, "accepted"), json_object_get(row, "now"));
-    printf("%zu as accepted, %zu better, %zu worse, %zu missing, %zu new\n", r->same, r->better, r->worse, r->missing, r->added);
+    json_array_foreach(r->facts, i, row) print_change("other", json_string_value(json_object_get(row, "fact")),
+                                                      json_object_get(row, "accepted"), json_object_get(row, "now"));
+    json_array_foreach(r->changes, i, row) print_change(json_string_value(json_object_get(row, "change")),
+                                                        json_string_value(json_object_get(row, "figure")),
+                                                        json_object_get(row, "accepted"), json_object_get(row, "now"));
+    printf("%zu as accepted, %zu better, %zu worse, %zu missing, %zu new\n", r->same, r->better, r->worse, r->missing,
+           r->added);
 }
 
 static void print_json(const iso_cli *cli, const baseline_arguments *a, const iso_baseline_result *r)
 {
     json_t *root = iso_cli_json(cli);
     bool good = a->update || r->worse + r->missing == 0;
-    json_object_set_new(root, "options", json_pack("{s:f, s:f, s:b}", "factor", a->factor, "floor", a->floor, "update", a->update));
-    json_object_update_new(root, json_pack("{s:I, s:I, s:I, s:I, s:I, s:O, s:O, s:s}", "same_count", (json_int_t)r->same,
-                                           "better_count", (json_int_t)r->better, "worse_count", (json_int_t)r->worse,
-                                           "missing_count", (json_int_t)r->missing, "new_count", (json_int_t)r->added,
-                                           "changes", r->changes, "facts", r->facts, "verdict", good ? "agree" : "differ"));
+    json_object_set_new(root, "options",
+                        json_pack("{s:f, s:f, s:b}", "factor", a->factor, "floor", a->floor, "update", a->update));
+    json_object_update_new(root,
+                           json_pack("{s:I, s:I, s:I, s:I, s:I, s:O, s:O, s:s}", "same_count", (json_int_t)r->same,
+                                     "better_count", (json_int_t)r->better, "worse_count", (json_int_t)r->worse,
+                                     "missing_count", (json_int_t)r->missing, "new_count", (json_int_t)r->added,
+                                     "changes", r->changes, "facts", r->facts, "verdict", good ? "agree" : "differ"));
     iso_cli_print_json(root);
 }
 
@@ -77,7 +80,8 @@ static iso_status accept(const iso_cli *cli, const char *path, const json_t *now
     json_t *row;
     size_t bad = 0;
     iso_status status = iso_json_save(path, now, err);
-    json_object_foreach(json_object_get(now, "rows"), name, row) {
+    json_object_foreach(json_object_get(now, "rows"), name, row)
+    {
         const char *verdict = json_string_value(json_object_get(row, "verdict"));
         bad += verdict && (strcmp(verdict, "differ") == 0 || strcmp(verdict, "refused") == 0);
     }
@@ -102,8 +106,10 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
     else if (status == ISO_OK && !(a->update && json_object_size(json_object_get(accepted, "rows")) == 0))
         print_changes(&r); /* that all is new needs no list */
     if (status == ISO_OK && !a->update && r.worse + r.missing > 0)
-        status = iso_fail(err, ISO_E_DIFFERS, "%zu figures are worse than accepted and %zu are missing; if that is right, --update accepts them",
-                          r.worse, r.missing);
+        status =
+            iso_fail(err, ISO_E_DIFFERS,
+                     "%zu figures are worse than accepted and %zu are missing; if that is right, --update accepts them",
+                     r.worse, r.missing);
     iso_baseline_result_destroy(&r);
     json_decref(accepted);
     return status;
@@ -112,7 +118,8 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
 static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_error *err)
 {
     json_t *report = NULL, *now = NULL;
-    char *path = iso_path_is_dir(cli->arguments[0]) ? iso_path_join(cli->arguments[0], "report.json") : strdup(cli->arguments[0]);
+    char *path = iso_path_is_dir(cli->arguments[0]) ? iso_path_join(cli->arguments[0], "report.json")
+                                                    : strdup(cli->arguments[0]);
     iso_status status = path ? iso_json_load(path, &report, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_baseline_from_report(report, &now, err);
@@ -128,9 +135,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     baseline_arguments a = {.factor = 1.25, .floor = 1e-7};
     struct poptOption options[] = {
-        {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0, "worse: above this many times the accepted figure", "X"},
+        {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0,
+         "worse: above this many times the accepted figure", "X"},
         {"floor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.floor, 0, "and by more than this", "X"},
-        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept this report as the new baseline, and print what that changes", NULL},
+        {"update", 0, POPT_ARG_NONE, &a.update, 0,
+         "accept this report as the new baseline, and print what that changes", NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -150,14 +159,16 @@ const iso_command iso_command_baseline = {
     .name = "baseline",
     .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
     .usage = "REPORT BASELINE.json [--update] [options]",
-    .details = "REPORT is a folder that `isoshade validate` wrote. The verdict, the figures, limits and gates of each row of\n"
-               "calibration, agreement and consistency are compared with the accepted ones; changed versions and options are listed.\n"
-               "Exit code 1: a verdict is weaker than accepted (reported or refused where it agreed), a figure is worse or missing,\n"
-               "or a limit is wider; 0: all is as accepted, better or new. Only --update writes the baseline, a text file with one\n"
-               "line for each figure, sorted by name, to be kept beside the code.",
-    .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
-                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
-                "  isoshade baseline report-base accepted.json --update\n"
-                "  isoshade baseline report-base accepted.json --factor 1.1\n",
+    .details =
+        "REPORT is a folder that `isoshade validate` wrote. The verdict, the figures, limits and gates of each row of\n"
+        "calibration, agreement and consistency are compared with the accepted ones; changed versions and options are listed.\n"
+        "Exit code 1: a verdict is weaker than accepted (reported or refused where it agreed), a figure is worse or missing,\n"
+        "or a limit is wider; 0: all is as accepted, better or new. Only --update writes the baseline, a text file with one\n"
+        "line for each figure, sorted by name, to be kept beside the code.",
+    .examples =
+        "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
+        "  isoshade baseline report-base accepted.json --update\n"
+        "  isoshade baseline report-base accepted.json --factor 1.1\n",
     .run = run,
 };

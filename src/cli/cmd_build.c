@@ -28,7 +28,8 @@ static char *default_output(const char *input)
     return asprintf(&path, "%.*s.iso", (int)length, name) < 0 ? NULL : path;
 }
 
-static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli, iso_pyramid_options *out, iso_error *err)
+static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli, iso_pyramid_options *out,
+                                     iso_error *err)
 {
     *out = iso_pyramid_defaults();
     iso_status status = iso_words_check_range("--levels", in->levels, 1, 32, err);
@@ -63,14 +64,16 @@ static json_t *levels_to_json(const iso_stream_report *r)
     json_t *levels = json_array();
     for (size_t k = 0; k < r->level_count; ++k) {
         const size_t *n = r->levels[k].geometry.size;
-        json_array_append_new(levels, json_pack("{s:[I,I,I], s:s, s:f, s:f}", "size", (json_int_t)n[0], (json_int_t)n[1],
-                                                (json_int_t)n[2], "type", iso_type_name(r->levels[k].type), "min",
-                                                r->levels[k].min, "max", r->levels[k].max));
+        json_array_append_new(levels,
+                              json_pack("{s:[I,I,I], s:s, s:f, s:f}", "size", (json_int_t)n[0], (json_int_t)n[1],
+                                        (json_int_t)n[2], "type", iso_type_name(r->levels[k].type), "min",
+                                        r->levels[k].min, "max", r->levels[k].max));
     }
     return levels;
 }
 
-static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const iso_stream_report *r, const char *output)
+static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const iso_stream_report *r,
+                       const char *output)
 {
     json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
     json_object_set_new(options, "scalar_filter", json_string(iso_scalar_filter_name(opt->scalar_filter)));
@@ -79,8 +82,9 @@ static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const
     json_object_set_new(options, "code", json_string(iso_code_describe(opt->code)->name));
     json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "levels", levels_to_json(r));
-    json_object_set_new(root, "seconds", json_pack("{s:f, s:f, s:f, s:f}", "read", r->seconds_read, "build",
-                                                   r->seconds_build, "write", r->seconds_write, "total", r->seconds_total));
+    json_object_set_new(root, "seconds",
+                        json_pack("{s:f, s:f, s:f, s:f}", "read", r->seconds_read, "build", r->seconds_build, "write",
+                                  r->seconds_write, "total", r->seconds_total));
     json_object_set_new(root, "slab_planes", json_integer((json_int_t)r->slab_planes));
     json_object_set_new(root, "buffer_bytes", json_integer((json_int_t)r->buffer_bytes));
     json_object_set_new(root, "resumed_at_plane", json_integer((json_int_t)r->resumed_at_plane));
@@ -111,7 +115,8 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_volume_input_open(u->path, u->input, source, err);
 }
 
-static iso_status build(const iso_cli *cli, const iso_volume_input *input, const build_options *in, iso_ranks *ranks, iso_error *err)
+static iso_status build(const iso_cli *cli, const iso_volume_input *input, const build_options *in, iso_ranks *ranks,
+                        iso_error *err)
 {
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
@@ -120,7 +125,8 @@ static iso_status build(const iso_cli *cli, const iso_volume_input *input, const
     iso_cli_expect(cli, &(iso_cli_stage){"build", 1}, 1);
     open_user user = {path, input};
     const iso_stream_input source = {open_input, &user, path};
-    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576), .resume = in->resume,
+    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576),
+                                       .resume = in->resume,
                                        .ranks = ranks};
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -144,7 +150,8 @@ static iso_status silence_others(iso_error *err)
     return ISO_OK;
 }
 
-static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_ranks *ranks, iso_error *err)
+static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_ranks *ranks,
+                                       iso_error *err)
 {
     const iso_pyramid_options defaults = iso_pyramid_defaults();
     build_options in = {.levels = (int)defaults.level_count,
@@ -155,20 +162,24 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     iso_volume_input input;
     iso_volume_input_defaults(&input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso", "NAME.iso"},
+        {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso",
+         "NAME.iso"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
         {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "gradient estimator of the list below (central)", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "scalar filter of the list below (mean)", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0, "direction filter of the list below (moments)", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0,
+         "direction filter of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
-        {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0, "standard deviation of that Gaussian", "VOXELS"},
+        {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
+         "standard deviation of that Gaussian", "VOXELS"},
         {"eq1-exponent", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.eq1_exponent, 0,
          "eq1: exponent of the gradient magnitude in the weights", "P"},
         {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "store the directions as floats, too", NULL},
         {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "store the gradient magnitudes", NULL},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "memory for buffers, at most", "MB"},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "memory for buffers, at most",
+         "MB"},
         {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "resume a killed build of the same volume and options", NULL},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
@@ -205,15 +216,17 @@ const iso_command iso_command_build = {
     .name = "build",
     .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
     .usage = "VOLUME [-o NAME.iso] [options]",
-    .details = "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"
-               "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
-               "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones. (Bricks of mixed resolution,\n"
-               "isoshade plan, are made in memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
-               "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
-               "files together; each rank takes --memory, and --resume works with any number of ranks.",
+    .details =
+        "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"
+        "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
+        "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones. (Bricks of mixed resolution,\n"
+        "isoshade plan, are made in memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
+        "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
+        "files together; each rank takes --memory, and --resume works with any number of ranks.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",
-    .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names, &iso_code_names, NULL},
+    .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
+                                        &iso_code_names, NULL},
     .run = run,
 };

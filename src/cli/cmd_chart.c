@@ -33,7 +33,10 @@ typedef struct chart_run {
 } chart_run;
 
 /* Two pictures by gnuplot, and the files. */
-static double seconds_for_drawing(double budget_seconds) { return fmin(3, 0.2 * budget_seconds); }
+static double seconds_for_drawing(double budget_seconds)
+{
+    return fmin(3, 0.2 * budget_seconds);
+}
 
 /* When the last setting has to be done. */
 static double end_of_measuring(const chart_run *run)
@@ -52,7 +55,8 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
         iso_error why = {""};
         if (!run->grid.with[r])
             continue;
-        status = iso_renderer_at(r)->version(&run->bench.renderers, result->versions[r], sizeof result->versions[r], &why);
+        status = iso_renderer_at(r)->version(&run->bench.renderers, result->versions[r], sizeof result->versions[r],
+                                             &why);
         if (status != ISO_OK && run->grid.optional[r]) {
             snprintf(result->left_out[r], sizeof result->left_out[r], "%.300s", why.text);
             run->grid.with[r] = false;
@@ -61,10 +65,14 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
             status = iso_fail(err, status, "%s", why.text);
         }
         const iso_renderer_info *renderer = iso_renderer_at(r);
-        if (status == ISO_OK && !iso_renderer_has(renderer, ISO_HAS_PROCESSOR_TIME) && run->grid.with[r] && run->bench.processor_time) {
-            status = run->grid.optional[r] ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--processor-time: %s does not say that of a frame",
-                                                               renderer->title);
-            snprintf(result->left_out[r], sizeof result->left_out[r], "%s does not say the processor time of a frame", renderer->title);
+        if (status == ISO_OK && !iso_renderer_has(renderer, ISO_HAS_PROCESSOR_TIME) && run->grid.with[r] &&
+            run->bench.processor_time) {
+            status = run->grid.optional[r]
+                         ? ISO_OK
+                         : iso_fail(err, ISO_E_USAGE, "--processor-time: %s does not say that of a frame",
+                                    renderer->title);
+            snprintf(result->left_out[r], sizeof result->left_out[r], "%s does not say the processor time of a frame",
+                     renderer->title);
             run->grid.with[r] = false;
         }
         any = any || run->grid.with[r];
@@ -77,7 +85,8 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
 
 /* What happens to a setting that fails: its renderer is left out when nobody asked for it; a setting beyond a limit, such as
  * the size of a texture, is one less; all else ends the chart. */
-static iso_status take_failure(chart_run *run, const iso_chart_case *c, iso_status status, const iso_error *why, iso_error *err)
+static iso_status take_failure(chart_run *run, const iso_chart_case *c, iso_status status, const iso_error *why,
+                               iso_error *err)
 {
     iso_chart_result *result = &run->result;
     const size_t r = iso_renderer_index(c->renderer);
@@ -105,13 +114,17 @@ static bool is_worth_timing_again(const iso_chart_result *r, const iso_chart_cas
     if (!c->done || iso_renderer_has(c->renderer, ISO_IS_PROGRAM) || !isfinite(error))
         return false;
     for (size_t j = 0; j < r->count; ++j)
-        if (r->cases[j].done && AGAIN_FACTOR * r->cases[j].took.seconds < c->took.seconds && iso_chart_error(&r->cases[j], r->metric) <= error)
+        if (r->cases[j].done && AGAIN_FACTOR * r->cases[j].took.seconds < c->took.seconds &&
+            iso_chart_error(&r->cases[j], r->metric) <= error)
             return false;
     return true;
 }
 
 /* Budgets too short for it leave each setting with its first frames. */
-static bool has_time_for_rounds(double budget_seconds) { return !(budget_seconds > 0) || budget_seconds > 1; }
+static bool has_time_for_rounds(double budget_seconds)
+{
+    return !(budget_seconds > 0) || budget_seconds > 1;
+}
 
 /* In rounds, so that a moment in which the machine was busy meets each setting once. */
 static iso_status time_again(chart_run *run, double end_seconds, iso_error *err)
@@ -120,10 +133,12 @@ static iso_status time_again(chart_run *run, double end_seconds, iso_error *err)
     iso_progress progress = iso_cli_progress(run->cli);
     iso_chart_result *result = &run->result;
     iso_status status = ISO_OK;
-    for (size_t k = 0; k < rounds * result->count && status == ISO_OK && has_time_for_rounds(run->arguments->budget_seconds); ++k) {
+    for (size_t k = 0;
+         k < rounds * result->count && status == ISO_OK && has_time_for_rounds(run->arguments->budget_seconds); ++k) {
         iso_chart_case *c = &result->cases[k % result->count];
         iso_progress_report(&progress, "the best again", (double)k / (double)(rounds * result->count));
-        if (iso_clock_seconds() + iso_chart_bench_foresee(&run->bench, c) < end_seconds && is_worth_timing_again(result, c))
+        if (iso_clock_seconds() + iso_chart_bench_foresee(&run->bench, c) < end_seconds &&
+            is_worth_timing_again(result, c))
             status = iso_chart_bench_time_again(&run->bench, c, err);
     }
     iso_progress_report(&progress, "the best again", 1);
@@ -136,7 +151,9 @@ static double part_done(const chart_run *run, size_t first, double start_seconds
     const double now = iso_clock_seconds(), spent = now - start_seconds;
     double left = 0;
     for (size_t i = first; i < run->result.count; ++i)
-        left += run->grid.with[iso_renderer_index(run->result.cases[i].renderer)] ? iso_chart_bench_foresee(&run->bench, &run->result.cases[i]) : 0;
+        left += run->grid.with[iso_renderer_index(run->result.cases[i].renderer)]
+                    ? iso_chart_bench_foresee(&run->bench, &run->result.cases[i])
+                    : 0;
     left = fmin(left, fmax(end_seconds - now, 0));
     return spent + left > 0 ? spent / (spent + left) : 1;
 }
@@ -153,7 +170,8 @@ static iso_status measure_all(chart_run *run, double end_seconds, iso_error *err
         iso_error why = {""};
         const double left_seconds = end_seconds - iso_clock_seconds();
         iso_progress_report(&progress, "settings", part_done(run, i, start_seconds, end_seconds));
-        if (!run->grid.with[iso_renderer_index(c->renderer)] || (result->done_count > 0 && iso_chart_bench_foresee(&run->bench, c) > left_seconds))
+        if (!run->grid.with[iso_renderer_index(c->renderer)] ||
+            (result->done_count > 0 && iso_chart_bench_foresee(&run->bench, c) > left_seconds))
             continue;
         const iso_status one = iso_chart_bench_measure(&run->bench, c, &why);
         result->done_count += c->done;
@@ -188,7 +206,9 @@ static iso_status finish(chart_run *run, iso_error *err)
     if (status == ISO_OK && result->want > 0 && result->fastest == result->done_count)
         return iso_fail(err, ISO_E_DIFFERS, "no setting that was tried has %s of %.4g or less; the least is %.4g",
                         iso_chart_metric_name(result->metric), result->want,
-                        result->best < result->done_count ? iso_chart_error(&result->cases[result->best], result->metric) : NAN);
+                        result->best < result->done_count
+                            ? iso_chart_error(&result->cases[result->best], result->metric)
+                            : NAN);
     return status;
 }
 
@@ -203,22 +223,34 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     run->start_seconds = iso_clock_seconds();
     iso_chart_result *result = &run->result;
     char *line = iso_cli_command_line(cli);
-    *result = (iso_chart_result){.command_line = line ? line : "", .bench = &run->bench, .metric = a->metric, .bytes = a->bytes, .want = a->want,
-                                 .budget_seconds = a->budget_seconds, .scene = a->scene, .size = a->size, .output = a->output,
+    *result = (iso_chart_result){.command_line = line ? line : "",
+                                 .bench = &run->bench,
+                                 .metric = a->metric,
+                                 .bytes = a->bytes,
+                                 .want = a->want,
+                                 .budget_seconds = a->budget_seconds,
+                                 .scene = a->scene,
+                                 .size = a->size,
+                                 .output = a->output,
                                  .style = a->style};
-    const iso_cli_stage stages[] = {{"pyramid", 1}, {"reference", 4}, {"settings", a->budget_seconds > 0 ? a->budget_seconds : 60},
-                                    {"the best again", 5}, {"drawing", 2}};
+    const iso_cli_stage stages[] = {{"pyramid", 1},
+                                    {"reference", 4},
+                                    {"settings", a->budget_seconds > 0 ? a->budget_seconds : 60},
+                                    {"the best again", 5},
+                                    {"drawing", 2}};
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
     if (status == ISO_OK)
-        status = iso_chart_bench_open(
-            &run->bench, &(iso_chart_subject){cli->arguments[0], &a->input, a->scene, a->size, (size_t)a->level_count},
-            &run->grid, cli->threads, &progress, err);
+        status = iso_chart_bench_open(&run->bench,
+                                      &(iso_chart_subject){cli->arguments[0], &a->input, a->scene, a->size,
+                                                           (size_t)a->level_count},
+                                      &run->grid, cli->threads, &progress, err);
     run->bench.processor_time = a->processor_time;
     if (status == ISO_OK)
         status = find_renderers(run, err);
     if (status == ISO_OK)
-        status = iso_chart_grid_cases(&run->grid, &run->bench.first, run->bench.is_volume, &result->cases, &result->count, err);
+        status = iso_chart_grid_cases(&run->grid, &run->bench.first, run->bench.is_volume, &result->cases,
+                                      &result->count, err);
     if (status == ISO_OK)
         status = iso_chart_bench_reference(&run->bench, err);
     const double end_seconds = end_of_measuring(run);
@@ -272,27 +304,51 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     const iso_chart_words *usual = &iso_chart_default_words;
     char help[8][256], codes[200], renderers[256], quadratures[128], plans[200], names[100];
-    snprintf(quadratures, sizeof quadratures, "of %s", iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
+    snprintf(quadratures, sizeof quadratures, "of %s",
+             iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
     snprintf(plans, sizeof plans, "%s: bricks of mixed resolution, planned for these predicted errors; or none",
              iso_renderers_with(ISO_HAS_BRICKS, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"want", 0, POPT_ARG_STRING, &a.want_text, 0, "name the fastest and the smallest setting with this error or less, as command lines", "1/255"},
-        {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC"},
-        {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0, "device (default): what the renderer holds; or stored: the level in files", "WHICH"},
-        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0, "for everything, from reading to drawing; the reference and one setting are made in any case; 0: no limit, the whole grid is tried", "SECONDS"},
-        {"with", 0, POPT_ARG_STRING, &a.words.with, 0, with_default(help[0], sizeof *help, "renderers; also reference. Those of the default are left out where missing", iso_chart_default_renderers(renderers, sizeof renderers)), "LIST"},
-        {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0, with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
-        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0, with_default(help[2], sizeof *help, quadratures, usual->quadratures), "LIST"},
-        {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0, with_default(help[3], sizeof *help, "of a volume's gradients; the first makes the reference's", usual->estimators), "LIST"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "levels of a volume, the finest included", "N"},
-        {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0, with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
-        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0, with_default(help[5], sizeof *help, "of directions", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
-        {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0, with_default(help[6], sizeof *help, "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level", usual->tfs), "LIST"},
-        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans), "LIST"},
-        {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0, "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
+        {"want", 0, POPT_ARG_STRING, &a.want_text, 0,
+         "name the fastest and the smallest setting with this error or less, as command lines", "1/255"},
+        {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)",
+         "METRIC"},
+        {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0,
+         "device (default): what the renderer holds; or stored: the level in files", "WHICH"},
+        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0,
+         "for everything, from reading to drawing; the reference and one setting are made in any case; 0: no limit, the whole grid is tried",
+         "SECONDS"},
+        {"with", 0, POPT_ARG_STRING, &a.words.with, 0,
+         with_default(help[0], sizeof *help,
+                      "renderers; also reference. Those of the default are left out where missing",
+                      iso_chart_default_renderers(renderers, sizeof renderers)),
+         "LIST"},
+        {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0,
+         with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
+        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0,
+         with_default(help[2], sizeof *help, quadratures, usual->quadratures), "LIST"},
+        {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0,
+         with_default(help[3], sizeof *help, "of a volume's gradients; the first makes the reference's",
+                      usual->estimators),
+         "LIST"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
+         "levels of a volume, the finest included", "N"},
+        {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0,
+         with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
+        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0,
+         with_default(help[5], sizeof *help, "of directions", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
+        {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0,
+         with_default(help[6], sizeof *help,
+                      "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level",
+                      usual->tfs),
+         "LIST"},
+        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans),
+         "LIST"},
+        {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0,
+         "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -313,23 +369,25 @@ const iso_command iso_command_chart = {
     .name = "chart",
     .summary = "speed against accuracy: which setting is good enough for a scene",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
-    .details = "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"
-               "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. The error is\n"
-               "against one truth: the converged reference of level 0 under the scene's own transfer function, with the directions of\n"
-               "the first estimator as floats. First the usual choices at every level and step, then what departs from them in one\n"
-               "axis, then in two ...; what does not fit into the budget is named, and --budget 0 tries everything. A setting is on the\n"
-               "front when no other is both as fast (or as small) and as exact.\n"
-               "\n"
-               "Times are of the frame alone: the fastest of up to 5, after a warm-up; those near the front are timed again at the\n"
-               "end, in rounds. The median and the slowest stand beside it, as does what came before the frame (textures; start,\n"
-               "export and reading of Blender and POV-Ray). Device bytes are all textures by their formats (gl), Blender's own\n"
-               "account, POV-Ray's DF3 files, the reference's arrays.\n"
-               "\n"
-               "DIR holds pareto.svg, pareto.pdf, pareto.csv, chart.json and reference.exr; edit style.gp there and run\n"
-               "\"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that was tried has the wanted error; the nearest is named.",
-    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
-                "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
+    .details =
+        "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"
+        "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. The error is\n"
+        "against one truth: the converged reference of level 0 under the scene's own transfer function, with the directions of\n"
+        "the first estimator as floats. First the usual choices at every level and step, then what departs from them in one\n"
+        "axis, then in two ...; what does not fit into the budget is named, and --budget 0 tries everything. A setting is on the\n"
+        "front when no other is both as fast (or as small) and as exact.\n"
+        "\n"
+        "Times are of the frame alone: the fastest of up to 5, after a warm-up; those near the front are timed again at the\n"
+        "end, in rounds. The median and the slowest stand beside it, as does what came before the frame (textures; start,\n"
+        "export and reading of Blender and POV-Ray). Device bytes are all textures by their formats (gl), Blender's own\n"
+        "account, POV-Ray's DF3 files, the reference's arrays.\n"
+        "\n"
+        "DIR holds pareto.svg, pareto.pdf, pareto.csv, chart.json and reference.exr; edit style.gp there and run\n"
+        "\"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that was tried has the wanted error; the nearest is named.",
+    .examples =
+        "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names, NULL},
     .run = run,
 };

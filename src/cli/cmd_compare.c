@@ -28,11 +28,12 @@ static iso_status load(const char *path, iso_image *image, iso_error *err)
 /* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
 static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
 {
-    const struct { const char *name; double *value; } all[] = {
-        {"--max-rmse", &l->rmse},
-        {"--max-abs", &l->max_abs},
-        {"--max-p99", &l->p99_abs},
-        {"--max-dissimilarity", &l->ssim_dissimilarity},
+    const struct {
+        const char *name;
+        double *value;
+    } all[] = {
+        {"--max-rmse", &l->rmse},      {"--max-abs", &l->max_abs},
+        {"--max-p99", &l->p99_abs},    {"--max-dissimilarity", &l->ssim_dissimilarity},
         {"--max-flip", &l->flip_mean},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
@@ -48,11 +49,12 @@ static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
 static json_t *describe_tolerances(const iso_tolerances *l)
 {
     json_t *o = json_object();
-    const struct { const char *name; double value; } all[] = {
-        {"rmse", l->rmse},
-        {"max_abs", l->max_abs},
-        {"p99_abs", l->p99_abs},
-        {"ssim_dissimilarity", l->ssim_dissimilarity},
+    const struct {
+        const char *name;
+        double value;
+    } all[] = {
+        {"rmse", l->rmse},           {"max_abs", l->max_abs},
+        {"p99_abs", l->p99_abs},     {"ssim_dissimilarity", l->ssim_dissimilarity},
         {"flip_mean", l->flip_mean},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
@@ -69,7 +71,8 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
     float *map = malloc(count * sizeof *map);
     if (!map)
         return iso_fail(err, ISO_E_MEMORY, "compare: no memory for %zu pixels", count);
-    iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE, map, err);
+    iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE,
+                                                                 map, err);
     if (status == ISO_OK)
         *mean = iso_flip_mean(map, count);
     if (status == ISO_OK && opt->flip_map) {
@@ -99,7 +102,8 @@ static void print_text(const iso_metrics *m, const hdr_flip *hdr, bool agree)
                "ssim      %.6f\nflip_mean %.6f\n",
                m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
     if (isfinite(hdr->mean))
-        printf("hdr_flip  %.6f over %zu exposures, 2^%.4f to 2^%.4f\n", hdr->mean, hdr->exposures, hdr->start, hdr->stop);
+        printf("hdr_flip  %.6f over %zu exposures, 2^%.4f to 2^%.4f\n", hdr->mean, hdr->exposures, hdr->start,
+               hdr->stop);
     printf("verdict   %s\n", agree ? "agree" : "differ");
 }
 
@@ -136,8 +140,9 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         if (opt->hdr)
             json_object_set_new(root, "hdr_flip_mean", iso_json_number(hdr.mean));
         if (isfinite(hdr.mean))
-            json_object_set_new(root, "hdr_flip_exposures", json_pack("{s:f, s:f, s:I}", "start", hdr.start, "stop", hdr.stop, "count",
-                                                                     (json_int_t)hdr.exposures));
+            json_object_set_new(root, "hdr_flip_exposures",
+                                json_pack("{s:f, s:f, s:I}", "start", hdr.start, "stop", hdr.stop, "count",
+                                          (json_int_t)hdr.exposures));
         json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
         iso_cli_print_json(root);
     } else {
@@ -157,7 +162,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"max-flip", 0, POPT_ARG_DOUBLE, &opt.tolerances.flip_mean, 0, "largest mean FLIP", "X"},
         {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
         {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
-        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
+        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0,
+         "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
         {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "HDR-FLIP as well, with A as reference; of the map, too", NULL},
         POPT_TABLEEND,
     };
@@ -183,14 +189,16 @@ const iso_command iso_command_compare = {
     .name = "compare",
     .summary = "measure how far two images are apart",
     .usage = "A B [--max-rmse X ...] [--difference OUT.png] [--json]",
-    .details = "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
-               "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
-               "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
-               "on the sRGB that people see. Pixels that are not finite always differ.",
-    .examples = "  isoshade make sphere --size 24 -o v.nrrd\n"
-                "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"
-                "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 --with reference --quadrature midpoint -o b.exr\n"
-                "  isoshade compare a.exr b.exr --max-rmse 1e-6 --max-abs 2e-5\n"
-                "  isoshade compare a.exr b.exr --max-flip 0.01 --difference difference.png --json\n",
+    .details =
+        "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
+        "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
+        "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
+        "on the sRGB that people see. Pixels that are not finite always differ.",
+    .examples =
+        "  isoshade make sphere --size 24 -o v.nrrd\n"
+        "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"
+        "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 --with reference --quadrature midpoint -o b.exr\n"
+        "  isoshade compare a.exr b.exr --max-rmse 1e-6 --max-abs 2e-5\n"
+        "  isoshade compare a.exr b.exr --max-flip 0.01 --difference difference.png --json\n",
     .run = run,
 };

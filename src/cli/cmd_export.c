@@ -20,7 +20,10 @@ typedef struct export_arguments {
     const iso_cli *cli;
 } export_arguments;
 
-static bool wants_merged(const export_arguments *a) { return !a->grids || strcmp(a->grids, "merged") == 0; }
+static bool wants_merged(const export_arguments *a)
+{
+    return !a->grids || strcmp(a->grids, "merged") == 0;
+}
 
 /* The scene's view with a copy of its table, and in it what is asked for: full resolution in a box, an adapted table. */
 static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *view, iso_error *err)
@@ -35,9 +38,13 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     }
     memcpy(view->tf.entries, job->view->tf.entries, bytes);
     /* levels that are no coarser than the region of interest need none */
-    iso_status status = a->roi.box && a->roi.level >= 0 && k <= (size_t)a->roi.level && k < (size_t)(a->level + a->level_count - 1)
+    iso_status status = a->roi.box && a->roi.level >= 0 && k <= (size_t)a->roi.level &&
+                                k < (size_t)(a->level + a->level_count - 1)
                             ? ISO_OK
-                            : iso_cli_roi_view(&a->roi, &(iso_cli_roi_place){&a->adapted, a->cli->arguments[0], job->pyramid, k, a->cli->threads}, view, err);
+                            : iso_cli_roi_view(&a->roi,
+                                               &(iso_cli_roi_place){&a->adapted, a->cli->arguments[0], job->pyramid, k,
+                                                                    a->cli->threads},
+                                               view, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
     if (status != ISO_OK)
@@ -55,7 +62,9 @@ static iso_status check_plan(const export_arguments *a, iso_error *err)
     if (!wants_merged(a) && strcmp(a->grids, "levels") != 0)
         return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
     if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->isosurface || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--plan chooses the levels itself: --level, --levels, --adapt, --roi and --isosurface have no meaning");
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--plan chooses the levels itself: --level, --levels, --adapt, --roi and --isosurface have no meaning");
     return ISO_OK;
 }
 
@@ -73,7 +82,8 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL};
     for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
-            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", iso_export_option_text((iso_export_option)i), target->name);
+            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
+                            iso_export_option_text((iso_export_option)i), target->name);
     return ISO_OK;
 }
 
@@ -122,9 +132,9 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan))
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK && a->plan)
-        status =
-            iso_planned_create(a->plan, &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
-                               a->cli->threads, &planned, err);
+        status = iso_planned_create(a->plan,
+                                    &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
+                                    a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     const iso_export_job job = {.pyramid = &pyramid,
                                 .level = (size_t)a->level,
@@ -146,8 +156,8 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = target->write(&job, err);
     if (status == ISO_OK && root) {
-        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level", a->level,
-                                               "levels", a->level_count));
+        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level",
+                                               a->level, "levels", a->level_count));
         iso_cli_print_json(root);
     } else {
         json_decref(root);
@@ -169,14 +179,20 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray", "SCENE.scene.json"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray",
+         "SCENE.scene.json"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
+         "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
+         "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume", "VALUE"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
-        {"grids", 0, POPT_ARG_STRING, &a.grids, 0, "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
+         "VALUE"},
+        {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
+         "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
+        {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
+         "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -197,19 +213,21 @@ const iso_command iso_command_export = {
     .name = "export",
     .summary = "write a level for OpenVDB, Blender or POV-Ray",
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
-    .details = "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
-               "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
-               "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume. With --plan only what the scene\n"
-               "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
-               "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
-    .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
-                "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
-                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
-                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
-                "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
-                "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
-                "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
-                "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
+    .details =
+        "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
+        "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
+        "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume. With --plan only what the scene\n"
+        "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
+        "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
+    .examples =
+        "  isoshade make shells --size 48 -o shells.nrrd\n"
+        "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
+        "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
+        "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
+        "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
+        "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
+        "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
+        "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
     .lists = (const iso_names *const[]){&iso_export_target_names, NULL},
     .run = run,
 };

@@ -10,15 +10,15 @@
 #include "options/input.h"
 #include "volume/format.h"
 
-#define BINS 64        /* shown */
+#define BINS 64         /* shown */
 #define FINE_BINS 16384 /* counted: percentiles are good to one of them */
 
 typedef struct volume_facts {
     iso_volume_stats stats;
-    size_t bins[BINS];      /* over [min, max] */
-    double percentile[5];   /* 1, 25, 50, 75, 99 */
-    double loss_max;        /* by rounding to float: largest difference */
-    size_t loss_count;      /* voxels changed by it */
+    size_t bins[BINS];    /* over [min, max] */
+    double percentile[5]; /* 1, 25, 50, 75, 99 */
+    double loss_max;      /* by rounding to float: largest difference */
+    size_t loss_count;    /* voxels changed by it */
 } volume_facts;
 
 static const double percents[5] = {1, 25, 50, 75, 99};
@@ -84,7 +84,8 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     printf("%s\n  size       %zu x %zu x %zu = %zu voxels of %s\n", path, g->size[0], g->size[1], g->size[2],
            iso_geometry_voxel_count(g), iso_type_name(v->type));
     printf("  spacing    %g x %g x %g mm\n  corner     %g, %g, %g mm (%s)\n", spacing[0], spacing[1], spacing[2],
-           g->origin_mm.x, g->origin_mm.y, g->origin_mm.z, v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
+           g->origin_mm.x, g->origin_mm.y, g->origin_mm.z,
+           v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
     for (int a = 0; a < 3; ++a) {
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);

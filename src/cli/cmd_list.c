@@ -15,17 +15,22 @@
 #include "volume/synthetic.h"
 
 static const iso_names *const lists[] = {
-    &iso_volume_format_names,   &iso_tf_format_names,        &iso_gradient_names,         &iso_code_names,
-    &iso_scalar_filter_names,   &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
-    &iso_field_names,           &iso_export_target_names,
+    &iso_volume_format_names, &iso_tf_format_names,        &iso_gradient_names,         &iso_code_names,
+    &iso_scalar_filter_names, &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
+    &iso_field_names,         &iso_export_target_names,
 };
 enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, whose table may grow at run time */
 
 static const iso_names *list_at(size_t i)
 {
     static const iso_renderer_info *renderers[ISO_MAX_RENDERERS];
-    static iso_names names = {"renderer", renderers, 0, sizeof renderers[0], offsetof(iso_renderer_info, name),
-                              offsetof(iso_renderer_info, title), true};
+    static iso_names names = {"renderer",
+                              renderers,
+                              0,
+                              sizeof renderers[0],
+                              offsetof(iso_renderer_info, name),
+                              offsetof(iso_renderer_info, title),
+                              true};
     if (i + 1 < LIST_COUNT)
         return lists[i];
     names.count = iso_renderer_count();
@@ -38,7 +43,8 @@ static json_t *to_json(const iso_names *names)
 {
     json_t *rows = json_array();
     for (size_t i = 0; i < names->count; ++i)
-        json_array_append_new(rows, json_pack("{s:s, s:s}", "name", iso_names_name(names, i), "summary", iso_names_summary(names, i)));
+        json_array_append_new(rows, json_pack("{s:s, s:s}", "name", iso_names_name(names, i), "summary",
+                                              iso_names_summary(names, i)));
     return json_pack("{s:s, s:o}", "what", names->what, "rows", rows);
 }
 
@@ -53,8 +59,9 @@ static iso_status list(const iso_cli *cli, bool markdown)
 {
     json_t *all = json_array();
     if (markdown && !cli->json)
-        printf("# Names\n\nWhat isoshade reads, writes and chooses from, by the names that its options take. Made by `isoshade list --markdown`\n"
-               "from the program's tables; [extending.md](extending.md) shows how a row is added.\n\n");
+        printf(
+            "# Names\n\nWhat isoshade reads, writes and chooses from, by the names that its options take. Made by `isoshade list --markdown`\n"
+            "from the program's tables; [extending.md](extending.md) shows how a row is added.\n\n");
     for (size_t i = 0; i < LIST_COUNT; ++i) {
         if (cli->json) {
             json_array_append_new(all, to_json(list_at(i)));

@@ -47,7 +47,8 @@ static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *
         ++at;
     }
     if (*at || (count != 4 && count != 9))
-        return iso_fail(err, ISO_E_USAGE, "--rotate is \"%s\", wanted X,Y,Z,DEGREES or the 9 numbers of a direction matrix", text);
+        return iso_fail(err, ISO_E_USAGE,
+                        "--rotate is \"%s\", wanted X,Y,Z,DEGREES or the 9 numbers of a direction matrix", text);
     if (count == 4) {
         if (iso_norm(iso_v3(v[0], v[1], v[2])) == 0)
             return iso_fail(err, ISO_E_USAGE, "--rotate is \"%s\", its axis has no length", text);
@@ -103,7 +104,8 @@ static iso_status parse_range(const char *text, iso_type type, iso_field *field,
     return ISO_OK;
 }
 
-static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso_type type, const iso_cli *cli, iso_error *err)
+static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso_type type, const iso_cli *cli,
+                              iso_error *err)
 {
     const size_t *n = field->geometry.size;
     size_t plane = n[0] * n[1] * iso_type_bytes(type);
@@ -112,7 +114,8 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     iso_progress progress = iso_cli_progress(cli);
     iso_cli_expect(cli, &(iso_cli_stage){"make", 1}, 1);
     void *planes = malloc(slab * plane);
-    iso_status status = planes ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
+    iso_status status = planes ? ISO_OK
+                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
     for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {
         size_t end = z + slab < n[2] ? z + slab : n[2];
         status = iso_field_sample_planes(field, type, z, end, cli->threads, planes, err);
@@ -162,9 +165,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"output", 'o', POPT_ARG_STRING, &opt.output, 0, "the NRRD file to write", "FILE"},
         {"size", 0, POPT_ARG_STRING, &opt.size, 0, "voxels along x, y and z", "NXxNYxNZ"},
         {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "mm along the axes of the grid (1)", "SXxSYxSZ"},
-        {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows", "NUMBERS"},
+        {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows",
+         "NUMBERS"},
         {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
-        {"range", 0, POPT_ARG_STRING, &opt.range, 0, "what the values 0 and 1 become (the type's whole range; 0,1 for floats)", "LO,HI"},
+        {"range", 0, POPT_ARG_STRING, &opt.range, 0,
+         "what the values 0 and 1 become (the type's whole range; 0,1 for floats)", "LO,HI"},
         {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise and vessels", "N"},
         {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress", NULL},
         POPT_TABLEEND,
@@ -190,8 +195,8 @@ const iso_command iso_command_make = {
     .name = "make",
     .summary = "write a synthetic volume whose values and gradients are known",
     .usage = "KIND --size NXxNYxNZ -o FILE.nrrd [options]",
-    .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(KIND_LINE)
-               "Integer types use their whole range. The box is centred at the world's origin.",
+    .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(
+        KIND_LINE) "Integer types use their whole range. The box is centred at the world's origin.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade make sphere --size 48 --type float --rotate 1,2,3,30 -o sphere.nrrd\n"
                 "  isoshade make noise --size 64x48x32 --seed 7 --gzip -o noise.nrrd\n",

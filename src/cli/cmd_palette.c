@@ -52,11 +52,13 @@ static iso_status check_outputs(const palette_args *a, iso_error *err)
         for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i)
             known |= iso_path_ends_with(*path, endings[i]);
         if (!known)
-            return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .svg, .inc, .py or .nrrd", *path);
+            return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .svg, .inc, .py or .nrrd",
+                            *path);
         if (iso_path_ends_with(*path, ".svg") && (!a->method || strcmp(a->method, "anneal") != 0))
             return iso_fail(err, ISO_E_USAGE, "%s: .svg draws a tessellation, which only --method anneal has", *path);
         if (iso_path_ends_with(*path, ".nrrd") && a->ellipsoid)
-            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, and --ellipsoid has no volume", *path);
+            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, and --ellipsoid has no volume",
+                            *path);
     }
     return ISO_OK;
 }
@@ -184,7 +186,8 @@ static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_
     for (size_t k = first; k <= last && status == ISO_OK; ++k) {
         const iso_level *l = &p->levels[k];
         if (a->by_magnitude && !l->magnitude) {
-            status = iso_fail(err, ISO_E_RANGE, "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
+            status = iso_fail(err, ISO_E_RANGE,
+                              "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
             break;
         }
         const float *directions;
@@ -274,7 +277,8 @@ static char *level_path(const char *path, long level)
 }
 
 /* One output; indices of a pyramid's levels go to a file a level, the rest to one. */
-static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fitted *f, const char *path, iso_error *err)
+static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fitted *f, const char *path,
+                           iso_error *err)
 {
     char *note = iso_cli_command_line(a->cli);
     const char *text = note ? note : "";
@@ -295,7 +299,8 @@ static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fi
         status = save_volume_indices(a, &f->palette, path, err);
     else if (f->level >= 0)
         status = save_level_indices(p, (size_t)f->level, &f->palette, path, err);
-    for (size_t k = 0; p && f->level < 0 && iso_path_ends_with(path, ".nrrd") && k < p->level_count && status == ISO_OK; ++k) {
+    for (size_t k = 0; p && f->level < 0 && iso_path_ends_with(path, ".nrrd") && k < p->level_count && status == ISO_OK;
+         ++k) {
         char *name = level_path(path, (long)k);
         status = name ? save_level_indices(p, k, &f->palette, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
         free(name);
@@ -366,7 +371,8 @@ static void report(const palette_args *a, const iso_palette_options *opt, const 
 static iso_status make_one(const palette_args *a, const iso_palette_options *opt, const iso_pyramid *p, long level,
                            json_t *palettes, iso_error *err)
 {
-    const iso_cli_stage stages[] = {{"directions", 1}, {opt->method == ISO_PALETTE_ANNEAL ? "annealing" : "palette", 3}};
+    const iso_cli_stage stages[] = {{"directions", 1},
+                                    {opt->method == ISO_PALETTE_ANNEAL ? "annealing" : "palette", 3}};
     fitted f = {.level = level};
     double start = iso_clock_seconds();
     iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
@@ -376,7 +382,8 @@ static iso_status make_one(const palette_args *a, const iso_palette_options *opt
     else if (!p)
         status = volume_set(a, a->cli->arguments[0], &f.set, err);
     else
-        status = pyramid_set(a, p, level < 0 ? 0 : (size_t)level, level < 0 ? p->level_count - 1 : (size_t)level, &f.set, err);
+        status = pyramid_set(a, p, level < 0 ? 0 : (size_t)level, level < 0 ? p->level_count - 1 : (size_t)level,
+                             &f.set, err);
     f.sample_seconds = iso_clock_seconds() - start;
     if (status == ISO_OK)
         status = fit(a, opt, &f, err);
@@ -402,7 +409,8 @@ static iso_status make_all(const palette_args *a, iso_error *err)
     if (is_pyramid)
         status = iso_pyramid_load(path, &p, err);
     if (status == ISO_OK && is_pyramid && a->level >= (int)p.level_count)
-        status = iso_fail(err, ISO_E_USAGE, "--level is %d, %s has the levels 0 to %zu", a->level, path, p.level_count - 1);
+        status = iso_fail(err, ISO_E_USAGE, "--level is %d, %s has the levels 0 to %zu", a->level, path,
+                          p.level_count - 1);
     json_t *palettes = json_array();
     for (size_t k = 0; status == ISO_OK && k < (a->per_level ? p.level_count : 1); ++k)
         status = make_one(a, &opt, is_pyramid ? &p : NULL, a->per_level ? (long)k : a->level, palettes, err);
@@ -428,25 +436,36 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     const iso_palette_options d = iso_palette_defaults();
     iso_cli cli;
-    palette_args a = {.cli = &cli, .entries = (int)d.directions, .seed = (int)d.seed, .level = -1,
-                      .swap_trials = (int)d.swap_trials, .cycles = (int)d.anneal.cycles, .steps = (int)d.anneal.steps,
-                      .start_prob = d.anneal.start_prob, .temp_fac = d.anneal.temp_fac,
-                      .move_min = d.anneal.move_deg[0], .move_max = d.anneal.move_deg[1]};
+    palette_args a = {.cli = &cli,
+                      .entries = (int)d.directions,
+                      .seed = (int)d.seed,
+                      .level = -1,
+                      .swap_trials = (int)d.swap_trials,
+                      .cycles = (int)d.anneal.cycles,
+                      .steps = (int)d.anneal.steps,
+                      .start_prob = d.anneal.start_prob,
+                      .temp_fac = d.anneal.temp_fac,
+                      .move_min = d.anneal.move_deg[0],
+                      .move_max = d.anneal.move_deg[1]};
     iso_volume_input_defaults(&a.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,
          "may be repeated; by its ending: .csv, .inc (POV-Ray), .py (Blender), .exr (one row of floats), .png (a "
-         "picture), .svg (the tessellation), .nrrd (the volume's indices)", "FILE"},
+         "picture), .svg (the tessellation), .nrrd (the volume's indices)",
+         "FILE"},
         {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "directions besides the zero vector", "N"},
         {"method", 0, POPT_ARG_STRING, &a.method, 0,
          "kmeans (default), kmeans++, lloyd, lbg, anneal, faces, vertices, grid, spiral, fibonacci", "NAME"},
         {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "of the random numbers", "N"},
-        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by the magnitude of their gradient", NULL},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by their opacity under this transfer function", "NAME.tf.json"},
+        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by the magnitude of their gradient",
+         NULL},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by their opacity under this transfer function",
+         "NAME.tf.json"},
         {"level", 0, POPT_ARG_INT, &a.level, 0, "of a pyramid: this level alone; else one palette for all", "K"},
         {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "of a pyramid: a palette a level, files NAME_level_K", NULL},
-        {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, 0, "no volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball", "N"},
+        {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, 0, "no volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball",
+         "N"},
         {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "with --ellipsoid: at points on its surface instead", NULL},
         {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried an entry", "N"},
         {"start-prob", 0, POPT_ARG_DOUBLE | shown, &a.start_prob, 0, "anneal: START_PROB", "P"},
@@ -473,8 +492,9 @@ const iso_command iso_command_palette = {
     .name = "palette",
     .summary = "fit a table of directions to a volume: one byte a voxel instead of three",
     .usage = "[VOLUME | PYRAMID.iso] [-o FILE ...] [options]",
-    .details = "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"
-               "volume is read slab by slab.",
+    .details =
+        "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"
+        "volume is read slab by slab.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"

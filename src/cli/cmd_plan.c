@@ -51,7 +51,8 @@ static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_d
     return status;
 }
 
-static iso_status update_from(const plan_arguments *a, const iso_planner *p, int threads, plan_update *u, iso_error *err)
+static iso_status update_from(const plan_arguments *a, const iso_planner *p, int threads, plan_update *u,
+                              iso_error *err)
 {
     iso_plan_file old;
     *u = (plan_update){0};
@@ -85,19 +86,20 @@ static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan
         by_level[t->levels[i]] += t->drawn[i];
     for (size_t l = 0; l < p->plan.level_count; ++l)
         json_array_append_new(counts, json_integer((json_int_t)by_level[l]));
-    json_t *plan = json_pack("{s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:i}", "error",
-                             a->error, "views", (int)p->view_count, "predicted_rmse", t->predicted_rmse, "measured_rmse",
-                             t->measured.rmse, "measured_max_abs", t->measured.max_abs, "measured_p99_abs",
-                             t->measured.p99_abs, "blank_rmse", p->blank_rmse, "brick_count", (json_int_t)p->plan.brick_count,
-                             "shown_count", (json_int_t)t->drawn_count, "voxel_count", (json_int_t)t->node_count, "bytes",
-                             iso_plan_trial_bytes(t), "full_bytes", full_bytes, "bytes_part", iso_plan_trial_bytes(t) / full_bytes,
-                             "renders", p->render_count, "bricks_by_level", counts, "bricks", (int)p->nodes->count[0],
-                             (int)p->nodes->count[1], (int)p->nodes->count[2], "brick_voxels", (int)p->nodes->brick_voxels,
-                             "level_count", (int)p->nodes->level_count);
+    json_t *plan = json_pack(
+        "{s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:i}", "error",
+        a->error, "views", (int)p->view_count, "predicted_rmse", t->predicted_rmse, "measured_rmse", t->measured.rmse,
+        "measured_max_abs", t->measured.max_abs, "measured_p99_abs", t->measured.p99_abs, "blank_rmse", p->blank_rmse,
+        "brick_count", (json_int_t)p->plan.brick_count, "shown_count", (json_int_t)t->drawn_count, "voxel_count",
+        (json_int_t)t->node_count, "bytes", iso_plan_trial_bytes(t), "full_bytes", full_bytes, "bytes_part",
+        iso_plan_trial_bytes(t) / full_bytes, "renders", p->render_count, "bricks_by_level", counts, "bricks",
+        (int)p->nodes->count[0], (int)p->nodes->count[1], (int)p->nodes->count[2], "brick_voxels",
+        (int)p->nodes->brick_voxels, "level_count", (int)p->nodes->level_count);
     if (a->update)
-        json_object_set_new(plan, "update", json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
-                                                      "baked_count", (json_int_t)u->baked_count, "drawn_count",
-                                                      (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
+        json_object_set_new(plan, "update",
+                            json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
+                                      "baked_count", (json_int_t)u->baked_count, "drawn_count",
+                                      (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
     json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
     json_object_update(plan, bricks);
     json_decref(bricks);
@@ -105,7 +107,10 @@ static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan
 }
 
 /* An image that is nearly as far from the full one as an empty one is. */
-static bool shows_little(const iso_planner *p) { return p->blank_rmse > 0 && p->best.measured.rmse > 0.5 * p->blank_rmse; }
+static bool shows_little(const iso_planner *p)
+{
+    return p->blank_rmse > 0 && p->best.measured.rmse > 0.5 * p->blank_rmse;
+}
 
 static void print_report(const iso_planner *p, const plan_arguments *a, const plan_update *u)
 {
@@ -118,19 +123,23 @@ static void print_report(const iso_planner *p, const plan_arguments *a, const pl
            100 * iso_plan_trial_bytes(t) / full_bytes, t->predicted_rmse, t->measured.rmse, t->measured.max_abs,
            p->view_count, p->render_count);
     if (a->update)
-        printf("update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of all; the same bytes as from nothing\n",
-               u->changed_count, u->baked_count, u->drawn_count, u->update_seconds / u->scratch_seconds);
+        printf(
+            "update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of all; the same bytes as from nothing\n",
+            u->changed_count, u->baked_count, u->drawn_count, u->update_seconds / u->scratch_seconds);
 }
 
-static iso_status report(const iso_planner *p, const plan_arguments *a, const plan_update *u, const iso_cli *cli, iso_error *err)
+static iso_status report(const iso_planner *p, const plan_arguments *a, const plan_update *u, const iso_cli *cli,
+                         iso_error *err)
 {
     json_t *plan = to_json(p, a, u), *root = iso_cli_json(cli);
     json_object_update(root, plan);
     json_decref(plan);
     iso_status status = a->output ? iso_json_save(a->output, root, err) : ISO_OK;
     if (status == ISO_OK && shows_little(p) && !cli->quiet)
-        fprintf(stderr, "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left in so few bytes\n",
-                p->best.measured.rmse, p->blank_rmse);
+        fprintf(
+            stderr,
+            "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left in so few bytes\n",
+            p->best.measured.rmse, p->blank_rmse);
     if (status == ISO_OK && cli->json) {
         iso_cli_print_json(root);
         return ISO_OK;
@@ -145,18 +154,19 @@ static iso_status save_image(const iso_image *image, const char *path, iso_error
 {
     if (!path)
         return ISO_OK;
-    return iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err) : iso_image_save_exr(image, path, NULL, err);
+    return iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err)
+                                            : iso_image_save_exr(image, path, NULL, err);
 }
 
-static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes, const iso_view *views,
-                             size_t view_count, iso_error *err)
+static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes,
+                             const iso_view *views, size_t view_count, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
     iso_planner p;
     plan_update update;
-    iso_status status =
-        iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads}, &progress, err);
+    iso_status status = iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads},
+                                           &progress, err);
     if (status != ISO_OK)
         return status;
     status = iso_planner_search(&p, a->error, a->memory, &progress, err);
@@ -221,15 +231,22 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     plan_arguments a = {.error = 1.0 / 255, .brick = 16, .levels = 4, .views = 1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all", "SCENE.scene.json"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0, "views of each scene, turned around its up axis: the plan holds for all", "N"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "largest RMSE allowed in each image", "E"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
+         "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all",
+         "SCENE.scene.json"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
+         "views of each scene, turned around its up axis: the plan holds for all", "N"},
+        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "largest RMSE allowed in each image",
+         "E"},
         {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead: bytes that the bricks may take", "BYTES"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes", "N"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
+         "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes",
+         "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "with level 0", "N"},
         {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
-        {"update", 0, POPT_ARG_STRING, &a.update, 0, "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
+        {"update", 0, POPT_ARG_STRING, &a.update, 0,
+         "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan file to write", "PLAN.json"},
         {"image", 0, POPT_ARG_STRING, &a.image, 0, "the plan rendered, .exr or .png", "FILE"},
         {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "the full model rendered, .exr or .png", "FILE"},
@@ -252,10 +269,12 @@ const iso_command iso_command_plan = {
     .name = "plan",
     .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [--error E | --memory BYTES] [options]",
-    .details = "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
-               "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
-               "against all bricks at level 0. `isoshade export --plan` writes the planned volume.",
-    .examples = "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
-                "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
+    .details =
+        "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
+        "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
+        "against all bricks at level 0. `isoshade export --plan` writes the planned volume.",
+    .examples =
+        "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
+        "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
     .run = run,
 };

@@ -21,7 +21,8 @@ typedef struct render_arguments {
     iso_cli_roi roi;
     const char *with;
     char *scene, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels, page_side;
+    int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
+        page_side;
     double step, cache_bytes;
     char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */
@@ -29,7 +30,10 @@ typedef struct render_arguments {
 } render_arguments;
 
 /* The renderers that have a trait: "reference and gl". */
-static const char *and_list(unsigned trait, char names[256]) { return iso_renderers_with(trait, ", ", " and ", names, 256); }
+static const char *and_list(unsigned trait, char names[256])
+{
+    return iso_renderers_with(trait, ", ", " and ", names, 256);
+}
 
 /* An option that the renderer would pass over is an error: its user would believe it. */
 static iso_status check_for_renderer(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
@@ -52,7 +56,8 @@ static iso_status check_for_renderer(const render_arguments *a, const iso_render
     char names[256];
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         if (rules[i].given && !iso_renderer_has(renderer, rules[i].trait))
-            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option, and_list(rules[i].trait, names));
+            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option,
+                            and_list(rules[i].trait, names));
     return ISO_OK;
 }
 
@@ -74,15 +79,20 @@ static const char *list_quadratures(const iso_renderer_info *renderer, bool mark
         wanted += renderer->quadratures >> quadratures[i].value & 1;
     for (size_t i = 0; i < quadrature_count && length < 160; ++i)
         if (renderer->quadratures >> quadratures[i].value & 1) {
-            length += (size_t)snprintf(text + length, 160 - length, "%s%s%s", done == 0 ? "" : done + 1 < wanted ? ", " : " or ",
+            length += (size_t)snprintf(text + length, 160 - length, "%s%s%s",
+                                       done == 0           ? ""
+                                       : done + 1 < wanted ? ", "
+                                                           : " or ",
                                        quadratures[i].name,
-                                       mark && quadratures[i].value == renderer->defaults.quadrature ? " (default)" : "");
+                                       mark && quadratures[i].value == renderer->defaults.quadrature ? " (default)"
+                                                                                                     : "");
             ++done;
         }
     return text;
 }
 
-static iso_status take_quadrature(const char *word, const iso_renderer_info *renderer, iso_quadrature *quadrature, iso_error *err)
+static iso_status take_quadrature(const char *word, const iso_renderer_info *renderer, iso_quadrature *quadrature,
+                                  iso_error *err)
 {
     char wanted[160];
     for (size_t i = 0; i < quadrature_count; ++i)
@@ -90,10 +100,14 @@ static iso_status take_quadrature(const char *word, const iso_renderer_info *ren
             *quadrature = quadratures[i].value;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word, list_quadratures(renderer, false, wanted));
+    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
+                    list_quadratures(renderer, false, wanted));
 }
 
-static bool is_in_bricks(const render_arguments *a) { return a->cache_bytes != 0 || a->plan_error > 0; }
+static bool is_in_bricks(const render_arguments *a)
+{
+    return a->cache_bytes != 0 || a->plan_error > 0;
+}
 
 /* Bricks choose their levels themselves, and are what the ray caster has decoded. */
 static iso_status check_cache(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
@@ -102,13 +116,17 @@ static iso_status check_cache(const render_arguments *a, const iso_renderer_info
     if (!is_in_bricks(a))
         return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
     if (a->cache_bytes != 0 && a->plan_error > 0)
-        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
-    if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table || a->exact_lookups ||
-        a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
-                                          "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
-                        and_list(ISO_HAS_BRICKS, names));
-    iso_status status = a->plan_error > 0 ? ISO_OK : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
+        return iso_fail(err, ISO_E_USAGE,
+                        "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
+    if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||
+        a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
+            "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
+            and_list(ISO_HAS_BRICKS, names));
+    iso_status status = a->plan_error > 0 ? ISO_OK
+                                          : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
     return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
@@ -119,7 +137,8 @@ static iso_status take_build(const render_arguments *a, const char *path, iso_py
 {
     iso_status status = ISO_OK;
     if ((a->direction_filter || a->estimator) && iso_pyramid_is_one(path))
-        return iso_fail(err, ISO_E_USAGE, "--direction-filter and --estimator are for volumes; %s keeps those of its build", path);
+        return iso_fail(err, ISO_E_USAGE,
+                        "--direction-filter and --estimator are for volumes; %s keeps those of its build", path);
     if (a->estimator)
         status = iso_gradient_from_name(a->estimator, &build->gradient.method, err);
     if (status == ISO_OK && a->direction_filter)
@@ -138,7 +157,8 @@ static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *e
         return status;
     iso_level *level = &p->levels[a->level];
     if (!level->directions || !iso_code_describe(code)->is_textured)
-        return iso_fail(err, ISO_E_USAGE, "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)", a->code,
+        return iso_fail(err, ISO_E_USAGE,
+                        "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)", a->code,
                         iso_code_describe(p->options.code)->name);
     iso_code_encode(code, level->directions, level->codes, iso_geometry_voxel_count(&level->geometry));
     p->options.code = code;
@@ -151,13 +171,15 @@ static iso_status check_limit(const render_arguments *a, const iso_renderer_info
     char names[256];
     if (!a->limit)
         return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
-    if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples || a->shade_table ||
-        a->exact_lookups || is_in_bricks(a))
-        return iso_fail(err, ISO_E_USAGE, "--limit is for --with %s, without --quadrature, --shading-from, "
-                                          "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
+    if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples ||
+        a->shade_table || a->exact_lookups || is_in_bricks(a))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--limit is for --with %s, without --quadrature, --shading-from, "
+                        "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
                         and_list(ISO_HAS_LIMIT, names));
     if (a->intervals % 2)
-        return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them", a->intervals);
+        return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them",
+                        a->intervals);
     if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
         return iso_fail(err, ISO_E_USAGE, "--seeds is for --with %s alone", and_list(ISO_IS_RANDOM, names));
     return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
@@ -173,7 +195,8 @@ static iso_status take_options(const render_arguments *a, const iso_cli *cli, is
     if (status == ISO_OK && a->step != 0)
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     if (status == ISO_OK)
-        status = iso_words_check_range("--intervals", a->intervals, 0, renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
+        status = iso_words_check_range("--intervals", a->intervals, 0,
+                                       renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--planes", a->planes, 0, 64, err);
     if (status == ISO_OK)
@@ -223,7 +246,8 @@ static iso_status attach_palette(const render_arguments *a, const iso_render_opt
     if (a->shade_table && !a->palette)
         return iso_fail(err, ISO_E_USAGE, "--shade-table needs a --palette FILE.csv");
     if (!a->palette || !is_from_palette(opt->source))
-        return iso_fail(err, ISO_E_USAGE, "--palette FILE.csv and --shading-from palette or palette-nearest go together");
+        return iso_fail(err, ISO_E_USAGE,
+                        "--palette FILE.csv and --shading-from palette or palette-nearest go together");
     iso_status status = iso_palette_load_csv(a->palette, palette, err);
     if (status == ISO_OK && (size_t)a->level < p->level_count)
         status = iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err);
@@ -252,18 +276,21 @@ static void report(const render_arguments *a, const iso_cli *cli, const iso_pyra
                    const char *version, double seconds)
 {
     if (!cli->json) {
-        printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version, seconds);
+        printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version,
+               seconds);
         return;
     }
     json_t *root = iso_cli_json(cli);
     const iso_geometry *g = &p->levels[a->level].geometry;
     json_object_update_new(json_object_get(root, "options"),
                            json_pack("{s:s, s:i, s:s, s:s}", "with", a->with, "level", a->level, "shading_from",
-                                     a->source ? a->source : "codes", "code", iso_code_describe(p->options.code)->name));
-    json_object_update_new(root, json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer", version,
-                                           "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
-                                           (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
-                                           "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
+                                     a->source ? a->source : "codes", "code",
+                                     iso_code_describe(p->options.code)->name));
+    json_object_update_new(root,
+                           json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer",
+                                     version, "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
+                                     (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
+                                     "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
     iso_cli_print_json(root);
 }
 
@@ -271,7 +298,8 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 {
     if (cli->json || cli->quiet)
         return;
-    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count, r->page_count == 1 ? "" : "s", r->brick_count);
+    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count, r->page_count == 1 ? "" : "s",
+           r->brick_count);
     for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
         if (r->bricks_by_level[l] > 0)
             printf(" %zu at level %zu", r->bricks_by_level[l], l);
@@ -279,8 +307,8 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 }
 
 /* By bricks, in a cache of so many bytes. */
-static iso_status render_cached(const render_arguments *a, const iso_cli *cli, const iso_render_request *q, iso_image *image,
-                                double *seconds, iso_error *err)
+static iso_status render_cached(const render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+                                iso_image *image, double *seconds, iso_error *err)
 {
     iso_cached_report r = {0};
     const iso_cached_options o = {.cache_bytes = a->cache_bytes,
@@ -302,8 +330,8 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, c
 }
 
 /* Extrapolated from the step and its double; of Cycles the mean over seeds. */
-static iso_status render_limit(const render_arguments *a, const iso_cli *cli, const iso_render_request *q, iso_image *image,
-                               double *seconds, iso_error *err)
+static iso_status render_limit(const render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+                               iso_image *image, double *seconds, iso_error *err)
 {
     iso_limit_options o = iso_limit_defaults();
     const double start = iso_clock_seconds();
@@ -314,7 +342,8 @@ static iso_status render_limit(const render_arguments *a, const iso_cli *cli, co
     o.intervals = (size_t)a->intervals;
     o.threads = cli->threads;
     if (q->level >= q->pyramid->level_count)
-        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level, q->pyramid->level_count - 1);
+        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level,
+                        q->pyramid->level_count - 1);
     iso_status status = iso_limit_render(q, q->options->renderer, &o, image, err);
     *seconds = iso_clock_seconds() - start;
     return status;
@@ -350,9 +379,13 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     if (status == ISO_OK)
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
-        status = iso_cli_roi_view(&a->roi, &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, cli->threads}, &view, err);
+        status = iso_cli_roi_view(&a->roi,
+                                  &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
+                                                       cli->threads},
+                                  &view, err);
     if (status == ISO_OK)
-        status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err);
+        status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
+                                    err);
     if (status == ISO_OK)
         status = opt.renderer->version(&renderers, version, sizeof version, err);
     if (status == ISO_OK && is_in_bricks(a))
@@ -381,7 +414,10 @@ typedef struct help_texts {
     size_t count;
 } help_texts;
 
-static const char *list_renderers(help_texts *h) { return iso_renderers_with(0, ", ", " or ", h->text[h->count++], sizeof h->text[0]); }
+static const char *list_renderers(help_texts *h)
+{
+    return iso_renderers_with(0, ", ", " or ", h->text[h->count++], sizeof h->text[0]);
+}
 
 /* "gl and povray: what" */
 static const char *of_those(help_texts *h, unsigned trait, const char *what)
@@ -414,31 +450,57 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest", "K"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
+         "K"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
-        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0, of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
-        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette", "FILE.csv"},
-        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0, of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures at positions in double precision; slow, for validation"), NULL},
-        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0, of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
+        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0,
+         of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
+        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette",
+         "FILE.csv"},
+        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0,
+         of_those(&help, ISO_READS_EXACT_LOOKUPS,
+                  "filter textures at positions in double precision; slow, for validation"),
+         NULL},
+        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0,
+         of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
-        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "of a volume: gradient estimator of the list below (central)", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0, "of its coarse levels: direction filter of the list below (moments)", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0,
+         "of a volume: gradient estimator of the list below (central)", "NAME"},
+        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0,
+         "of its coarse levels: direction filter of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: direction code of the list below (fit)", "NAME"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, of_those(&help, ISO_HAS_ISOSURFACES, "the first hit of this value, opaque"), "VALUE"},
-        {"intervals", 0, POPT_ARG_INT, &a.intervals, 0, of_those(&help, ISO_READS_INTERVALS, "intervals a ray; of the reference in POV-Ray's quadrature"), "N"},
-        {"planes", 0, POPT_ARG_INT, &a.planes, 0, of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
+         of_those(&help, ISO_HAS_ISOSURFACES, "the first hit of this value, opaque"), "VALUE"},
+        {"intervals", 0, POPT_ARG_INT, &a.intervals, 0,
+         of_those(&help, ISO_READS_INTERVALS, "intervals a ray; of the reference in POV-Ray's quadrature"), "N"},
+        {"planes", 0, POPT_ARG_INT, &a.planes, 0,
+         of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, 0, of_those(&help, ISO_READS_SAMPLES, "samples a pixel (1)"), "N"},
         {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of its random numbers"), "N"},
-        {"limit", 0, POPT_ARG_NONE, &a.limit, 0, of_those(&help, ISO_HAS_LIMIT, "extrapolate to step 0 from --step (0.25) or --intervals and twice the step, as validate does"), NULL},
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, which are averaged (4)"), "N"},
-        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0, of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels without seams, with the least error that fits into textures of so many bytes"), "BYTES"},
-        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0, of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0, "with --cache-bytes or --plan-error: voxels along a side of a brick", "N"},
-        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0, "with these two: levels of the bricks, with level 0", "N"},
-        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0, "with these two: most texels along a side of a texture; more textures are made where one is too small", "TEXELS"},
-        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0, of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
+        {"limit", 0, POPT_ARG_NONE, &a.limit, 0,
+         of_those(&help, ISO_HAS_LIMIT,
+                  "extrapolate to step 0 from --step (0.25) or --intervals and twice the step, as validate does"),
+         NULL},
+        {"seeds", 0, POPT_ARG_INT, &a.seeds, 0,
+         of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, which are averaged (4)"), "N"},
+        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0,
+         of_those(
+             &help, ISO_HAS_BRICKS,
+             "bricks of mixed levels without seams, with the least error that fits into textures of so many bytes"),
+         "BYTES"},
+        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0,
+         of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
+         "with --cache-bytes or --plan-error: voxels along a side of a brick", "N"},
+        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0,
+         "with these two: levels of the bricks, with level 0", "N"},
+        {"page-side", 0, POPT_ARG_INT, &a.page_side, 0,
+         "with these two: most texels along a side of a texture; more textures are made where one is too small",
+         "TEXELS"},
+        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0,
+         of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -459,16 +521,19 @@ const iso_command iso_command_render = {
     .name = "render",
     .summary = "render a level with any of the renderers",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
-    .details = "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"
-               "on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
-    .examples = "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
-                "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
-    .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names, &iso_code_names, NULL},
+    .details =
+        "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"
+        "on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
+    .examples =
+        "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
+    .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names,
+                                        &iso_code_names, NULL},
     .run = run,
 };

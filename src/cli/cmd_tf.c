@@ -38,7 +38,8 @@ static char *adapted_path(const tf_arguments *a, size_t level)
     return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
 }
 
-static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level, json_t *levels, iso_error *err)
+static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level,
+                            json_t *levels, iso_error *err)
 {
     const char *input = a->cli->arguments[1];
     iso_adapt_options opt;
@@ -46,7 +47,8 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     iso_tf_table table = {0};
     iso_tf file = {0};
     char *path = adapted_path(a, level);
-    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
+                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_adapt_level(p, iso_pyramid_is_one(input) ? input : NULL, level, tf, &opt, &table, &v, err);
     if (status == ISO_OK)
@@ -54,12 +56,12 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     if (status == ISO_OK)
         status = iso_tf_save(&file, path, err);
     if (status == ISO_OK) {
-        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
-                                                (int)table.count, "rms_original", v.rms_original, "rms_adapted", v.rms_adapted,
-                                                "kept_original", v.use_original));
+        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path,
+                                                "entries", (int)table.count, "rms_original", v.rms_original,
+                                                "rms_adapted", v.rms_adapted, "kept_original", v.use_original));
         if (!a->cli->json)
-            printf("level %zu  %s  error at the voxels %.5f, adapted %.5f%s\n", level, path, v.rms_original, v.rms_adapted,
-                   v.use_original ? "  original kept" : "");
+            printf("level %zu  %s  error at the voxels %.5f, adapted %.5f%s\n", level, path, v.rms_original,
+                   v.rms_adapted, v.use_original ? "  original kept" : "");
     }
     iso_tf_destroy(&file);
     iso_tf_table_destroy(&table);
@@ -106,7 +108,8 @@ static iso_status adapt(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = load_outline(a, &build, &p, err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1], a->level, p.level_count - 1);
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
+                          a->level, p.level_count - 1);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
@@ -127,7 +130,8 @@ static iso_status adapt(const tf_arguments *a, iso_error *err)
 /* ---- convert and show -------------------------------------------------------------- */
 
 /* A TF file's table, for a volume where one is given, else for the range [0, 1] and voxels of 1 mm. */
-static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table, double *unit_mm, iso_error *err)
+static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table, double *unit_mm,
+                             iso_error *err)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
     double lo = 0, hi = 1;
@@ -159,7 +163,8 @@ static iso_status convert(const tf_arguments *a, iso_error *err)
                         iso_tf_format_written(written, sizeof written));
     const iso_tf_format *format = iso_tf_format_of(a->output);
     if (!format || !format->save)
-        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output, iso_tf_format_written(written, sizeof written));
+        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output,
+                        iso_tf_format_written(written, sizeof written));
     iso_status status = load_table(a, a->cli->arguments[1], &tf, &table, &unit_mm, err);
     if (status == ISO_OK)
         status = format->save(&table, unit_mm, a->output, err);
@@ -182,10 +187,12 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
     FILE *gp = path ? fopen(path, "w") : NULL;
     iso_status status = gp ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
     if (gp)
-        fprintf(gp, "set terminal %s size 800,%zu%s font 'sans,11'\nset output '%s'\nset multiplot layout %zu,1\nset key off\n"
-                    "set yrange [0:1]\nset tics out nomirror\nset border 3\nset lmargin 9\nset rmargin 3\n",
-                iso_path_ends_with(a->output, ".svg") ? "svg" : "pngcairo", 60 + 180 * count, iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "",
-                picture, count);
+        fprintf(
+            gp,
+            "set terminal %s size 800,%zu%s font 'sans,11'\nset output '%s'\nset multiplot layout %zu,1\nset key off\n"
+            "set yrange [0:1]\nset tics out nomirror\nset border 3\nset lmargin 9\nset rmargin 3\n",
+            iso_path_ends_with(a->output, ".svg") ? "svg" : "pngcairo", 60 + 180 * count,
+            iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "", picture, count);
     double unit_mm = 0; /* the first one's for all, so that the panels can be compared */
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         iso_tf tf = {0};
@@ -199,11 +206,14 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
             for (size_t e = 0; e < t.count; ++e)
                 fprintf(gp, "%.9g %.6g %d\n", t.lo + (t.hi - t.lo) * (double)e / (double)(t.count - 1),
                         -expm1(-(double)t.entries[4 * e + 3] * unit_mm),
-                        srgb_byte(t.entries[4 * e]) << 16 | srgb_byte(t.entries[4 * e + 1]) << 8 | srgb_byte(t.entries[4 * e + 2]));
-            fprintf(gp, "EOD\nset title '%s' noenhanced offset 0,-0.7\nset ylabel 'opacity of %.3g mm'\nset xrange [%.9g:%.9g]\n"
-                        "set boxwidth %.9g absolute\nplot $data%zu using 1:2:3 with boxes fs solid noborder lc rgb variable, "
-                        "'' using 1:2 with lines lc rgb '#404040' lw 1.2\n",
-                    iso_path_base(name), unit_mm, t.lo, t.hi, (t.hi - t.lo) / (double)(t.count - 1), i);
+                        srgb_byte(t.entries[4 * e]) << 16 | srgb_byte(t.entries[4 * e + 1]) << 8 |
+                            srgb_byte(t.entries[4 * e + 2]));
+            fprintf(
+                gp,
+                "EOD\nset title '%s' noenhanced offset 0,-0.7\nset ylabel 'opacity of %.3g mm'\nset xrange [%.9g:%.9g]\n"
+                "set boxwidth %.9g absolute\nplot $data%zu using 1:2:3 with boxes fs solid noborder lc rgb variable, "
+                "'' using 1:2 with lines lc rgb '#404040' lw 1.2\n",
+                iso_path_base(name), unit_mm, t.lo, t.hi, (t.hi - t.lo) / (double)(t.count - 1), i);
         }
         iso_tf_destroy(&tf);
         iso_tf_table_destroy(&t);
@@ -214,7 +224,8 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
     return status;
 }
 
-typedef iso_status (*script_writer)(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err);
+typedef iso_status (*script_writer)(const tf_arguments *a, const char *dir, const char *picture, void *user,
+                                    iso_error *err);
 
 /* Runs the script DIR/tf.gp that `write` leaves; the picture appears when it is whole. */
 static iso_status draw(const tf_arguments *a, script_writer write, void *user, iso_error *err)
@@ -271,7 +282,8 @@ static iso_status show(const tf_arguments *a, iso_error *err)
 
 /* The error of Eq. 6 for the weights s C + t T + (1 - s - t) G over the triangle of (s, t). */
 static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_options *given, const iso_tf_table *tf,
-                                   const iso_geometry *level0, size_t level, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
+                                   const iso_geometry *level0, size_t level,
+                                   double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int i = 0; i <= TRIANGLE_STEPS && status == ISO_OK; ++i)
@@ -295,8 +307,8 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
     return status;
 }
 
-static iso_status write_triangle_script(const char *dir, const char *picture, const tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1],
-                                        iso_error *err)
+static iso_status write_triangle_script(const char *dir, const char *picture, const tf_arguments *a,
+                                        double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
 {
     bool svg = iso_path_ends_with(a->output, ".svg");
     char *path = iso_path_join(dir, "tf.gp");
@@ -304,11 +316,14 @@ static iso_status write_triangle_script(const char *dir, const char *picture, co
     free(path);
     if (!gp)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
-    fprintf(gp, "set terminal %s size 560,480%s font 'sans,11'\nset output '%s'\nset key off\nset size ratio 0.866\n"
-                "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
-                "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
-                "set title '%s, level %d' noenhanced\n$data << EOD\n",
-            svg ? "svg" : "pngcairo", svg ? " background 'white'" : "", picture, iso_path_base(a->cli->arguments[1]), a->level);
+    fprintf(
+        gp,
+        "set terminal %s size 560,480%s font 'sans,11'\nset output '%s'\nset key off\nset size ratio 0.866\n"
+        "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
+        "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
+        "set title '%s, level %d' noenhanced\n$data << EOD\n",
+        svg ? "svg" : "pngcairo", svg ? " background 'white'" : "", picture, iso_path_base(a->cli->arguments[1]),
+        a->level);
     for (int i = 0; i <= TRIANGLE_STEPS; ++i)
         for (int j = 0; i + j <= TRIANGLE_STEPS; ++j)
             fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / TRIANGLE_STEPS, 0.8660254 * j / TRIANGLE_STEPS, rms[i][j]);
@@ -326,16 +341,19 @@ static void print_triangle(const tf_arguments *a, double rms[TRIANGLE_STEPS + 1]
                 least = rms[i][j], s = (double)i / TRIANGLE_STEPS, t = (double)j / TRIANGLE_STEPS;
     if (a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
-        json_object_update_new(root, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
-                                               "rms_triangle", triangular, "rms_least", least, "least_s", s, "least_t", t));
+        json_object_update_new(root,
+                               json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
+                                         "rms_triangle", triangular, "rms_least", least, "least_s", s, "least_t", t));
         iso_cli_print_json(root);
     } else {
-        printf("RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n", gauss, constant,
-               triangular, least, s, t);
+        printf(
+            "RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n",
+            gauss, constant, triangular, least, s, t);
     }
 }
 
-static iso_status write_triangle(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err)
+static iso_status write_triangle(const tf_arguments *a, const char *dir, const char *picture, void *user,
+                                 iso_error *err)
 {
     double(*rms)[TRIANGLE_STEPS + 1] = user;
     return write_triangle_script(dir, picture, a, rms, err);
@@ -351,7 +369,8 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     iso_tf_table table = {0};
     double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1] = {{0}};
     if (a->cli->argument_count != 2 || !a->tf || a->level < 1)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --tf FILE.tf.json --level K [-o PICTURE]");
+        return iso_fail(err, ISO_E_USAGE,
+                        "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --tf FILE.tf.json --level K [-o PICTURE]");
     const char *input = a->cli->arguments[1];
     build.threads = a->cli->threads;
     build.level_count = (size_t)a->level + 1;
@@ -387,7 +406,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
         {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0", "FILE.tf.json"},
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle", "K"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
+         "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
@@ -409,7 +429,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                  : strcmp(what, "show") == 0    ? show(&a, err)
                  : strcmp(what, "triangle") == 0
                      ? triangle(&a, err)
-                     : iso_fail(err, ISO_E_USAGE, "unknown action \"%s\", must be one of: adapt, convert, show, triangle", what);
+                     : iso_fail(err, ISO_E_USAGE,
+                                "unknown action \"%s\", must be one of: adapt, convert, show, triangle", what);
     }
     iso_cli_end(&cli);
     return status;
@@ -418,18 +439,21 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_tf = {
     .name = "tf",
     .summary = "adapt transfer functions to levels, convert and show them",
-    .usage = "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
-    .details = "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
-               "         where the level has that value. Joint histograms are kept in the pyramid. render and export do the same with\n"
-               "         --adapt.\n"
-               "convert  from and to the formats below, by the names' endings.\n"
-               "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
-               "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
-    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
-                "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
-                "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
-                "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
+    .usage =
+        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+    .details =
+        "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
+        "         where the level has that value. Joint histograms are kept in the pyramid. render and export do the same with\n"
+        "         --adapt.\n"
+        "convert  from and to the formats below, by the names' endings.\n"
+        "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
+        "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
+    .examples =
+        "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+        "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
+        "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
+        "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
+        "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
     .lists = (const iso_names *const[]){&iso_tf_format_names, NULL},
     .run = run,
 };

@@ -52,9 +52,11 @@ static void describe_options(const validate_arguments *a, const iso_validation *
     iso_report_put(r, "options", "quick", json_boolean(a->quick));
     if (v->pyramid) {
         iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
-        iso_report_put(r, "options", "image", json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
+        iso_report_put(r, "options", "image",
+                       json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
         iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
-        iso_report_put(r, "options", "direction_filter", json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
+        iso_report_put(r, "options", "direction_filter",
+                       json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
     }
     iso_report_put(r, "options", "code", json_string(iso_code_describe(code)->name));
     iso_report_put(r, "options", "seeds_of_cycles", json_integer((json_int_t)v->seeds));
@@ -63,7 +65,8 @@ static void describe_options(const validate_arguments *a, const iso_validation *
 }
 
 /* A stage and the seconds that it takes. */
-static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *), iso_error *err)
+static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *),
+                            iso_error *err)
 {
     double start = iso_clock_seconds();
     iso_progress_line_begin_phase(v->line, name);
@@ -95,7 +98,8 @@ static iso_status verdict(const iso_validation *v, const iso_report_summary *sum
     return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
 }
 
-static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v, const iso_report_summary *s)
+static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v,
+                         const iso_report_summary *s)
 {
     if (cli->json) {
         json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
@@ -121,20 +125,33 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     return verdict(v, &summary, err);
 }
 
-static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene, iso_error *err)
+static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
+                           iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_volume_input_line(&a->input);
-    iso_validation v = {.pyramid = pyramid, .scene = scene, .view = &view, .volume_path = cli->arguments[0],
-                        .scene_path = a->scene, .scene_name = name, .input_options = input ? input : "", .quick = a->quick,
-                        .seeds = seeds_of(a), .threads = cli->threads, .line = cli->progress, .progress = &progress};
-    const iso_report_about about = {.title = iso_path_base(cli->arguments[0]), .command = line,
-                                    .volume = cli->arguments[0], .scene = a->scene};
+    iso_validation v = {.pyramid = pyramid,
+                        .scene = scene,
+                        .view = &view,
+                        .volume_path = cli->arguments[0],
+                        .scene_path = a->scene,
+                        .scene_name = name,
+                        .input_options = input ? input : "",
+                        .quick = a->quick,
+                        .seeds = seeds_of(a),
+                        .threads = cli->threads,
+                        .line = cli->progress,
+                        .progress = &progress};
+    const iso_report_about about = {.title = iso_path_base(cli->arguments[0]),
+                                    .command = line,
+                                    .volume = cli->arguments[0],
+                                    .scene = a->scene};
     scale_down(&v, scene, a->size);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max, &view, err);
+        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max,
+                                   &view, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
@@ -154,7 +171,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     return status;
 }
 
-static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build, iso_error *err)
+static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build,
+                                    iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid pyramid = {0};
@@ -198,14 +216,20 @@ static iso_status make_volume(const char *make, const char *path, iso_error *err
     return status;
 }
 
-static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build, iso_error *err)
+static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
+                                 iso_error *err)
 {
     enum { quick_pixels = 48 };
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
-    iso_validation v = {.quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
-    iso_suite_options suite = {.folder = a->suite, .make_volume = make_volume, .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
-                               .code = build->code, .width = a->quick ? quick_pixels : 0, .height = a->quick ? quick_pixels : 0};
+    iso_validation v = {
+        .quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
+    iso_suite_options suite = {.folder = a->suite,
+                               .make_volume = make_volume,
+                               .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
+                               .code = build->code,
+                               .width = a->quick ? quick_pixels : 0,
+                               .height = a->quick ? quick_pixels : 0};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
@@ -251,8 +275,9 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
-        status = iso_fail(err, ISO_E_USAGE, a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
-                                                     : "wanted a volume or a pyramid, or --suite",
+        status = iso_fail(err, ISO_E_USAGE,
+                          a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
+                                   : "wanted a volume or a pyramid, or --suite",
                           a->suite ? cli->arguments[0] : "");
     if (status == ISO_OK && a->suite && a->scene)
         status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other");
@@ -277,8 +302,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},
-        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "the scenes of a folder, each with the volume that it says how to make", "DIR"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
+         "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},
+        {"suite", 0, POPT_ARG_STRING, &a.suite, 0,
+         "the scenes of a folder, each with the volume that it says how to make", "DIR"},
         {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
@@ -302,15 +329,17 @@ const iso_command iso_command_validate = {
     .name = "validate",
     .summary = "the main job: is the shading the same at every level, in every renderer? A report",
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options] | --suite DIR -o DIR [options]",
-    .details = "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
-               "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
-               "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
-               "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
-               "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
-               "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
-    .examples = "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
-                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
-                "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n"
-                "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
+    .details =
+        "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
+        "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
+        "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
+        "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
+        "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
+        "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
+    .examples =
+        "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n"
+        "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .run = run,
 };

@@ -206,25 +206,29 @@ static void put_bash_command_values(FILE *f, const iso_command *c)
 /* Where nothing is proposed, "-o default" of complete proposes files. */
 static void print_bash(FILE *f)
 {
-    fputs("# bash completion of isoshade " ISO_VERSION ", made by `isoshade completion bash`\n"
-          "_isoshade() {\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}\n"
-          "    local first=2 actions= options= values= takes=\n"
-          "    COMPREPLY=()\n"
-          "    # --option=value comes as three words.\n"
-          "    if [ \"$word\" = = ]; then word=; elif [ \"$before\" = = ]; then before=${COMP_WORDS[COMP_CWORD - 2]}; fi\n"
-          "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
-          "        COMPREPLY=($(compgen -W '", f);
+    fputs(
+        "# bash completion of isoshade " ISO_VERSION ", made by `isoshade completion bash`\n"
+        "_isoshade() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}\n"
+        "    local first=2 actions= options= values= takes=\n"
+        "    COMPREPLY=()\n"
+        "    # --option=value comes as three words.\n"
+        "    if [ \"$word\" = = ]; then word=; elif [ \"$before\" = = ]; then before=${COMP_WORDS[COMP_CWORD - 2]}; fi\n"
+        "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
+        "        COMPREPLY=($(compgen -W '",
+        f);
     put_bash_names(f, iso_commands, 0);
     fputs(" --help --version' -- \"$word\"))\n        return\n    fi\n"
           "    if [ \"$command\" = bench ]; then\n"
           "        if [ \"$COMP_CWORD\" = 2 ]; then\n"
-          "            COMPREPLY=($(compgen -W '", f);
+          "            COMPREPLY=($(compgen -W '",
+          f);
     put_bash_names(f, iso_benchmarks, strlen("bench "));
     fputs("' -- \"$word\"))\n            return\n        fi\n"
           "        command=\"bench ${COMP_WORDS[2]}\" first=3\n"
           "    fi\n"
-          "    case \"$command\" in\n", f);
+          "    case \"$command\" in\n",
+          f);
     each_command(f, put_bash_command);
     fputs("    esac\n    case \"$command $before\" in\n", f);
     each_command(f, put_bash_command_values);
@@ -237,7 +241,8 @@ static void print_bash(FILE *f)
           "        COMPREPLY=($(compgen -W \"$actions\" -- \"$word\"))\n"
           "    fi\n"
           "}\n"
-          "complete -o default -F _isoshade isoshade\n", f);
+          "complete -o default -F _isoshade isoshade\n",
+          f);
 }
 
 /* ---- zsh ---- */
@@ -262,7 +267,8 @@ static void put_zsh_option(void *user, const struct poptOption *o, bool is_commo
     (void)is_common;
     fputs(" \\\n            '", f);
     if (o->shortName)
-        fprintf(f, "(-%c --%s)'{-%c,--%s%s}'", o->shortName, o->longName, o->shortName, o->longName, o->argDescrip ? "=" : "");
+        fprintf(f, "(-%c --%s)'{-%c,--%s%s}'", o->shortName, o->longName, o->shortName, o->longName,
+                o->argDescrip ? "=" : "");
     else
         fprintf(f, "--%s%s", o->longName, o->argDescrip ? "=" : "");
     fputc('[', f);
@@ -305,19 +311,22 @@ static void put_zsh_names(FILE *f, const iso_command *const *list, size_t skip)
 static void print_zsh(FILE *f)
 {
     fputs("#compdef isoshade\n# zsh completion of isoshade " ISO_VERSION ", made by `isoshade completion zsh`\n"
-          "_isoshade() {\n    local -a commands benchmarks\n    commands=(\n", f);
+          "_isoshade() {\n    local -a commands benchmarks\n    commands=(\n",
+          f);
     put_zsh_names(f, iso_commands, 0);
     fputs("    )\n    benchmarks=(\n", f);
     put_zsh_names(f, iso_benchmarks, strlen("bench "));
-    fputs("    )\n"
-          "    if (( CURRENT == 2 )); then\n        _describe command commands\n        return\n    fi\n"
-          "    shift words\n    (( CURRENT-- ))\n"
-          "    local command=$words[1]\n"
-          "    if [[ $command == bench ]]; then\n"
-          "        if (( CURRENT == 2 )); then\n            _describe benchmark benchmarks\n            return\n        fi\n"
-          "        shift words\n        (( CURRENT-- ))\n        command=\"bench $words[1]\"\n"
-          "    fi\n"
-          "    case $command in\n", f);
+    fputs(
+        "    )\n"
+        "    if (( CURRENT == 2 )); then\n        _describe command commands\n        return\n    fi\n"
+        "    shift words\n    (( CURRENT-- ))\n"
+        "    local command=$words[1]\n"
+        "    if [[ $command == bench ]]; then\n"
+        "        if (( CURRENT == 2 )); then\n            _describe benchmark benchmarks\n            return\n        fi\n"
+        "        shift words\n        (( CURRENT-- ))\n        command=\"bench $words[1]\"\n"
+        "    fi\n"
+        "    case $command in\n",
+        f);
     each_command(f, put_zsh_command);
     fputs("    esac\n}\n_isoshade \"$@\"\n", f);
 }

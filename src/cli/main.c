@@ -17,12 +17,16 @@ const iso_command *const iso_commands[] = {ISO_COMMAND_LIST(ISO_COMMAND_ENTRY) N
 
 static void print_overview(FILE *file)
 {
-    fprintf(file, "isoshade %s: shading of volumes that is the same at every level of detail and in every renderer\n\n"
-                  "usage: isoshade COMMAND [options]\n\ncommands:\n", ISO_VERSION);
+    fprintf(file,
+            "isoshade %s: shading of volumes that is the same at every level of detail and in every renderer\n\n"
+            "usage: isoshade COMMAND [options]\n\ncommands:\n",
+            ISO_VERSION);
     for (const iso_command *const *c = iso_commands; *c; ++c)
         fprintf(file, "  %-10s %s\n", (*c)->name, (*c)->summary);
-    fprintf(file, "\nisoshade COMMAND --help shows its options, with examples.\nisoshade help --man prints the manual page; isoshade completion bash or zsh what completes words in these shells."
-                  "\n\nexit codes:\n");
+    fprintf(
+        file,
+        "\nisoshade COMMAND --help shows its options, with examples.\nisoshade help --man prints the manual page; isoshade completion bash or zsh what completes words in these shells."
+        "\n\nexit codes:\n");
 #define ISO_STATUS_LINE(name, code, text) fprintf(file, "  %d  %s\n", code, text);
     ISO_STATUS_LIST(ISO_STATUS_LINE)
 #undef ISO_STATUS_LINE

@@ -42,7 +42,8 @@ static size_t item_length(const char *line, size_t length)
     while (end < length && (isalnum((unsigned char)line[end]) || line[end] == '-'))
         ++end;
     const bool is_indented = indent == 2 && end > indent && line[end] == ':';
-    const bool is_column = indent == 0 && end > 0 && end + 1 < length && line[end] == ' ' && strspn(line + end, " ") > 1;
+    const bool is_column = indent == 0 && end > 0 && end + 1 < length && line[end] == ' ' &&
+                           strspn(line + end, " ") > 1;
     return is_indented || is_column ? end - indent : 0;
 }
 
@@ -167,11 +168,13 @@ static void put_examples(FILE *f, const iso_command *c)
 void iso_manual_print_page(FILE *f)
 {
     fprintf(f, ".TH ISOSHADE 1 \"\" \"isoshade %s\" \"User Commands\"\n", ISO_VERSION);
-    fputs(".SH NAME\nisoshade \\- shading of volumes that is the same at every level of detail and in every renderer\n"
-          ".SH SYNOPSIS\n.B isoshade\n.I COMMAND\n.RI [ options ]\n.br\n.B isoshade\n.I COMMAND\n.B \\-\\-help\n"
-          ".SH DESCRIPTION\nPreprocesses scalar volumes into pyramids, exports them to OpenVDB, Blender and POV\\-Ray, renders them,\n"
-          "and reports whether renderers agree. Results go to standard output, messages and progress to standard error.\n"
-          ".SH OPTIONS OF EVERY COMMAND\n", f);
+    fputs(
+        ".SH NAME\nisoshade \\- shading of volumes that is the same at every level of detail and in every renderer\n"
+        ".SH SYNOPSIS\n.B isoshade\n.I COMMAND\n.RI [ options ]\n.br\n.B isoshade\n.I COMMAND\n.B \\-\\-help\n"
+        ".SH DESCRIPTION\nPreprocesses scalar volumes into pyramids, exports them to OpenVDB, Blender and POV\\-Ray, renders them,\n"
+        "and reports whether renderers agree. Results go to standard output, messages and progress to standard error.\n"
+        ".SH OPTIONS OF EVERY COMMAND\n",
+        f);
     iso_cli_visit_options(iso_commands[0], put_common_option, f);
     fputs(".SH COMMANDS\n", f);
     for (const iso_command *const *c = iso_commands; *c; ++c)
@@ -182,7 +185,8 @@ void iso_manual_print_page(FILE *f)
 #undef ISO_STATUS_ITEM
     fputs(".SH ENVIRONMENT\n.TP\n.BR ISOSHADE_BLENDER ,\\  ISOSHADE_POVRAY ,\\  ISOSHADE_GNUPLOT\n"
           "The program to run instead of the one on the PATH.\n.TP\n.B TMPDIR\nWhere temporary files are made.\n"
-          ".SH EXAMPLES\n.nf\n", f);
+          ".SH EXAMPLES\n.nf\n",
+          f);
     for (const iso_command *const *c = iso_commands; *c; ++c)
         put_examples(f, *c);
     fputs(".fi\n.SH SEE ALSO\n.BR blender (1),\n.BR povray (1),\n.BR gnuplot (1)\n", f);

@@ -86,7 +86,8 @@ static double without_noise(double rmse, double noise_square, double uncertainty
 
 double iso_extrapolated_error_left(const iso_extrapolated *l)
 {
-    const double fine = sqrt(without_noise(l->fine_rmse, l->fine_noise.square, l->fine_noise.uncertainty)) - ISO_EXTRAPOLATION_ROUNDING;
+    const double fine = sqrt(without_noise(l->fine_rmse, l->fine_noise.square, l->fine_noise.uncertainty)) -
+                        ISO_EXTRAPOLATION_ROUNDING;
     const double coarse = sqrt(without_noise(l->coarse_rmse, l->coarse_noise.square, 0));
     if (isnan(l->fine_rmse) || isnan(l->coarse_rmse))
         return NAN;
@@ -154,7 +155,8 @@ static iso_status test_noise(const iso_image *limits, size_t count, const iso_im
         status = iso_samples_add(&samples, &limits[i], err);
     out->noise_bar = sqrt(noise_of_mean(limits, count, &out->image).square);
     if (status == ISO_OK)
-        status = iso_samples_test(&samples, ISO_EXTRAPOLATION_SIGNIFICANCE, factor * largest_step_error + ISO_EXTRAPOLATION_ROUNDING,
+        status = iso_samples_test(&samples, ISO_EXTRAPOLATION_SIGNIFICANCE,
+                                  factor * largest_step_error + ISO_EXTRAPOLATION_ROUNDING,
                                   out->step_bar + ISO_EXTRAPOLATION_ROUNDING, &out->noise, err);
     iso_samples_destroy(&samples);
     return status;
@@ -169,7 +171,7 @@ static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, 
 }
 
 iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
-                                 iso_extrapolated *out, iso_error *err)
+                           iso_extrapolated *out, iso_error *err)
 {
     iso_image limits[ISO_EXTRAPOLATION_MAX_SEEDS] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;

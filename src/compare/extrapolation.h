@@ -45,20 +45,20 @@ typedef struct iso_extrapolated_noise {
 } iso_extrapolated_noise;
 
 typedef struct iso_extrapolated {
-    iso_image image;               /* the limit: the mean over the seeds */
-    iso_image fine;                /* at step_voxels; mean over the seeds */
-    double step_voxels;            /* the finer of the last two */
-    size_t planes, intervals;      /* of a renderer with intervals there; else 0 */
-    double coarse_rmse, fine_rmse; /* against the reference, of the means */
-    double rmse, ssim_dissimilarity, flip_mean; /* of the limit against the reference */
-    double order;                  /* observed: log2 (coarse_rmse / fine_rmse) */
-    double step_bar;               /* RMSE of `fine` against the limit */
-    double noise_bar;              /* standard error of the limit over the seeds */
+    iso_image image;                                 /* the limit: the mean over the seeds */
+    iso_image fine;                                  /* at step_voxels; mean over the seeds */
+    double step_voxels;                              /* the finer of the last two */
+    size_t planes, intervals;                        /* of a renderer with intervals there; else 0 */
+    double coarse_rmse, fine_rmse;                   /* against the reference, of the means */
+    double rmse, ssim_dissimilarity, flip_mean;      /* of the limit against the reference */
+    double order;                                    /* observed: log2 (coarse_rmse / fine_rmse) */
+    double step_bar;                                 /* RMSE of `fine` against the limit */
+    double noise_bar;                                /* standard error of the limit over the seeds */
     iso_extrapolated_noise coarse_noise, fine_noise; /* of the means at both steps; 0 where nothing is random */
-    double bar;                    /* the error bar: both together, times the factor */
-    double allowed;                /* RMSE to the reference: the bar, and rounding */
-    size_t seeds;                  /* 1: the renderer is not random, and `noise` is not filled */
-    iso_noise_test noise;          /* tests the seeds' limits against the reference */
+    double bar;                                      /* the error bar: both together, times the factor */
+    double allowed;                                  /* RMSE to the reference: the bar, and rounding */
+    size_t seeds;                                    /* 1: the renderer is not random, and `noise` is not filled */
+    iso_noise_test noise;                            /* tests the seeds' limits against the reference */
 } iso_extrapolated;
 
 /* With second order, halving the step leaves a quarter of the error. The bends of a TF fall anywhere between samples, so
@@ -81,7 +81,7 @@ void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one 
 /* Extrapolates `seeds` images at the double step, followed by `seeds` images at the step; at most
  * ISO_EXTRAPOLATION_MAX_SEEDS. Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
 iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
-                                 iso_extrapolated *out, iso_error *err);
+                           iso_extrapolated *out, iso_error *err);
 
 /* The image of the limit alone, created: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);

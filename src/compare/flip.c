@@ -25,13 +25,15 @@ static const double rgb_from_xyz[3][3] = {
 static const double white[3] = {0.95045592705167183, 1.0, 1.08905775075987852}; /* sums of the rows */
 
 /* Paper, Table 1: contrast sensitivity as sums of two Gaussians a exp(-(pi x)^2 / b), one row a channel. */
-static const struct { double a1, b1, a2, b2; } sensitivity[3] = {
-    {1, 0.0047, 0, 1e-5},       /* achromatic */
-    {1, 0.0053, 0, 1e-5},       /* red - green */
-    {34.1, 0.04, 13.5, 0.025},  /* blue - yellow */
+static const struct {
+    double a1, b1, a2, b2;
+} sensitivity[3] = {
+    {1, 0.0047, 0, 1e-5},      /* achromatic */
+    {1, 0.0053, 0, 1e-5},      /* red - green */
+    {34.1, 0.04, 13.5, 0.025}, /* blue - yellow */
 };
 static const double q_color = 0.7, p_color = 0.4, p_top = 0.95; /* sec. 4.1.3 */
-static const double q_feature = 0.5, feature_width_deg = 0.082;   /* sec. 4.2 */
+static const double q_feature = 0.5, feature_width_deg = 0.082; /* sec. 4.2 */
 
 typedef struct planes {
     double *at[3];
@@ -167,8 +169,8 @@ static double gaussian(double factor, size_t radius, double *taps)
 }
 
 /* The eye's filter of one channel (sec. 4.1.1), normalised to keep a constant. */
-static void filter_channel(const double *in, const planes *size, int channel, double ppd, size_t radius, double *scratch,
-                           double *out)
+static void filter_channel(const double *in, const planes *size, int channel, double ppd, size_t radius,
+                           double *scratch, double *out)
 {
     double first[2 * MAX_RADIUS + 1], second[2 * MAX_RADIUS + 1];
     double b1 = sensitivity[channel].b1, b2 = sensitivity[channel].b2;
@@ -387,8 +389,8 @@ iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double p
         return status;
     memset(map, 0, reference->width * reference->height * sizeof *map);
     for (size_t k = 0; status == ISO_OK && k < count; ++k)
-        status = flip_at(reference, b, pixels_per_degree, exp2(start + (stop - start) * (double)k / (double)(count - 1)), true, map,
-                         err);
+        status = flip_at(reference, b, pixels_per_degree,
+                         exp2(start + (stop - start) * (double)k / (double)(count - 1)), true, map, err);
     return status;
 }
 

@@ -76,14 +76,16 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
     *m = (iso_metrics){.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
     size_t count = a->width * a->height;
     if (count == 0 || b->width * b->height == 0)
-        return iso_fail(err, ISO_E_RANGE, "compare: an image is empty (%zux%zu and %zux%zu pixels)", a->width, a->height,
-                        b->width, b->height);
+        return iso_fail(err, ISO_E_RANGE, "compare: an image is empty (%zux%zu and %zux%zu pixels)", a->width,
+                        a->height, b->width, b->height);
     if (a->width != b->width || a->height != b->height)
         return iso_fail(err, ISO_E_RANGE, "compare: the images have %zux%zu and %zux%zu pixels, wanted the same size",
                         a->width, a->height, b->width, b->height);
     if (a->origin[0] != b->origin[0] || a->origin[1] != b->origin[1])
-        return iso_fail(err, ISO_E_RANGE, "compare: the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
-                        a->origin[0], a->origin[1], b->origin[0], b->origin[1]);
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "compare: the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
+            a->origin[0], a->origin[1], b->origin[0], b->origin[1]);
     m->nonfinite_count = count_nonfinite(a, b);
     if (m->nonfinite_count > 0)
         return ISO_OK;
@@ -125,16 +127,18 @@ bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances)
 json_t *iso_metrics_to_json(const iso_metrics *m)
 {
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:[I, I]}", "rmse", iso_json_number(m->rmse), "max_abs",
-                     iso_json_number(m->max_abs), "p99_abs", iso_json_number(m->p99_abs), "psnr_db", iso_json_number(m->psnr_db), "ssim",
-                     iso_json_number(m->ssim), "flip_mean", iso_json_number(m->flip_mean), "nonfinite_count",
-                     (json_int_t)m->nonfinite_count, "worst_pixel", (json_int_t)m->worst[0], (json_int_t)m->worst[1]);
+                     iso_json_number(m->max_abs), "p99_abs", iso_json_number(m->p99_abs), "psnr_db",
+                     iso_json_number(m->psnr_db), "ssim", iso_json_number(m->ssim), "flip_mean",
+                     iso_json_number(m->flip_mean), "nonfinite_count", (json_int_t)m->nonfinite_count, "worst_pixel",
+                     (json_int_t)m->worst[0], (json_int_t)m->worst[1]);
 }
 
 iso_status iso_image_difference(const iso_image *a, const iso_image *b, double scale, iso_image *out, iso_error *err)
 {
     if (a->width != b->width || a->height != b->height)
-        return iso_fail(err, ISO_E_RANGE, "difference: the images have %zux%zu and %zux%zu pixels, wanted the same size",
-                        a->width, a->height, b->width, b->height);
+        return iso_fail(err, ISO_E_RANGE,
+                        "difference: the images have %zux%zu and %zux%zu pixels, wanted the same size", a->width,
+                        a->height, b->width, b->height);
     iso_status status = iso_image_create(out, a->width, a->height, err);
     if (status != ISO_OK)
         return status;

@@ -22,8 +22,8 @@ static double *luma(const iso_image *image)
 }
 
 /* Weighted sums of one window centred at (x, y), cut by the image: w, x, y, xx, yy, xy. */
-static double window(const double *restrict a, const double *restrict b, size_t width, size_t height, size_t x, size_t y,
-                     const double taps[TAPS])
+static double window(const double *restrict a, const double *restrict b, size_t width, size_t height, size_t x,
+                     size_t y, const double taps[TAPS])
 {
     const size_t r = TAPS / 2;
     double w = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;

@@ -98,8 +98,8 @@ static void add_sample(double x, double n, double *mean, double *squares)
 iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err)
 {
     if (image->width != s->width || image->height != s->height)
-        return iso_fail(err, ISO_E_RANGE, "statistics: an image has %zux%zu pixels, the reference %zux%zu", image->width,
-                        image->height, s->width, s->height);
+        return iso_fail(err, ISO_E_RANGE, "statistics: an image has %zux%zu pixels, the reference %zux%zu",
+                        image->width, image->height, s->width, s->height);
     if (!is_finite(image))
         return iso_fail(err, ISO_E_RANGE, "statistics: image %zu has pixels that are not finite", s->count);
     double n = (double)++s->count, bias[4] = {0};
@@ -124,7 +124,10 @@ static double p_value(double difference, double error, double tolerance, double 
 }
 
 /* [sidak-1967]: so many tests keep the significance of all together. -expm1(log1p) keeps its digits. */
-static double sidak(double significance, size_t tests) { return -expm1(log1p(-significance) / (double)tests); }
+static double sidak(double significance, size_t tests)
+{
+    return -expm1(log1p(-significance) / (double)tests);
+}
 
 static void test_pixels(const iso_samples *s, double tolerance, iso_noise_test *out)
 {
@@ -166,7 +169,8 @@ iso_status iso_samples_test(const iso_samples *s, double significance, double to
     if (!(significance > 0 && significance < 1))
         return iso_fail(err, ISO_E_RANGE, "statistics: significance is %g, must be between 0 and 1", significance);
     if (!(tolerance >= 0 && bias_tolerance >= 0))
-        return iso_fail(err, ISO_E_RANGE, "statistics: tolerances are %g and %g, must be at least 0", tolerance, bias_tolerance);
+        return iso_fail(err, ISO_E_RANGE, "statistics: tolerances are %g and %g, must be at least 0", tolerance,
+                        bias_tolerance);
     *out = (iso_noise_test){.tests = 4 * s->width * s->height, .smallest_p = 1};
     out->pixel_significance = sidak(significance, out->tests);
     test_pixels(s, tolerance, out);

@@ -25,9 +25,10 @@
 /* Means and variances of equal-sized images, added one by one [welford-1962]. */
 typedef struct iso_samples {
     size_t width, height, count;
-    double *mean, *squares;               /* 4 a pixel: the mean, the sum of squared deviations */
-    double bias_mean[4], bias_squares[4]; /* the same of each image's mean signed difference to the reference, by channel */
-    const iso_image *reference;           /* borrowed; must outlive the samples */
+    double *mean, *squares; /* 4 a pixel: the mean, the sum of squared deviations */
+    double bias_mean[4],
+        bias_squares[4];        /* the same of each image's mean signed difference to the reference, by channel */
+    const iso_image *reference; /* borrowed; must outlive the samples */
 } iso_samples;
 
 /* reference: what the mean is tested against. ISO_E_RANGE: empty; ISO_E_MEMORY. */
@@ -37,16 +38,16 @@ void iso_samples_destroy(iso_samples *s);
 iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err);
 
 typedef struct iso_noise_test {
-    size_t tests;             /* one a pixel and channel */
-    double smallest_p;        /* of all tests */
+    size_t tests;              /* one a pixel and channel */
+    double smallest_p;         /* of all tests */
     double pixel_significance; /* Sidak: 1 - (1 - significance)^(1 / tests) */
-    size_t rejected;          /* tests below it */
-    size_t worst[2];          /* column, row of smallest_p */
-    size_t bias_channel;      /* the one whose bias is least by chance; the largest where none is beyond the tolerance */
-    double bias, bias_error;  /* its mean signed difference, and its standard error over the images */
-    double mean_abs;          /* mean of |difference of the means| */
-    bool biased;              /* a channel's bias beyond the tolerance and beyond chance, for the four at `significance` */
-    bool passed;              /* no test rejected, and not biased */
+    size_t rejected;           /* tests below it */
+    size_t worst[2];           /* column, row of smallest_p */
+    size_t bias_channel;     /* the one whose bias is least by chance; the largest where none is beyond the tolerance */
+    double bias, bias_error; /* its mean signed difference, and its standard error over the images */
+    double mean_abs;         /* mean of |difference of the means| */
+    bool biased; /* a channel's bias beyond the tolerance and beyond chance, for the four at `significance` */
+    bool passed; /* no test rejected, and not biased */
 } iso_noise_test;
 
 /* Tests mean = reference in every pixel and channel, two-sided, by Student's t with count - 1 degrees of

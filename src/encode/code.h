@@ -37,6 +37,7 @@
 #include "encode/hole.h"
 
 /* The one list of codes: ISO_CODE_FIT is the number of iso_code_fit, the row that stands beside the encoder. */
+/* clang-format off */
 #define ISO_CODE_LIST(X)  \
     X(SNORM, snorm)       \
     X(FIT, fit)           \
@@ -47,12 +48,13 @@
     X(SQUEEZE, squeeze)   \
     X(OCT24, oct24)       \
     X(HALF, half)
+/* clang-format on */
 
 typedef enum iso_code {
 #define ISO_CODE_ENUM(code, row) ISO_CODE_##code,
     ISO_CODE_LIST(ISO_CODE_ENUM)
 #undef ISO_CODE_ENUM
-    ISO_CODE_COUNT
+        ISO_CODE_COUNT
 } iso_code;
 
 typedef struct iso_code_info {
@@ -72,7 +74,8 @@ typedef struct iso_code_info {
     void (*encode_rows)(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                         uint32_t *restrict words);
     /* The biggest hole, as iso_code_hole() of code_hole.h. */
-    iso_status (*hole)(const struct iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
+    iso_status (*hole)(const struct iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                       iso_error *err);
 } iso_code_info;
 
 extern const iso_names iso_code_names;

@@ -122,6 +122,7 @@ ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
 #define ISO_SQUEEZE_RIM 0.024752
 #define ISO_SQUEEZE_CUBIC -0.13567
 #define ISO_SQUEEZE_QUINTIC 0.23911
+/* clang-format off */
 #define ISO_SQUEEZE_LINES(X)                 \
     X(1.0, 1.0, 1.0, 0.0038754, 0.013867)    \
     X(2.0, 0.0, 1.0, 0.00075629, 0.011858)   \
@@ -148,6 +149,7 @@ ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
     t = strength * t / (ISO_ABS(t) + width);         \
     dy -= m * t;                                     \
     dz -= n * t;
+/* clang-format on */
 
 /* The cube-dot (1, y, z) to the decoded (x, y, z), of any length. */
 ISO_FUNCTION ISO_VEC3 iso_squeeze(ISO_REAL y, ISO_REAL z)
@@ -198,11 +200,11 @@ ISO_FUNCTION ISO_VEC3 iso_decode_oct(ISO_VEC3 e)
 
 ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
 {
-    return decoder == ISO_DECODER_REGION48 ? iso_decode_region48(e)
-           : decoder == ISO_DECODER_UNIT   ? iso_decode_unit(e)
-           : decoder == ISO_DECODER_OCT    ? iso_decode_oct(e)
+    return decoder == ISO_DECODER_REGION48  ? iso_decode_region48(e)
+           : decoder == ISO_DECODER_UNIT    ? iso_decode_unit(e)
+           : decoder == ISO_DECODER_OCT     ? iso_decode_oct(e)
            : decoder == ISO_DECODER_SQUEEZE ? iso_decode_squeeze(e)
-                                           : e;
+                                            : e;
 }
 
 /* The flipped fetch. Light is two-sided, so d and -d shade alike, but they cancel

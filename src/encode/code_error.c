@@ -20,7 +20,8 @@ double iso_angle_deg(iso_vec3 a, iso_vec3 b)
     return atan2(iso_norm(iso_cross(a, b)), iso_dot(a, b)) / degree;
 }
 
-void iso_scheme_encode(const iso_scheme *scheme, const float *restrict directions, uint8_t *restrict bytes, size_t count)
+void iso_scheme_encode(const iso_scheme *scheme, const float *restrict directions, uint8_t *restrict bytes,
+                       size_t count)
 {
     if (scheme->table)
         iso_paper_encode(scheme->table, directions, bytes, count);
@@ -37,7 +38,8 @@ iso_code_error_options iso_code_error_defaults(void)
 
 iso_vec3 iso_random_unit_vector(uint64_t *state)
 {
-    double z = 2 * iso_xorshift_unit(state) - 1, phi = 6.283185307179586 * iso_xorshift_unit(state), r = sqrt(1 - z * z);
+    double z = 2 * iso_xorshift_unit(state) - 1, phi = 6.283185307179586 * iso_xorshift_unit(state),
+           r = sqrt(1 - z * z);
     return iso_v3(r * cos(phi), r * sin(phi), z);
 }
 
@@ -83,7 +85,8 @@ static void judge(const iso_scheme *scheme, probe *probes, size_t count, float *
 {
     const size_t size = iso_code_describe(scheme->code)->bytes;
     for (size_t i = 0; i < count; ++i) {
-        const double values[6] = {probes[i].a.x, probes[i].a.y, probes[i].a.z, probes[i].b.x, probes[i].b.y, probes[i].b.z};
+        const double values[6] = {probes[i].a.x, probes[i].a.y, probes[i].a.z,
+                                  probes[i].b.x, probes[i].b.y, probes[i].b.z};
         for (int c = 0; c < 6; ++c)
             floats[6 * i + (size_t)c] = (float)values[c];
     }
@@ -140,9 +143,10 @@ iso_status iso_code_error_measure(const iso_scheme *scheme, const iso_code_error
 {
     if (opt->count < CLIMBERS || !(opt->apart_deg >= 0 && opt->apart_deg < 180) ||
         !(opt->min_length > 0 && opt->min_length <= 1))
-        return iso_fail(err, ISO_E_RANGE,
-                        "code error: %zu probes (at least %d), %g degrees apart (0 to 180), lengths from %g (above 0, to 1)",
-                        opt->count, CLIMBERS, opt->apart_deg, opt->min_length);
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "code error: %zu probes (at least %d), %g degrees apart (0 to 180), lengths from %g (above 0, to 1)",
+            opt->count, CLIMBERS, opt->apart_deg, opt->min_length);
     workspace *w = calloc(1, sizeof *w);
     if (!w)
         return iso_fail(err, ISO_E_MEMORY, "code error: no memory");

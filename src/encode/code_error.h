@@ -30,10 +30,10 @@ typedef struct iso_code_error {
 } iso_code_error;
 
 typedef struct iso_code_error_options {
-    size_t count;       /* probes for the mean */
-    double apart_deg;   /* between a and b; 0: at voxels */
-    double min_length;  /* lengths of a and b are uniform in [min_length, 1]; 1: unit vectors */
-    bool climb;         /* else the maximum is that of the random probes */
+    size_t count;      /* probes for the mean */
+    double apart_deg;  /* between a and b; 0: at voxels */
+    double min_length; /* lengths of a and b are uniform in [min_length, 1]; 1: unit vectors */
+    bool climb;        /* else the maximum is that of the random probes */
     uint64_t seed;
 } iso_code_error_options;
 iso_code_error_options iso_code_error_defaults(void);

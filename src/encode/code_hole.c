@@ -11,8 +11,8 @@ static const double degree = 0.017453292519943295;
 typedef iso_vec3 decode_function(const void *user, iso_vec3 e);
 
 /* Longer multiples of a vector hold the same direction, so shorter thirds are left out. */
-static iso_status hole_of_lattice(const iso_code_points *l, decode_function *decode, const void *user, double tolerance_deg,
-                                  iso_hole *hole, iso_error *err)
+static iso_status hole_of_lattice(const iso_code_points *l, decode_function *decode, const void *user,
+                                  double tolerance_deg, iso_hole *hole, iso_error *err)
 {
     const size_t side = (size_t)(l->limit / l->step + 1), most = side * (side + 1) * (side + 2) / 6;
     iso_vec3 *directions = malloc(most * sizeof *directions);
@@ -60,13 +60,15 @@ iso_status iso_code_hole_of_points(const iso_code_info *code, const iso_code_poi
     return hole_of_lattice(points, decode_by_code, &code->decoder, tolerance_deg, hole, err);
 }
 
-iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                                   iso_error *err)
 {
     const iso_code_points points = {127, 0, 1, 0, INFINITY};
     return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
 }
 
-iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                                     iso_error *err)
 {
     return iso_code_hole_of_points(code, &odd_points, tolerance_deg, hole, how, err);
 }

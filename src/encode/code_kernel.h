@@ -21,8 +21,10 @@ typedef struct iso_code_points {
 iso_status iso_code_hole_of_points(const iso_code_info *code, const iso_code_points *points, double tolerance_deg,
                                    iso_hole *hole, const char **how, iso_error *err);
 /* The same of all signed, and of all unsigned lattice points. */
-iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
-iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
+iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                                   iso_error *err);
+iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                                     iso_error *err);
 /* A rounding that is off by `most` across a vector of length 1: *how is "bound". */
 iso_status iso_code_hole_of_rounding(double most, iso_hole *hole, const char **how);
 

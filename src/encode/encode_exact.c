@@ -94,7 +94,8 @@ static iso_vec3 region48_search(iso_vec3 d)
     double best_distance = INFINITY;
     for (double a = 255; a > 85; a -= 2)
         for (int i = 0; i < 9; ++i) {
-            double b = iso_nearest_odd(a * (t.y + t.z)) + 2 * (i % 3) - 2, c = iso_nearest_odd(a * t.z) + 2 * (i / 3) - 2;
+            double b = iso_nearest_odd(a * (t.y + t.z)) + 2 * (i % 3) - 2,
+                   c = iso_nearest_odd(a * t.z) + 2 * (i / 3) - 2;
             if (b > a || c > b || c < 1)
                 continue;
             iso_vec3 e = {a, b, c}, off = iso_sub(iso_normalize(iso_decode_region48(e)), d);

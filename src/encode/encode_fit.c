@@ -9,11 +9,11 @@
 #include "encode/simd.h"
 
 typedef struct ray {
-    v8f x, y, z;  /* unit; zero stays zero */
-    v8f aim;      /* the wanted length in lattice steps */
-    v8f largest;  /* |component| */
-    v8f at;       /* of the best candidate: where the ray is rounded */
-    v8f best;     /* its cost */
+    v8f x, y, z; /* unit; zero stays zero */
+    v8f aim;     /* the wanted length in lattice steps */
+    v8f largest; /* |component| */
+    v8f at;      /* of the best candidate: where the ray is rounded */
+    v8f best;    /* its cost */
 } ray;
 
 ISO_INLINE ray ray_through(const float *px, const float *py, const float *pz)
@@ -126,7 +126,8 @@ ISO_SIMD_ENCODER(iso_encode_free, free_lanes)
 /* ---- their rows --------------------------------------------------------------------- */
 
 /* Lengths that the window reaches. */
-static iso_status fit_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+static iso_status fit_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                           iso_error *err)
 {
     const iso_code_points points = {127, 0, 1, 127 - ISO_FIT_REACH, 127 + ISO_FIT_REACH};
     return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
@@ -146,7 +147,8 @@ const iso_code_info iso_code_fit = {
     .hole = fit_hole,
 };
 
-static iso_status shell_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+static iso_status shell_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                             iso_error *err)
 {
     const iso_code_points points = {127, 0, 1, 127 * ISO_SHELL_MIN, 127};
     return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 /* NAME runs AVX2 where the machine has it, NAME_baseline never; same bytes. */
+/* clang-format off */
 #define ISO_ENCODER_LIST(X) \
     X(iso_encode_snorm)     \
     X(iso_encode_fit)       \
@@ -20,6 +21,7 @@
 #define ISO_ENCODER_DECLARE(name)                                                              \
     void name(const float *restrict directions, uint8_t *restrict bytes, size_t count);        \
     void name##_baseline(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+/* clang-format on */
 ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 

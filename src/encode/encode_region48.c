@@ -18,8 +18,8 @@
  * too. 1 / (a / 2) of each, four in a line. */
 enum { LENGTHS = 85 };
 #define P1(a) 2.0f / (a)
-#define P4(a) P1(a), P1((a) - 2), P1((a) - 4), P1((a) - 6)
-#define P16(a) P4(a), P4((a) - 8), P4((a) - 16), P4((a) - 24)
+#define P4(a) P1(a), P1((a)-2), P1((a)-4), P1((a)-6)
+#define P16(a) P4(a), P4((a)-8), P4((a)-16), P4((a)-24)
 static const float per_half[LENGTHS] = {P16(255), P16(223), P16(191), P16(159), P16(127), P4(95), P1(87)};
 #undef P16
 #undef P4
@@ -60,7 +60,8 @@ typedef struct target {
  * the tangent plane); the same along it (y, z) divides, to first order. */
 ISO_INLINE void expand(target *t, int k, const v8f across[3], const v8f f[3], const v8f along[2])
 {
-    v8f u = across[0], v = across[1], w = across[2], fu = f[0], fv = f[1], fw = f[2], along_y = along[0], along_z = along[1];
+    v8f u = across[0], v = across[1], w = across[2], fu = f[0], fv = f[1], fw = f[2], along_y = along[0],
+        along_z = along[1];
     v8f y = v * fv - u * fu, z = w * fw - v * fv;
     t->y[k] = y;
     t->z[k] = z;

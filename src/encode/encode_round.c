@@ -23,7 +23,8 @@ ISO_INLINE void snorm_lanes(float *px, float *py, float *pz)
 ISO_SIMD_ENCODER(iso_encode_snorm, snorm_lanes)
 
 /* Half a step in each component, all of it across. */
-static iso_status snorm_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+static iso_status snorm_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                             iso_error *err)
 {
     (void)code, (void)tolerance_deg, (void)err;
     return iso_code_hole_of_rounding(sqrt(3) / 254, hole, how);
@@ -141,15 +142,18 @@ static double circle_deg(iso_vec3 a, iso_vec3 b, iso_vec3 c)
 /* Each cell of the square lattice is cut along the better diagonal. One eighth of
  * the square, u >= v >= -1, has an image of every cell. Cells at the square's edge
  * have corners twice (the fold), which circle_deg gives no area and no hole. */
-static iso_status oct24_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+static iso_status oct24_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                             iso_error *err)
 {
     (void)code, (void)tolerance_deg, (void)err;
     *how = "circles";
     *hole = (iso_hole){0, {0, 0, 1}};
     for (int u = -1; u < 4095; u += 2)
         for (int v = -1; v <= u; v += 2) {
-            iso_vec3 p = oct_corner(u, v), q = oct_corner(u + 2, v), r = oct_corner(u, v + 2), s = oct_corner(u + 2, v + 2);
-            double one = fmax(circle_deg(p, q, r), circle_deg(q, r, s)), other = fmax(circle_deg(p, q, s), circle_deg(p, r, s));
+            iso_vec3 p = oct_corner(u, v), q = oct_corner(u + 2, v), r = oct_corner(u, v + 2),
+                     s = oct_corner(u + 2, v + 2);
+            double one = fmax(circle_deg(p, q, r), circle_deg(q, r, s)),
+                   other = fmax(circle_deg(p, q, s), circle_deg(p, r, s));
             if (fmin(one, other) > hole->radius_deg)
                 *hole = (iso_hole){fmin(one, other), iso_normalize(iso_add(iso_add(p, q), iso_add(r, s)))};
         }
@@ -205,7 +209,8 @@ static void half_lattice(const uint8_t *bytes, double e[3])
 }
 
 /* 2^-11 of each component. */
-static iso_status half_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err)
+static iso_status half_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
+                            iso_error *err)
 {
     (void)code, (void)tolerance_deg, (void)err;
     return iso_code_hole_of_rounding(0x1p-11, hole, how);

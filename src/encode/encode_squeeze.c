@@ -13,7 +13,7 @@
 #include "encode/region48.h"
 
 typedef struct local_map {
-    double y, z;                     /* the cube-dot that decodes to the direction */
+    double y, z;                           /* the cube-dot that decodes to the direction */
     double y_by_y, y_by_z, z_by_y, z_by_z; /* of (y, z) / x of what decodes, by the cube-dot */
 } local_map;
 

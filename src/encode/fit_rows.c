@@ -17,7 +17,8 @@
  * step, has its best candidate: the whole number `first` .. of the largest component.
  * With r = candidate - aim u, along = r . u, the cost is |r|^2 - along^2 + mu^2 along^2;
  * the largest component itself is met exactly. */
-INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight, float first)
+INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight,
+                            float first)
 {
     float best = INFINITY, best_at = 0;
     for (int k = 0; k <= ISO_FIT_BELOW + ISO_FIT_ABOVE; ++k) {
@@ -40,11 +41,12 @@ INLINE uint32_t fit_word(float x, float y, float z)
     const float high = xy < az ? az : xy, c = xy < az ? xy : az;
     const float product = length * high, both = 1 / (product > 1e-30f ? product : 1e-30f);
     const float per_length = both * high, per_high = both * length;
-    const float slack = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * (length < 1 ? 1 - length : 0), mu = slack < 1 ? slack : 1;
+    const float slack = (float)ISO_FIT_MU + (float)ISO_FIT_MU_SHORT * (length < 1 ? 1 - length : 0),
+                mu = slack < 1 ? slack : 1;
     const float below = floorf(127 * high), limit = 127 - ISO_FIT_ABOVE;
     const float first = (below < limit ? below : limit) - ISO_FIT_BELOW;
-    const float s = per_high * best_candidate(b * per_length, c * per_length, b * per_high, c * per_high, length * per_high,
-                                              127 * length, mu * mu, first);
+    const float s = per_high * best_candidate(b * per_length, c * per_length, b * per_high, c * per_high,
+                                              length * per_high, 127 * length, mu * mu, first);
     return ((uint32_t)(int32_t)rintf(s * x) & 0xFF) | ((uint32_t)(int32_t)rintf(s * y) & 0xFF) << 8 |
            ((uint32_t)(int32_t)rintf(s * z) & 0xFF) << 16;
 }

@@ -122,7 +122,7 @@ iso_status iso_hole_measure(const iso_vec3 *directions, size_t count, double tol
     iso_status status = grid_build(&s.grid, directions, count, err);
     if (status == ISO_OK) {
         const iso_vec3 face = {1, 0, 0}, edge = iso_normalize(iso_v3(1, 1, 0)), corner = iso_normalize(iso_v3(1, 1, 1));
-        visit(&s, face, edge, corner, 0, 6);  /* a coarse look, so that the bound bites early */
+        visit(&s, face, edge, corner, 0, 6); /* a coarse look, so that the bound bites early */
         visit(&s, face, edge, corner, 0, 40);
         *hole = (iso_hole){chord_to_angle(s.best) / degree, s.where};
     }

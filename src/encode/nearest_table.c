@@ -96,7 +96,8 @@ typedef struct cell_box {
 static void offer(cell_box *box, const code_point *p)
 {
     /* From the middle to any place of the cell it is half a diagonal at most. */
-    const double half = 0.71 / CELLS, middle = sqrt(sine_square(p, 0.5 * (box->y[0] + box->y[1]), 0.5 * (box->z[0] + box->z[1])));
+    const double half = 0.71 / CELLS,
+                 middle = sqrt(sine_square(p, 0.5 * (box->y[0] + box->y[1]), 0.5 * (box->z[0] + box->z[1])));
     if (middle - half > sqrt(box->farthest) || box->count == CANDIDATES)
         return;
     candidate c = {.point = p};
@@ -146,7 +147,8 @@ static void scan(cell_box *box, const point_grid *g, long y, long z)
  * turns a direction by at least t / (1 + r^2), r the farthest from the axis on the way. */
 static void gather(cell_box *box, const point_grid *g, long y, long z)
 {
-    *box = (cell_box){.y = {(double)y / CELLS, (double)(y + 1) / CELLS}, .z = {(double)z / CELLS, (double)(z + 1) / CELLS},
+    *box = (cell_box){.y = {(double)y / CELLS, (double)(y + 1) / CELLS},
+                      .z = {(double)z / CELLS, (double)(z + 1) / CELLS},
                       .farthest = INFINITY};
     for (long ring = 0; ring < CELLS; ++ring) {
         for (long at = -ring; at <= ring; ++at) {
@@ -188,7 +190,8 @@ static iso_status append(iso_nearest_table *t, const cell_box *box, size_t *coun
         const code_point *p = box->found[i < box->count ? i : 0].point;
         const double y = p->y - 0.5 * (box->y[0] + box->y[1]), z = p->z - 0.5 * (box->z[0] + box->z[1]);
         if (!(fabs(y) < FAR * STEP && fabs(z) < FAR * STEP))
-            return iso_fail(err, ISO_E_RANGE, "a code is needed %g cells from it: the decoder's holes are too large for the table",
+            return iso_fail(err, ISO_E_RANGE,
+                            "a code is needed %g cells from it: the decoder's holes are too large for the table",
                             fmax(fabs(y), fabs(z)) * CELLS);
         block->y[i % 8] = i < box->count ? (int16_t)lrint(y / STEP) : FAR;
         block->z[i % 8] = i < box->count ? (int16_t)lrint(z / STEP) : FAR;
@@ -318,7 +321,8 @@ ISO_INLINE void answer(const query *q, found e, const float *v, uint8_t *bytes)
     }
 }
 
-ISO_INLINE void encode(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes, size_t count)
+ISO_INLINE void encode(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes,
+                       size_t count)
 {
     query q[IN_FLIGHT];
     for (size_t i = 0; i < count; ++i) {
@@ -339,18 +343,21 @@ ISO_INLINE void encode(const iso_nearest_table *table, const float *restrict dir
     }
 }
 
-__attribute__((target("avx2"))) static void encode_avx2(const iso_nearest_table *table, const float *restrict directions,
-                                                        uint8_t *restrict bytes, size_t count)
+__attribute__((target("avx2"))) static void encode_avx2(const iso_nearest_table *table,
+                                                        const float *restrict directions, uint8_t *restrict bytes,
+                                                        size_t count)
 {
     encode(table, directions, bytes, count);
 }
 
-static void encode_baseline(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes, size_t count)
+static void encode_baseline(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes,
+                            size_t count)
 {
     encode(table, directions, bytes, count);
 }
 
-void iso_nearest_encode(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes, size_t count)
+void iso_nearest_encode(const iso_nearest_table *table, const float *restrict directions, uint8_t *restrict bytes,
+                        size_t count)
 {
     for (size_t start = 0; start < count; start += IN_FLIGHT) {
         const size_t n = count - start < IN_FLIGHT ? count - start : IN_FLIGHT;

@@ -18,13 +18,13 @@
 
 /* Eight codes, a line of the cache. */
 typedef struct iso_nearest_block {
-    int16_t y[8], z[8];  /* of the decoded (y, z) / x, from the cell's centre, in small steps */
-    uint8_t size[3][8];  /* the code's |components|, largest first: odd, in 255ths */
+    int16_t y[8], z[8]; /* of the decoded (y, z) / x, from the cell's centre, in small steps */
+    uint8_t size[3][8]; /* the code's |components|, largest first: odd, in 255ths */
     uint8_t none[8];
 } iso_nearest_block;
 
 typedef struct iso_nearest_table {
-    uint32_t *first;  /* of each cell's blocks, and behind the last */
+    uint32_t *first; /* of each cell's blocks, and behind the last */
     iso_nearest_block *blocks;
 } iso_nearest_table;
 

@@ -95,6 +95,7 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
 #define ISO_SIMD_ENCODER(NAME, LANES) ISO_SIMD_ENCODER_FOR(NAME, LANES, "avx2", "avx2")
 
 /* The same for TARGET, where the machine has FEATURE too. */
+/* clang-format off */
 #define ISO_SIMD_ENCODER_FOR(NAME, LANES, TARGET, FEATURE)                                                 \
     __attribute__((target(TARGET))) static void NAME##_fast(const float *restrict directions,             \
                                                             uint8_t *restrict bytes, size_t count)        \
@@ -122,5 +123,6 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
             LANES(b.x + i, b.y + i, b.z + i);                                             \
         iso_block_store(&b, bytes + 3 * start, n);                                        \
     }
+/* clang-format on */
 
 #endif

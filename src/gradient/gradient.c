@@ -12,7 +12,10 @@ static const iso_gradient_info *const methods[] = {ISO_GRADIENT_LIST(ISO_GRADIEN
 #undef ISO_GRADIENT_POINTER
 const iso_names iso_gradient_names = ISO_NAMES_OF_POINTERS("gradient estimator", methods);
 
-const iso_gradient_info *iso_gradient_describe(iso_gradient_method method) { return methods[method]; }
+const iso_gradient_info *iso_gradient_describe(iso_gradient_method method)
+{
+    return methods[method];
+}
 
 iso_gradient_options iso_gradient_defaults(void)
 {

@@ -15,6 +15,7 @@
 
 /* The one list of estimators: ISO_GRADIENT_CENTRAL is the number of iso_gradient_central, the row that stands beside
  * its kernel. Errors of each: `isoshade bench gradient`. */
+/* clang-format off */
 #define ISO_GRADIENT_LIST(X)      \
     X(CENTRAL, central)           \
     X(INTERMEDIATE, intermediate) \
@@ -22,26 +23,27 @@
     X(CORNERS, corners)           \
     X(FOURTH, fourth)             \
     X(BSPLINE, bspline)
+/* clang-format on */
 
 typedef enum iso_gradient_method {
 #define ISO_GRADIENT_ENUM(method, row) ISO_GRADIENT_##method,
     ISO_GRADIENT_LIST(ISO_GRADIENT_ENUM)
 #undef ISO_GRADIENT_ENUM
-    ISO_GRADIENT_COUNT
+        ISO_GRADIENT_COUNT
 } iso_gradient_method;
 
-struct iso_planes;          /* gradient_kernel.h */
+struct iso_planes; /* gradient_kernel.h */
 struct iso_gradient_matrix;
 
 typedef struct iso_gradient_info {
     const char *name;
     const char *summary;
-    int samples; /* that a gradient is made of */
-    int order;   /* inside the volume the derivative of a polynomial of this degree along an axis is exact */
+    int samples;  /* that a gradient is made of */
+    int order;    /* inside the volume the derivative of a polynomial of this degree along an axis is exact */
     size_t reach; /* planes before and after a plane that its gradients read */
     /* Gradients of the row (y, z), times the matrix, to planar rows; as iso_gradient_row() of gradient_kernel.h. */
-    void (*row)(const struct iso_planes *p, iso_gradient_method method, const struct iso_gradient_matrix *matrix, size_t y,
-                size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+    void (*row)(const struct iso_planes *p, iso_gradient_method method, const struct iso_gradient_matrix *matrix,
+                size_t y, size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
 } iso_gradient_info;
 
 extern const iso_names iso_gradient_names;

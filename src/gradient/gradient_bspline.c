@@ -21,7 +21,8 @@ enum { REACH = 12, BLOCK = 64, EDGE = 4 };
 static void interior_weights(float w[REACH])
 {
     const double pole = sqrt(3) - 2, a = REACH - 1, b = REACH;
-    double exact[REACH], slope = 0.5, cubic = 0, power = 1; /* what is still missing: sum of k w = 1/2, sum of k^3 w = 0 */
+    double exact[REACH], slope = 0.5, cubic = 0,
+                         power = 1; /* what is still missing: sum of k w = 1/2, sum of k^3 w = 0 */
     for (int k = 1; k <= REACH - 2; ++k) {
         exact[k - 1] = sqrt(3) / 2 * (1 - pole * pole) * power;
         slope -= k * exact[k - 1];
@@ -69,6 +70,7 @@ static void folded_weights(size_t i, size_t n, float out[2 * REACH + 1])
 }
 
 /* out = sum of w_k (after_k - before_k). Samples of 8 and 16 bits are subtracted as integers, which is exact. */
+/* clang-format off */
 #define PAIRS(suffix, ctype, wide)                                                                                \
     ISO_SIMD static void pairs_##suffix(const void *const before[REACH], const void *const after[REACH],          \
                                         const float w[REACH], size_t n, float *restrict out)                      \
@@ -84,6 +86,7 @@ static void folded_weights(size_t i, size_t n, float out[2 * REACH + 1])
             memcpy(out + x, sum, m * sizeof *sum);                                                                \
         }                                                                                                         \
     }
+/* clang-format on */
 
 PAIRS(u8, uint8_t, int)
 PAIRS(i8, int8_t, int)
@@ -182,8 +185,8 @@ static void along(const iso_planes *p, size_t y, size_t z, float *padded, float 
     filter_padded(w, padded, n, out);
 }
 
-static void bspline_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
-                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+static void bspline_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
     (void)method;
     along(p, y, z, scratch, gx);

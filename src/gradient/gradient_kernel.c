@@ -8,6 +8,7 @@
  * 1/2: the one-sided difference. An axis of one voxel has both neighbours
  * equal, and so no gradient. Samples of 8 and 16 bits are subtracted as
  * integers, which is exact and leaves fewer conversions. */
+/* clang-format off */
 #define CENTRAL(suffix, ctype, wide)                                                                              \
     static inline void central_at_##suffix(const ctype *const row[5], const float factor[3], size_t left, size_t x, \
                                            size_t right, float d[3])                                              \
@@ -54,6 +55,7 @@
         else                                                                                                      \
             central_all_##suffix(row, f, n, m, false, gx, gy, gz);                                                \
     }
+/* clang-format on */
 
 CENTRAL(u8, uint8_t, int)
 CENTRAL(i8, int8_t, int)
@@ -70,14 +72,15 @@ static const void *row_at(const iso_planes *p, size_t y, size_t z)
     return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
 }
 
-static void central_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
-                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+static void central_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
     (void)method, (void)scratch;
     const size_t nx = p->size[0], ny = p->size[1], nz = p->size[2];
     const size_t y0 = y > 0 ? y - 1 : 0, y1 = y + 1 < ny ? y + 1 : y;
     const size_t z0 = z > 0 ? z - 1 : 0, z1 = z + 1 < nz ? z + 1 : z;
-    const void *const rows[5] = {row_at(p, y, z), row_at(p, y0, z), row_at(p, y1, z), row_at(p, y, z0), row_at(p, y, z1)};
+    const void *const rows[5] = {row_at(p, y, z), row_at(p, y0, z), row_at(p, y1, z), row_at(p, y, z0),
+                                 row_at(p, y, z1)};
     const float factor[3] = {0.5f, y1 - y0 == 2 ? 0.5f : 1, z1 - z0 == 2 ? 0.5f : 1};
     switch (p->type) {
     case ISO_U8: central_u8(rows, factor, nx, matrix, gx, gy, gz); break;
@@ -124,6 +127,8 @@ void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso
 
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)
 {
-    const iso_volume v = {.geometry = {.size = {p->size[0], p->size[1], p->size[2]}}, .type = p->type, .data = (void *)p->data};
+    const iso_volume v = {.geometry = {.size = {p->size[0], p->size[1], p->size[2]}},
+                          .type = p->type,
+                          .data = (void *)p->data};
     iso_volume_row(&v, y, z - p->first, row);
 }

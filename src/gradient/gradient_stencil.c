@@ -57,8 +57,8 @@ ISO_SIMD static void add_weighted(float weight, const float *restrict row, size_
 }
 
 /* sum = the rows around (y, z), weighted along both axes. */
-static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFFSETS], const float wz[OFFSETS], float *row,
-                     float *restrict sum)
+static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFFSETS], const float wz[OFFSETS],
+                     float *row, float *restrict sum)
 {
     memset(sum, 0, p->size[0] * sizeof *sum);
     for (size_t c = 0; c < OFFSETS; ++c)
@@ -85,7 +85,8 @@ static float stencil_at(const float w[OFFSETS], const float *row, size_t x)
     return sum;
 }
 
-static void along_x(iso_gradient_method method, bool derivative, const float *restrict row, size_t n, float *restrict out)
+static void along_x(iso_gradient_method method, bool derivative, const float *restrict row, size_t n,
+                    float *restrict out)
 {
     float w[OFFSETS];
     for (size_t x = 0; x < n; ++x) {
@@ -109,10 +110,12 @@ static void along_x(iso_gradient_method method, bool derivative, const float *re
  * of 8 samples, as a trilinear fetch returns them [sigg-2005]. At
  * voxel centres their differences are those of the 3x3x3 Sobel operator: two
  * halves (1 1) make (1 2 1). Rows first: sums of the corners' rows, signed. */
-static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row, float *restrict sum)
+static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row,
+                        float *restrict sum)
 {
     const size_t ny = p->size[1], nz = p->size[2];
-    const float edge_y = sign_y < 0 && ny > 1 && (y == 0 || y + 1 == ny) ? 2 : 1; /* one side is missing: twice the other */
+    const float edge_y = sign_y < 0 && ny > 1 && (y == 0 || y + 1 == ny) ? 2
+                                                                         : 1; /* one side is missing: twice the other */
     const float edge_z = sign_z < 0 && nz > 1 && (z == 0 || z + 1 == nz) ? 2 : 1;
     memset(sum, 0, p->size[0] * sizeof *sum);
     for (size_t corner = 0; corner < 4; ++corner) {
@@ -130,7 +133,7 @@ static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, f
 }
 
 ISO_SIMD void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
-                                   float *restrict gz)
+                                    float *restrict gz)
 {
     float m[9];
     memcpy(m, matrix->m, sizeof m);
@@ -142,8 +145,8 @@ ISO_SIMD void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n,
     }
 }
 
-static void stencil_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y, size_t z,
-                        float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+static void stencil_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
+                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
 {
     const size_t n = p->size[0];
     float *row = scratch, *sum = scratch + n, *g[3] = {gx, gy, gz};

@@ -66,7 +66,8 @@ static exr_result_t write_pixels(exr_context_t file, const iso_image *image)
         exr_chunk_info_t chunk;
         result = exr_write_scanline_chunk_info(file, 0, (int)y, &chunk);
         if (result == EXR_ERR_SUCCESS)
-            result = y == 0 ? exr_encoding_initialize(file, 0, &chunk, &pipe) : exr_encoding_update(file, 0, &chunk, &pipe);
+            result = y == 0 ? exr_encoding_initialize(file, 0, &chunk, &pipe)
+                            : exr_encoding_update(file, 0, &chunk, &pipe);
         for (int c = 0; c < pipe.channel_count && result == EXR_ERR_SUCCESS; ++c) {
             exr_coding_channel_info_t *channel = &pipe.channels[c];
             const float *from = image->rgba + 4 * y * image->width + (size_t)component_of(channel->channel_name);
@@ -210,14 +211,17 @@ static bool is_same_window(exr_attr_box2i_t a, exr_attr_box2i_t b)
 
 /* Replaces an image of the data window's pixels by one of the display window's, which is the picture: it is transparent
  * and black where there are no data, and data beyond it are not seen. */
-static iso_status place_in_display(exr_attr_box2i_t data, exr_attr_box2i_t display, const char *path, iso_image *image, iso_error *err)
+static iso_status place_in_display(exr_attr_box2i_t data, exr_attr_box2i_t display, const char *path, iso_image *image,
+                                   iso_error *err)
 {
     iso_image picture;
     iso_status status = create_for_window(display, path, &picture, err);
     if (status != ISO_OK)
         return status;
-    const int32_t x0 = data.min.x > display.min.x ? data.min.x : display.min.x, x1 = data.max.x < display.max.x ? data.max.x : display.max.x;
-    const int32_t y0 = data.min.y > display.min.y ? data.min.y : display.min.y, y1 = data.max.y < display.max.y ? data.max.y : display.max.y;
+    const int32_t x0 = data.min.x > display.min.x ? data.min.x : display.min.x,
+                  x1 = data.max.x < display.max.x ? data.max.x : display.max.x;
+    const int32_t y0 = data.min.y > display.min.y ? data.min.y : display.min.y,
+                  y1 = data.max.y < display.max.y ? data.max.y : display.max.y;
     for (int64_t y = y0; y <= y1 && x0 <= x1; ++y)
         memcpy(picture.rgba + 4 * ((size_t)(y - display.min.y) * picture.width + (size_t)((int64_t)x0 - display.min.x)),
                image->rgba + 4 * ((size_t)(y - data.min.y) * image->width + (size_t)((int64_t)x0 - data.min.x)),
@@ -227,18 +231,21 @@ static iso_status place_in_display(exr_attr_box2i_t data, exr_attr_box2i_t displ
     return ISO_OK;
 }
 
-static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log, iso_error *err)
+static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log,
+                              iso_error *err)
 {
     exr_attr_box2i_t window, display;
     unsigned mask = 0;
-    if (exr_get_data_window(file, 0, &window) != EXR_ERR_SUCCESS || exr_get_display_window(file, 0, &display) != EXR_ERR_SUCCESS)
+    if (exr_get_data_window(file, 0, &window) != EXR_ERR_SUCCESS ||
+        exr_get_display_window(file, 0, &display) != EXR_ERR_SUCCESS)
         return iso_fail(err, ISO_E_FORMAT, "%s: has no data window or no display window", path);
     iso_status status = create_for_window(window, path, image, err);
     if (status != ISO_OK)
         return status;
     exr_result_t result = read_pixels(file, window, image, &mask);
     if (result != EXR_ERR_SUCCESS)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, log->text[0] ? log->text : exr_get_default_error_message(result));
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path,
+                          log->text[0] ? log->text : exr_get_default_error_message(result));
     else if ((mask & 7) != 7)
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no channels named R, G and B", path);
     else if (!(mask & 8))

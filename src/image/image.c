@@ -72,8 +72,10 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
     iso_output out;
     iso_status status = iso_output_begin(&out, path, err);
     if (status == ISO_OK) {
-        png_image png = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)image->width,
-                         .height = (png_uint_32)image->height, .format = PNG_FORMAT_RGB};
+        png_image png = {.version = PNG_IMAGE_VERSION,
+                         .width = (png_uint_32)image->width,
+                         .height = (png_uint_32)image->height,
+                         .format = PNG_FORMAT_RGB};
         if (png_image_write_to_file(&png, out.temp_path, 0, rgb, 0, NULL)) {
             status = iso_output_commit(&out, err);
         } else {
@@ -162,8 +164,8 @@ static iso_status parse_ppm(const char *path, const char *data, size_t size, iso
     if (maximum != 65535)
         return iso_fail(err, ISO_E_FORMAT, "%s: largest value is %zu, wanted 65535 (16 bits)", path, maximum);
     if (width == 0 || height == 0 || width > 1000000 || height > 1000000 || (size_t)(end - at) < width * height * 6)
-        return iso_fail(err, ISO_E_FORMAT, "%s: holds %zu bytes of pixels, %zu x %zu need %zu", path, (size_t)(end - at),
-                        width, height, width * height * 6);
+        return iso_fail(err, ISO_E_FORMAT, "%s: holds %zu bytes of pixels, %zu x %zu need %zu", path,
+                        (size_t)(end - at), width, height, width * height * 6);
     iso_status status = iso_image_create(image, width, height, err);
     const uint8_t *sample = (const uint8_t *)at;
     for (size_t i = 0; status == ISO_OK && i < width * height; ++i) {

@@ -9,7 +9,10 @@ static const char *name_of_row(const iso_names *names, size_t row)
     return row < names->count ? iso_names_name(names, row) : NULL;
 }
 
-static const char *voxel_type(size_t row) { return row <= ISO_F64 ? iso_type_name((iso_type)row) : NULL; }
+static const char *voxel_type(size_t row)
+{
+    return row <= ISO_F64 ? iso_type_name((iso_type)row) : NULL;
+}
 
 /* Palettes, which stand last, are not of the interface. */
 static const char *shading(size_t row)
@@ -17,7 +20,10 @@ static const char *shading(size_t row)
     return row <= ISO_FROM_ON_THE_FLY ? name_of_row(&iso_direction_source_names, row) : NULL;
 }
 
-static const char *renderer(size_t row) { return row < iso_renderer_count() ? iso_renderer_at(row)->name : NULL; }
+static const char *renderer(size_t row)
+{
+    return row < iso_renderer_count() ? iso_renderer_at(row)->name : NULL;
+}
 
 const char *iso_choice_name(iso_choice what, size_t number)
 {

@@ -6,7 +6,10 @@
 #include "library/shared.h"
 #include "targets/targets.h"
 
-iso_export_options iso_export_defaults(void) { return (iso_export_options){.level_count = 1}; }
+iso_export_options iso_export_defaults(void)
+{
+    return (iso_export_options){.level_count = 1};
+}
 
 /* The job's view is every level's: a copy with a table of its own. */
 static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
@@ -29,13 +32,14 @@ static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o
         return iso_fail(err, ISO_E_RANGE, "export of 0 levels, must be at least 1");
     iso_status status = iso_pyramid_check_level(p, o->level, err);
     if (status == ISO_OK && o->level_count > p->level_count - o->level)
-        status = iso_fail(err, ISO_E_RANGE, "export of %zu levels from %zu on: the pyramid has levels 0 to %zu", o->level_count,
-                          o->level, p->level_count - 1);
+        status = iso_fail(err, ISO_E_RANGE, "export of %zu levels from %zu on: the pyramid has levels 0 to %zu",
+                          o->level_count, o->level, p->level_count - 1);
     return status;
 }
 
 /* An option that the target would pass over is an error: its user would believe it. */
-static iso_status check_options(const iso_export_target *t, const iso_scene *scene, const iso_export_options *o, iso_error *err)
+static iso_status check_options(const iso_export_target *t, const iso_scene *scene, const iso_export_options *o,
+                                iso_error *err)
 {
     if (iso_export_takes(t, ISO_EXPORT_SCENE) && !scene)
         return iso_fail(err, ISO_E_USAGE, "export to %s needs a scene", t->name);
@@ -57,9 +61,15 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
     if (status != ISO_OK)
         return status;
     const iso_export_target *t = iso_export_target_at(row);
-    const iso_export_job job = {.pyramid = pyramid, .level = given.level, .level_count = given.level_count, .output = path,
-                                .view = &view, .half_float = given.half_float, .threads = given.threads,
-                                .progress = &progress, .view_of_level = view_of_level};
+    const iso_export_job job = {.pyramid = pyramid,
+                                .level = given.level,
+                                .level_count = given.level_count,
+                                .output = path,
+                                .view = &view,
+                                .half_float = given.half_float,
+                                .threads = given.threads,
+                                .progress = &progress,
+                                .view_of_level = view_of_level};
     status = check_options(t, scene, &given, err);
     if (status == ISO_OK)
         status = check_levels(pyramid, &given, err);

@@ -67,7 +67,10 @@ iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error
     return status;
 }
 
-size_t iso_pyramid_level_count(const iso_pyramid *pyramid) { return pyramid->level_count; }
+size_t iso_pyramid_level_count(const iso_pyramid *pyramid)
+{
+    return pyramid->level_count;
+}
 
 iso_status iso_pyramid_check_level(const iso_pyramid *p, size_t level, iso_error *err)
 {
@@ -123,7 +126,8 @@ static bool is_direction(const float *d)
     return x * x + y * y + z * z <= 1 + 1e-6; /* not true of NaN */
 }
 
-iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes, iso_error *err)
+iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes,
+                                 iso_error *err)
 {
     iso_code which;
     iso_status status = iso_code_from_name(code, &which, err);
@@ -132,14 +136,15 @@ iso_status iso_directions_encode(const char *code, const float *directions, size
     for (size_t i = 0; i < count; ++i) {
         const float *d = directions + 3 * i;
         if (!is_direction(d))
-            return iso_fail(err, ISO_E_RANGE, "direction %zu is (%g, %g, %g), its length must be at most 1", i, (double)d[0],
-                            (double)d[1], (double)d[2]);
+            return iso_fail(err, ISO_E_RANGE, "direction %zu is (%g, %g, %g), its length must be at most 1", i,
+                            (double)d[0], (double)d[1], (double)d[2]);
     }
     iso_code_encode(which, directions, bytes, count);
     return ISO_OK;
 }
 
-iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions, iso_error *err)
+iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions,
+                                 iso_error *err)
 {
     iso_code which;
     iso_status status = iso_code_from_name(code, &which, err);

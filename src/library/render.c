@@ -5,7 +5,8 @@
 
 iso_frame_options iso_frame_defaults(void)
 {
-    return (iso_frame_options){.renderer = iso_renderers_truth()->name, .shading = iso_direction_source_name(ISO_FROM_CODES)};
+    return (iso_frame_options){.renderer = iso_renderers_truth()->name,
+                               .shading = iso_direction_source_name(ISO_FROM_CODES)};
 }
 
 static iso_status check_limits(const iso_frame_options *given, iso_error *err)
@@ -18,8 +19,8 @@ static iso_status check_limits(const iso_frame_options *given, iso_error *err)
 }
 
 /* An option that the renderer would pass over is an error: its user would believe it. */
-static iso_status check_for_renderer(const iso_renderer_info *r, const iso_frame_options *given, const iso_render_options *o,
-                                     iso_error *err)
+static iso_status check_for_renderer(const iso_renderer_info *r, const iso_frame_options *given,
+                                     const iso_render_options *o, iso_error *err)
 {
     const struct {
         const char *option;

@@ -51,7 +51,10 @@ iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *e
     return scene_or_nothing(status, scene);
 }
 
-const iso_tf *iso_scene_tf(const iso_scene *scene) { return &scene->tf; }
+const iso_tf *iso_scene_tf(const iso_scene *scene)
+{
+    return &scene->tf;
+}
 
 static iso_status check_size(const char *what, size_t given, size_t *size, iso_error *err)
 {
@@ -73,7 +76,8 @@ iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const is
     iso_status status = check_size("width", width, &changed.width, err);
     if (status == ISO_OK)
         status = check_size("height", height, &changed.height, err);
-    return status == ISO_OK ? iso_scene_resolve(&changed, &level0->geometry, level0->min, level0->max, view, err) : status;
+    return status == ISO_OK ? iso_scene_resolve(&changed, &level0->geometry, level0->min, level0->max, view, err)
+                            : status;
 }
 
 void iso_scene_free(iso_scene *scene)

@@ -27,7 +27,10 @@ iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err)
     return keep(iso_tf_load(path, &loaded, err), &loaded, tf, err);
 }
 
-static bool is_fraction(double value) { return value >= 0 && value <= 1; }
+static bool is_fraction(double value)
+{
+    return value >= 0 && value <= 1;
+}
 
 static iso_status check_point(const iso_tf_point *points, size_t i, iso_error *err)
 {
@@ -38,8 +41,8 @@ static iso_status check_point(const iso_tf_point *points, size_t i, iso_error *e
         return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g below its predecessor's %g; values must rise", i,
                         p->value, points[i - 1].value);
     if (!is_fraction(p->rgb_linear[0]) || !is_fraction(p->rgb_linear[1]) || !is_fraction(p->rgb_linear[2]))
-        return iso_fail(err, ISO_E_RANGE, "point %zu has the color (%g, %g, %g), each must be 0 to 1", i, p->rgb_linear[0],
-                        p->rgb_linear[1], p->rgb_linear[2]);
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the color (%g, %g, %g), each must be 0 to 1", i,
+                        p->rgb_linear[0], p->rgb_linear[1], p->rgb_linear[2]);
     if (!is_fraction(p->opacity))
         return iso_fail(err, ISO_E_RANGE, "point %zu has the opacity %g, must be 0 to 1", i, p->opacity);
     return ISO_OK;

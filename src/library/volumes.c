@@ -70,9 +70,10 @@ static iso_status check_finite(const iso_volume *v, iso_error *err)
     const iso_volume_stats s = iso_volume_measure(v);
     if (s.nonfinite_count == 0)
         return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE, "%zu of %zu samples are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
-                    s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0], s.first_nonfinite[1],
-                    s.first_nonfinite[2]);
+    return iso_fail(err, ISO_E_RANGE,
+                    "%zu of %zu samples are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
+                    s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0],
+                    s.first_nonfinite[1], s.first_nonfinite[2]);
 }
 
 iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const void *samples, iso_volume **volume,
@@ -97,7 +98,10 @@ iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const 
     return volume_or_nothing(status, volume);
 }
 
-iso_grid iso_volume_grid(const iso_volume *volume) { return iso_grid_of_geometry(&volume->geometry); }
+iso_grid iso_volume_grid(const iso_volume *volume)
+{
+    return iso_grid_of_geometry(&volume->geometry);
+}
 
 void iso_volume_free(iso_volume *volume)
 {

@@ -56,8 +56,8 @@ static bool is_told_how(const iso_cli_adapted *a)
 }
 
 /* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
-static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second, iso_adapt_options *opt,
-                        iso_view *view, iso_error *err)
+static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
+                        iso_adapt_options *opt, iso_view *view, iso_error *err)
 {
     iso_tf_table table;
     iso_tf_2d *tf_2d = NULL;
@@ -66,7 +66,7 @@ static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso
         opt->fall_back = false;
         tf_2d = calloc(1, sizeof *tf_2d);
         status = tf_2d ? iso_adapt_tf_2d(p, dir, level, second, &view->tf, opt, tf_2d, err)
-                         : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+                       : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     if (status == ISO_OK)
         status = iso_adapt_level(p, dir, level, &view->tf, opt, &table, NULL, err);
@@ -81,13 +81,15 @@ static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso
     return ISO_OK;
 }
 
-iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
-                              int threads, iso_error *err)
+iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                              iso_view *view, int threads, iso_error *err)
 {
     iso_adapt_options opt;
     iso_second_value second;
     if (!a->wanted && is_told_how(a))
-        return iso_fail(err, ISO_E_USAGE, "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
     if (!a->wanted)
         return ISO_OK;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);

@@ -20,13 +20,14 @@
 #include "tf/adapt.h"
 
 typedef struct iso_cli_adapted {
-    int wanted;             /* --adapt */
+    int wanted;                     /* --adapt */
     char *average, *weight, *tf_2d; /* by popt; live until the process ends */
     double window, mix_s, mix_t;
     int bits, always;
 } iso_cli_adapted;
 
 /* How to adapt, without the switch that asks for it. */
+/* clang-format off */
 #define ISO_CLI_ADAPT_METHOD_OPTIONS(a)                                                                                        \
     {"average", 0, POPT_ARG_STRING, &(a)->average, 0, "rgba, opacity (default), extinction or transmittance", "WHAT"},          \
     {"weight", 0, POPT_ARG_STRING, &(a)->weight, 0, "gauss, flat (default), triangle or mixed", "WINDOW"},                      \
@@ -40,6 +41,7 @@ typedef struct iso_cli_adapted {
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \
     {"tf-2d", 0, POPT_ARG_STRING, &(a)->tf_2d, 0, "a 2D transfer function, whose second value is the deviation or the gradient magnitude", "deviation|gradient"}, \
     ISO_CLI_ADAPT_METHOD_OPTIONS(a)
+/* clang-format on */
 
 void iso_cli_adapted_defaults(iso_cli_adapted *a);
 /* ISO_E_USAGE with option and value. */
@@ -48,8 +50,8 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
 /* Replaces view->tf by the transfer function adapted to `level` when it is wanted; with --tf-2d and a coarse level
  * sets view->tf_2d too, whether adapting pays or not. path: what p was loaded from; a pyramid on disk keeps its
  * histograms. */
-iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level, iso_view *view,
-                              int threads, iso_error *err);
+iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                              iso_view *view, int threads, iso_error *err);
 
 /* What --tf-2d says: ISO_SECOND_VALUE_NONE without it. */
 iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *second, iso_error *err);

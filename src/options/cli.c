@@ -23,7 +23,8 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
 
 static void print_help(const iso_command *command, poptContext context)
 {
-    printf("isoshade %s - %s\n\nusage: isoshade %s %s\n", command->name, command->summary, command->name, command->usage);
+    printf("isoshade %s - %s\n\nusage: isoshade %s %s\n", command->name, command->summary, command->name,
+           command->usage);
     if (command->details)
         printf("\n%s\n", command->details);
     printf("\noptions:\n");
@@ -173,8 +174,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
         char option[64];
-        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options", option_before(bad, argc, argv, option), bad,
-                        poptStrerror(result), command->name);
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options",
+                        option_before(bad, argc, argv, option), bad, poptStrerror(result), command->name);
     }
     if (help) {
         print_help(command, cli->context);
@@ -200,7 +201,10 @@ void iso_cli_end(iso_cli *cli)
     *cli = (iso_cli){0};
 }
 
-iso_progress iso_cli_progress(const iso_cli *cli) { return iso_progress_of_line(cli->progress); }
+iso_progress iso_cli_progress(const iso_cli *cli)
+{
+    return iso_progress_of_line(cli->progress);
+}
 
 void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count)
 {

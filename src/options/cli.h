@@ -22,11 +22,11 @@
 
 typedef struct iso_command {
     const char *name;
-    const char *summary;  /* one line, for the list of commands */
-    const char *usage;    /* what follows the name: "VOLUME -o PYRAMID.iso [options]" */
-    const char *details;  /* a paragraph, or NULL */
+    const char *summary;           /* one line, for the list of commands */
+    const char *usage;             /* what follows the name: "VOLUME -o PYRAMID.iso [options]" */
+    const char *details;           /* a paragraph, or NULL */
     const iso_names *const *lists; /* what its options choose from, for --help; ends with NULL, or NULL */
-    const char *examples; /* lines that run, each starting with "isoshade" */
+    const char *examples;          /* lines that run, each starting with "isoshade" */
     iso_status (*run)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
 } iso_command;
 

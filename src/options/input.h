@@ -13,6 +13,7 @@
 
 #include "volume/input.h"
 
+/* clang-format off */
 #define ISO_CLI_INPUT_OPTIONS(in)                                                                              \
     {"raw-size", 0, POPT_ARG_STRING, &(in)->raw_size, 0, "the volume is a file without a header, of this size", "NXxNYxNZ"}, \
     {"raw-type", 0, POPT_ARG_STRING, &(in)->raw_type, 0, "its type: uint8, int16, float, ...", "TYPE"},        \
@@ -20,5 +21,6 @@
     {"raw-big-endian", 0, POPT_ARG_NONE, &(in)->raw_big_endian, 0, "its bytes are big-endian", NULL},          \
     {"raw-skip", 0, POPT_ARG_LONG, &(in)->raw_skip_bytes, 0, "bytes before its samples", "BYTES"},      \
     {"physical", 0, POPT_ARG_NONE, &(in)->physical, 0, "apply the file's slope and intercept; samples become float", NULL}
+/* clang-format on */
 
 #endif

@@ -15,10 +15,12 @@ typedef struct iso_cli_roi {
     double band;
 } iso_cli_roi;
 
+/* clang-format off */
 #define ISO_CLI_ROI_OPTIONS(r)                                                                                              \
     {"roi", 0, POPT_ARG_STRING, &(r)->box, 0, "a finer level inside this box of level-0 voxels", "X0,Y0,Z0,X1,Y1,Z1"},        \
     {"roi-level", 0, POPT_ARG_INT, &(r)->level, 0, "the level inside the box (0)", "J"},                                      \
     {"roi-band", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &(r)->band, 0, "around the box, in voxels of the level: where the two are blended; 0: a hard edge", "VOXELS"}
+/* clang-format on */
 
 void iso_cli_roi_defaults(iso_cli_roi *r);
 

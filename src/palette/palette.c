@@ -17,7 +17,10 @@ static const struct {
 };
 const iso_names iso_palette_method_names = ISO_NAMES_OF_ROWS("palette method", methods);
 
-const char *iso_palette_method_name(iso_palette_method method) { return methods[method].name; }
+const char *iso_palette_method_name(iso_palette_method method)
+{
+    return methods[method].name;
+}
 
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err)
 {
@@ -75,7 +78,8 @@ iso_status iso_palette_check(const iso_palette_options *opt, iso_error *err)
     if (opt->method == ISO_PALETTE_FACES && opt->directions < 60)
         return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular faces need 60 at least", opt->directions);
     if (opt->method == ISO_PALETTE_VERTICES && opt->directions < 32)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular vertices need 32 at least", opt->directions);
+        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular vertices need 32 at least",
+                        opt->directions);
     if (opt->method == ISO_PALETTE_GRID && opt->directions < 2)
         return iso_fail(err, ISO_E_RANGE, "palette: 1 direction, the grid needs 2 at least");
     if (opt->method != ISO_PALETTE_ANNEAL)

@@ -39,9 +39,9 @@
  * which is exactly the members' sum of w (1 - cos). */
 typedef struct iso_direction_set {
     size_t count;
-    float *xyz;     /* 3 a bundle, unit */
-    float *length;  /* in (0, 1] */
-    double *weight; /* > 0 */
+    float *xyz;              /* 3 a bundle, unit */
+    float *length;           /* in (0, 1] */
+    double *weight;          /* > 0 */
     double undefined_weight; /* of members without a direction: they take entry 0 and cost nothing */
 } iso_direction_set;
 
@@ -71,8 +71,8 @@ void iso_direction_pool_add(iso_direction_pool *pool, const float *restrict vect
 iso_status iso_direction_pool_finish(const iso_direction_pool *pool, iso_direction_set *set, iso_error *err);
 
 typedef struct iso_palette_weighting {
-    bool by_magnitude;     /* a voxel counts by its gradient's magnitude, else 1 */
-    double value_span;     /* of the volume, for by_magnitude: weights are relative to the steepest gradient it allows */
+    bool by_magnitude; /* a voxel counts by its gradient's magnitude, else 1 */
+    double value_span; /* of the volume, for by_magnitude: weights are relative to the steepest gradient it allows */
     const float *by_value; /* and by this table over the scalar, such as the TF's opacity; or NULL */
     size_t by_value_count; /* at least 2; linear between entries, the first at by_value_lo, the last at by_value_hi */
     double by_value_lo, by_value_hi;
@@ -80,9 +80,9 @@ typedef struct iso_palette_weighting {
 
 /* Adds the gradient of each voxel to the pool. A source is read in slabs, so that memory does not grow with the volume;
  * the result is the same. weighting may be NULL: every voxel counts 1. */
-iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v, const iso_gradient_options *gradient,
-                                     const iso_palette_weighting *weighting, const iso_progress *progress,
-                                     iso_error *err);
+iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v,
+                                     const iso_gradient_options *gradient, const iso_palette_weighting *weighting,
+                                     const iso_progress *progress, iso_error *err);
 iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source *source,
                                      const iso_gradient_options *gradient, const iso_palette_weighting *weighting,
                                      const iso_progress *progress, iso_error *err);
@@ -109,6 +109,7 @@ void iso_palette_destroy(iso_palette *palette);
 int iso_palette_bits(const iso_palette *palette);
 
 /* enum, name, help */
+/* clang-format off */
 #define ISO_PALETTE_METHOD_LIST(X)                                                                       \
     X(ISO_PALETTE_KMEANS, "kmeans", "k-means++, Lloyd, exchange of single members, swaps of useless entries") \
     X(ISO_PALETTE_KMEANSPP, "kmeans++", "greedy k-means++ and Lloyd")                                    \
@@ -120,12 +121,13 @@ int iso_palette_bits(const iso_palette *palette);
     X(ISO_PALETTE_GRID, "grid", "Glassner's equal intervals of x and y, and the sign of z")              \
     X(ISO_PALETTE_SPIRAL, "spiral", "Glassner's equal-area spiral, one for each sign of z")              \
     X(ISO_PALETTE_FIBONACCI, "fibonacci", "the spherical Fibonacci lattice")
+/* clang-format on */
 
 typedef enum iso_palette_method {
 #define ISO_PALETTE_ENUM(name, text, help) name,
     ISO_PALETTE_METHOD_LIST(ISO_PALETTE_ENUM)
 #undef ISO_PALETTE_ENUM
-    ISO_PALETTE_METHOD_COUNT
+        ISO_PALETTE_METHOD_COUNT
 } iso_palette_method;
 
 const char *iso_palette_method_name(iso_palette_method method);

@@ -27,7 +27,7 @@ typedef struct face {
 typedef struct annealer {
     const iso_direction_set *set;
     mesh mesh;
-    face *old_face, *new_face; /* one a triangle */
+    face *old_face, *new_face;     /* one a triangle */
     uint32_t *old_next, *new_next; /* one a direction */
     double cost;
 } annealer;

@@ -181,7 +181,8 @@ typedef struct block {
 
 /* iso_cube_project and iso_cube_cell, written without branches. A comparison with NaN could trap, which nobody asked
  * for, and only a compiler that knows this makes vectors of the loop. */
-__attribute__((optimize("no-trapping-math"))) static void project_block(const float *restrict vectors, block *restrict b, int count)
+__attribute__((optimize("no-trapping-math"))) static void project_block(const float *restrict vectors,
+                                                                        block *restrict b, int count)
 {
     const float half = 0.5f * GRID_CELLS;
 #pragma omp simd

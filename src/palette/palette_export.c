@@ -82,7 +82,9 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
         bool good = i ? parse_line(line, i - 1, palette->xyz + 3 * (i - 1)) : strncmp(line, "index,x,y,z", 11) == 0;
         if (!good)
             status = iso_fail(err, ISO_E_FORMAT, "%s:%zu: \"%.60s\" is not %s", path, i + 1, line,
-                              i > 1 ? "the next index and a unit vector" : i ? "0,0,0,0" : "index,x,y,z");
+                              i > 1 ? "the next index and a unit vector"
+                              : i   ? "0,0,0,0"
+                                    : "index,x,y,z");
     }
     if (status != ISO_OK)
         iso_palette_destroy(palette);

@@ -13,7 +13,10 @@
  * the rounding of a determinant of unit vectors (1e-16), well under the volumes of real triangles (1e-4). */
 #define LEAST_VOLUME 1e-12
 
-static double volume(iso_vec3 a, iso_vec3 b, iso_vec3 c) { return iso_dot(iso_cross(a, b), c); }
+static double volume(iso_vec3 a, iso_vec3 b, iso_vec3 c)
+{
+    return iso_dot(iso_cross(a, b), c);
+}
 
 static void save(mesh *m, uint32_t t, bool shape)
 {
@@ -278,8 +281,10 @@ static void start_tetrahedron(mesh *m, iso_random *random)
 {
     iso_vec3 e = random_point(random), f = iso_normalize(iso_cross(e, random_point(random))), g = iso_cross(e, f);
     const int sign[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
-    const mesh_triangle start[4] = {
-        {{0, 1, 2}, {3, 2, 1}}, {{0, 3, 1}, {3, 0, 2}}, {{0, 2, 3}, {3, 1, 0}}, {{1, 3, 2}, {2, 0, 1}}};
+    const mesh_triangle start[4] = {{{0, 1, 2}, {3, 2, 1}},
+                                    {{0, 3, 1}, {3, 0, 2}},
+                                    {{0, 2, 3}, {3, 1, 0}},
+                                    {{1, 3, 2}, {2, 0, 1}}};
     for (int i = 0; i < 4; ++i) {
         m->position[i] = iso_normalize(iso_madd(iso_madd(iso_scale(e, sign[i][0]), f, sign[i][1]), g, sign[i][2]));
         m->triangle[i] = start[i];

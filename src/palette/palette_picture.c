@@ -10,7 +10,7 @@
 #include "base/linalg.h"
 #include "image/image.h"
 
-#define SIDE 512    /* pixels of one hemisphere */
+#define SIDE 512 /* pixels of one hemisphere */
 #define MARGIN 16
 
 typedef struct view {
@@ -35,7 +35,10 @@ static view back_view(void)
     return v;
 }
 
-static double srgb_to_linear(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
+static double srgb_to_linear(double v)
+{
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
 
 static void set_pixel(iso_image *image, size_t column, size_t row, const double srgb[3])
 {
@@ -94,7 +97,7 @@ static void draw_dots(iso_image *image, const iso_direction_set *set, const view
 #define MOST_DOTS 20000
 
 iso_status iso_palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
-                               iso_error *err)
+                                   iso_error *err)
 {
     static const double white[3] = {1, 1, 1};
     const view views[2] = {front_view(), back_view()};
@@ -155,7 +158,8 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
 {
     fputs("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 512 512\" width=\"512\" height=\"512\">\n"
           "<rect width=\"512\" height=\"512\" fill=\"white\"/>\n"
-          "<path fill=\"none\" stroke=\"#c33\" stroke-width=\"1.6\" stroke-linecap=\"round\" d=\"\n", file);
+          "<path fill=\"none\" stroke=\"#c33\" stroke-width=\"1.6\" stroke-linecap=\"round\" d=\"\n",
+          file);
     for (size_t i = 0; set && i < set->count; ++i) {
         iso_vec3 d = iso_v3((double)set->xyz[3 * i], (double)set->xyz[3 * i + 1], (double)set->xyz[3 * i + 2]);
         if (iso_dot(d, v->toward) > 0)
@@ -176,7 +180,7 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
 }
 
 iso_status iso_palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
-                               iso_error *err)
+                                   iso_error *err)
 {
     const view v = front_view();
     char *text = NULL;

@@ -17,8 +17,14 @@ static void put(float *xyz, size_t at, iso_vec3 v)
 
 /* ---- Van Gelder and Kim: icosahedron with its dual, cut 1 to 4 ------------------ */
 
-size_t iso_subdivision_faces(int level) { return (size_t)60 << (2 * level); }
-size_t iso_subdivision_vertices(int level) { return ((size_t)30 << (2 * level)) + 2; }
+size_t iso_subdivision_faces(int level)
+{
+    return (size_t)60 << (2 * level);
+}
+size_t iso_subdivision_vertices(int level)
+{
+    return ((size_t)30 << (2 * level)) + 2;
+}
 
 typedef struct mesh {
     size_t vertex_count, face_count;
@@ -131,7 +137,10 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
 
 /* ---- [glassner-1990]: the normal seen along z, its x and y coded ------------------- */
 
-static int grid_side(size_t directions) { return (int)floor(sqrt((double)(directions / 2))); }
+static int grid_side(size_t directions)
+{
+    return (int)floor(sqrt((double)(directions / 2)));
+}
 
 /* The centre of cell (i, j), or of what the disc has of it; false where the cell and the disc do not meet. */
 static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)

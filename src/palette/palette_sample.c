@@ -34,7 +34,10 @@ static void weigh_row(const iso_palette_weighting *w, const float *restrict vect
     }
 }
 
-static bool is_weighted(const iso_palette_weighting *w) { return w && (w->by_magnitude || w->by_value); }
+static bool is_weighted(const iso_palette_weighting *w)
+{
+    return w && (w->by_magnitude || w->by_value);
+}
 
 static iso_status check_weighting(const iso_palette_weighting *w, iso_error *err)
 {
@@ -47,7 +50,7 @@ static iso_status check_weighting(const iso_palette_weighting *w, iso_error *err
 typedef struct slab_buffers {
     const iso_gradient_options *gradient;
     const iso_palette_weighting *weighting;
-    size_t capacity; /* voxels */
+    size_t capacity;                  /* voxels */
     float *gradients, *weights, *row; /* row: one a thread */
     int threads;
 } slab_buffers;
@@ -101,8 +104,9 @@ static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, siz
     return ISO_OK;
 }
 
-iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v, const iso_gradient_options *gradient,
-                                     const iso_palette_weighting *w, const iso_progress *progress, iso_error *err)
+iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v,
+                                     const iso_gradient_options *gradient, const iso_palette_weighting *w,
+                                     const iso_progress *progress, iso_error *err)
 {
     const size_t nz = v->geometry.size[2], planes = slab_planes(&v->geometry);
     slab_buffers b = {.gradient = gradient, .weighting = w};

@@ -35,7 +35,10 @@ typedef struct palette_search {
     bool full; /* the journal ran out: the trial is undone */
 } palette_search;
 
-static inline double vector_norm(const double s[3]) { return sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]); }
+static inline double vector_norm(const double s[3])
+{
+    return sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+}
 
 /* |S + r u| without a square of S. */
 static inline double joined_norm(const cluster *k, const float *u, double r)

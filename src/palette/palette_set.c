@@ -72,8 +72,8 @@ iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors
         double w = weights ? weights[i] : 1;
         if (!(w >= 0) || !isfinite(w)) {
             free(members);
-            return iso_fail(err, ISO_E_RANGE, "palette: the weight of direction %zu is %g, must be finite and not negative",
-                            i, w);
+            return iso_fail(err, ISO_E_RANGE,
+                            "palette: the weight of direction %zu is %g, must be finite and not negative", i, w);
         }
         if (!to_unit(vectors + 3 * i, members[used].d))
             undefined += w;
@@ -152,8 +152,8 @@ typedef struct pool_bin {
 
 struct iso_direction_pool {
     int threads;
-    pool_bin *bins;      /* POOL_BINS a thread */
-    int64_t *undefined;  /* one a thread, 8 apart: not in one cache line */
+    pool_bin *bins;     /* POOL_BINS a thread */
+    int64_t *undefined; /* one a thread, 8 apart: not in one cache line */
 };
 
 iso_status iso_direction_pool_create(iso_direction_pool **pool, int threads, iso_error *err)

@@ -48,7 +48,8 @@ static iso_status fit(cache *c, double *predicted, iso_error *err)
     iso_plan_choose(c->plan, c->nodes, pow(10, high));
     double least = bytes_of(c);
     if (least > c->opt->cache_bytes)
-        return iso_fail(err, ISO_E_RANGE, "--cache-bytes is %g; the coarsest bricks take %g: allow more levels", c->opt->cache_bytes, least);
+        return iso_fail(err, ISO_E_RANGE, "--cache-bytes is %g; the coarsest bricks take %g: allow more levels",
+                        c->opt->cache_bytes, least);
     while (high - low > 1e-2) {
         double middle = 0.5 * (low + high);
         iso_plan_choose(c->plan, c->nodes, pow(10, middle));
@@ -82,7 +83,8 @@ static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report
         r->bricks_by_level[c->plan->levels[i]] += c->visible[i];
     if (c->opt->cache_bytes > 0 && r->cache_bytes > c->opt->cache_bytes) {
         iso_image_destroy(image);
-        return iso_fail(err, ISO_E_RANGE, "the cache takes %g bytes, at most %g are allowed", r->cache_bytes, c->opt->cache_bytes);
+        return iso_fail(err, ISO_E_RANGE, "the cache takes %g bytes, at most %g are allowed", r->cache_bytes,
+                        c->opt->cache_bytes);
     }
     return ISO_OK;
 }
@@ -111,7 +113,8 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
     if (opt->report)
         *opt->report = (iso_cached_report){0};
     *image = (iso_image){0};
-    iso_status status = iso_node_levels_create(&nodes, level0, opt->brick_voxels, opt->level_count, true, opt->threads, err);
+    iso_status status = iso_node_levels_create(&nodes, level0, opt->brick_voxels, opt->level_count, true, opt->threads,
+                                               err);
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&nodes);

@@ -16,11 +16,11 @@ typedef struct iso_cached_report {
 } iso_cached_report;
 
 typedef struct iso_cached_options {
-    double cache_bytes;  /* what the textures of scalars and directions may take; or, when it is 0, */
-    double plan_error;   /* the predicted RMSE that bricks may be coarsened for (plan/plan.h) */
+    double cache_bytes; /* what the textures of scalars and directions may take; or, when it is 0, */
+    double plan_error;  /* the predicted RMSE that bricks may be coarsened for (plan/plan.h) */
     size_t brick_voxels, level_count, page_side; /* page_side 0: what GL takes */
-    double step_voxels;  /* 0: the view's */
-    size_t repeats;      /* draws, and until when, as in iso_gl_options */
+    double step_voxels;                          /* 0: the view's */
+    size_t repeats;                              /* draws, and until when, as in iso_gl_options */
     double repeat_seconds;
     int threads;
     iso_cached_report *report; /* filled; or NULL */

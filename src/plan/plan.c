@@ -102,7 +102,8 @@ static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8
 }
 
 /* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its entry. */
-static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown, double *seen)
+static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown,
+                  double *seen)
 {
     const iso_node_levels *n = f->nodes;
     double t0, t1, step = iso_geometry_min_spacing_mm(&n->geometry), transmittance = 1;
@@ -132,8 +133,8 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
 
 /* Rays through every `stride`-th pixel, so that the smallest brick meets several. A brick that is passed is counted for
  * stride^2 pixels a ray. */
-static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view, const uint8_t *shown,
-                                  int threads, float *footprints, iso_error *err)
+static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view,
+                                  const uint8_t *shown, int threads, float *footprints, iso_error *err)
 {
     size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
@@ -145,7 +146,8 @@ static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n
     for (size_t row = 0; row < rows; ++row)
         for (size_t column = 0; column < columns; ++column) {
             size_t x = column * stride + stride / 2, y = row * stride + stride / 2;
-            iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, x < view->width ? x : view->width - 1,
+            iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height,
+                                         x < view->width ? x : view->width - 1,
                                          y < view->height ? y : view->height - 1);
             trace(&finest, view, &ray, shown, seen + row * plan->brick_count);
         }

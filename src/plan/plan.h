@@ -30,10 +30,10 @@
 
 typedef struct iso_plan {
     size_t brick_count, level_count;
-    float *squares;    /* owned; brick_count * level_count: sum over views of footprint * error^2, in pixels */
-    float *footprints; /* owned; pixels of all views, 0 for a brick that none sees */
-    uint8_t *shown;    /* owned; by the TF of a view that sees it, at level 0 */
-    uint8_t *levels;   /* owned; what iso_plan_choose() chose */
+    float *squares;     /* owned; brick_count * level_count: sum over views of footprint * error^2, in pixels */
+    float *footprints;  /* owned; pixels of all views, 0 for a brick that none sees */
+    uint8_t *shown;     /* owned; by the TF of a view that sees it, at level 0 */
+    uint8_t *levels;    /* owned; what iso_plan_choose() chose */
     double pixel_count; /* of all views */
 } iso_plan;
 

@@ -10,7 +10,8 @@
 
 /* ---- the file ------------------------------------------------------------------ */
 
-static iso_status read_bricks(const char *path, const char *levels, const char *use, iso_plan_file *plan, iso_error *err)
+static iso_status read_bricks(const char *path, const char *levels, const char *use, iso_plan_file *plan,
+                              iso_error *err)
 {
     size_t count = plan->count[0] * plan->count[1] * plan->count[2];
     if (strlen(levels) != count || strlen(use) != count)
@@ -24,8 +25,9 @@ static iso_status read_bricks(const char *path, const char *levels, const char *
     for (size_t i = 0; i < count; ++i) {
         size_t level = (size_t)(levels[i] - '0');
         if (level >= plan->level_count || !strchr("dhu", use[i]))
-            return iso_fail(err, ISO_E_FORMAT, "%s: level '%c' and use '%c' of brick %zu, must be 0 to %zu and d, h or u", path,
-                            levels[i], use[i], i, plan->level_count - 1);
+            return iso_fail(err, ISO_E_FORMAT,
+                            "%s: level '%c' and use '%c' of brick %zu, must be 0 to %zu and d, h or u", path, levels[i],
+                            use[i], i, plan->level_count - 1);
         plan->levels[i] = (uint8_t)level;
         plan->drawn[i] = use[i] == 'd';
         plan->seen[i] = use[i] != 'u';
@@ -107,7 +109,9 @@ static iso_status check_match(const char *path, const iso_planned *p, int thread
         drawn += p->plan.drawn[i];
     free(visible);
     if (100 * wrong > drawn)
-        return iso_fail(err, ISO_E_RANGE, "%s: this scene shows %zu bricks that the plan hides: it was made for another one", path, wrong);
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: this scene shows %zu bricks that the plan hides: it was made for another one", path,
+                        wrong);
     return ISO_OK;
 }
 
@@ -115,8 +119,8 @@ static iso_status check_bricks(const char *path, const iso_planned *p, iso_error
 {
     const size_t *have = p->nodes.count, *want = p->plan.count;
     if (memcmp(have, want, sizeof p->plan.count) != 0)
-        return iso_fail(err, ISO_E_RANGE, "%s: %zu x %zu x %zu bricks of %zu voxels, the volume has %zu x %zu x %zu", path, want[0],
-                        want[1], want[2], p->plan.brick_voxels, have[0], have[1], have[2]);
+        return iso_fail(err, ISO_E_RANGE, "%s: %zu x %zu x %zu bricks of %zu voxels, the volume has %zu x %zu x %zu",
+                        path, want[0], want[1], want[2], p->plan.brick_voxels, have[0], have[1], have[2]);
     return ISO_OK;
 }
 
@@ -162,8 +166,13 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
                                        iso_planned_lattices *lattices, iso_error *err)
 {
     const iso_brick_field field = field_of(p);
-    iso_lattice_options opt = {.drawn = p->plan.drawn, .seen = p->plan.seen, .tfs = p->tfs, .tf_count = p->tf_count,
-                               .merged = merged, .whole_box = whole_box, .threads = threads};
+    iso_lattice_options opt = {.drawn = p->plan.drawn,
+                               .seen = p->plan.seen,
+                               .tfs = p->tfs,
+                               .tf_count = p->tf_count,
+                               .merged = merged,
+                               .whole_box = whole_box,
+                               .threads = threads};
     iso_status status = ISO_OK;
     *lattices = (iso_planned_lattices){0};
     for (size_t l = 0; l < (merged ? 1 : p->nodes.level_count) && status == ISO_OK; ++l) {
@@ -205,7 +214,8 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
 {
     double step = (double)((size_t)1 << l->level);
     for (int a = 0; a < 3; ++a) {
-        double low = -0.5 / step - (double)l->first[a] + 0.5, high = (g->box_index[a] - 0.5) / step - (double)l->first[a] + 0.5;
+        double low = -0.5 / step - (double)l->first[a] + 0.5,
+               high = (g->box_index[a] - 0.5) / step - (double)l->first[a] + 0.5;
         box[0][a] = low > 0 ? low : 0;
         box[1][a] = high < (double)l->size[a] ? high : (double)l->size[a];
     }
@@ -224,8 +234,12 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
     bool sampled = false;
     for (size_t k = 1; k < p->nodes.level_count; ++k)
         sampled = sampled || draws_level(p, k);
-    crop->level = (iso_level){.geometry = l->geometry, .stored_type = sampled ? ISO_F32 : level0->stored_type, .min = l->min,
-                              .max = l->max, .scalar = malloc(count * sizeof(float)), .codes = malloc(6 * count)};
+    crop->level = (iso_level){.geometry = l->geometry,
+                              .stored_type = sampled ? ISO_F32 : level0->stored_type,
+                              .min = l->min,
+                              .max = l->max,
+                              .scalar = malloc(count * sizeof(float)),
+                              .codes = malloc(6 * count)};
     float *directions = malloc(3 * count * sizeof *directions);
     if (!crop->level.scalar || !crop->level.codes || !directions)
         status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);

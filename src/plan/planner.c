@@ -23,11 +23,12 @@ static void turn_scene(iso_scene *s, double angle)
     iso_vec3 up = iso_normalize(s->camera_up);
     s->camera_direction = turned(s->camera_direction, up, angle);
     if (!s->camera_fit)
-        s->camera_position = iso_add(s->camera_look_at, turned(iso_sub(s->camera_position, s->camera_look_at), up, angle));
+        s->camera_position = iso_add(s->camera_look_at,
+                                     turned(iso_sub(s->camera_position, s->camera_look_at), up, angle));
 }
 
-static iso_status load_scene_views(const char *path, size_t turns, const iso_pyramid *p, const char *size, iso_view *views,
-                                   size_t *count, iso_error *err)
+static iso_status load_scene_views(const char *path, size_t turns, const iso_pyramid *p, const char *size,
+                                   iso_view *views, size_t *count, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0];
     iso_status status = ISO_OK;
@@ -47,8 +48,8 @@ static iso_status load_scene_views(const char *path, size_t turns, const iso_pyr
     return status;
 }
 
-iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size, iso_view **views,
-                                  size_t *count, iso_error *err)
+iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size,
+                                  iso_view **views, size_t *count, iso_error *err)
 {
     size_t scene_count = 1;
     *views = NULL;
@@ -118,7 +119,8 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
     p->full_node_count = count * side * side * side;
     p->wanted = malloc(count);
     p->full = calloc(view_count, sizeof *p->full);
-    iso_status status = p->wanted && p->full ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    iso_status status = p->wanted && p->full ? ISO_OK
+                                             : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     if (status == ISO_OK)
         status = iso_gl_create(&p->gl, NULL, err);
     if (status == ISO_OK)
@@ -189,7 +191,8 @@ static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_t
     t->predicted_rmse = iso_plan_choose(&p->plan, p->nodes, rmse);
     t->levels = malloc(count);
     t->drawn = calloc(count, 1);
-    iso_status status = t->levels && t->drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    iso_status status = t->levels && t->drawn ? ISO_OK
+                                              : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     if (status == ISO_OK) {
         memcpy(t->levels, p->plan.levels, count);
         status = count_drawn(p, t, err);
@@ -228,7 +231,7 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
 {
     enum { steps = 9 };
     double low = -8, high = 0, least = INFINITY; /* decades; bytes of what was seen at all */
-    if (memory <= 0) { /* the prediction is about right: start around it */
+    if (memory <= 0) {                           /* the prediction is about right: start around it */
         low = log10(error) - 2;
         high = log10(error) + 2;
     }
@@ -242,8 +245,8 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
         bool good = is_good(p, error, memory, &t);
         bool finer = memory > 0 ? iso_plan_trial_bytes(&t) <= memory : !good;
         *(finer ? &high : &low) = middle;
-        bool better = !p->best.levels || (memory > 0 ? t.measured.rmse < p->best.measured.rmse
-                                                     : t.node_count < p->best.node_count);
+        bool better = !p->best.levels ||
+                      (memory > 0 ? t.measured.rmse < p->best.measured.rmse : t.node_count < p->best.node_count);
         least = t.drawn_count > 0 ? fmin(least, iso_plan_trial_bytes(&t)) : least;
         if (good && better) {
             drop_trial(&p->best);
@@ -256,7 +259,8 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
     if (p->best.levels)
         return ISO_OK;
     if (memory > 0)
-        return iso_fail(err, ISO_E_RANGE, "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
+        return iso_fail(err, ISO_E_RANGE,
+                        "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
                         memory, least);
     return try_rmse(p, 0, INFINITY, &p->best, err); /* level 0 everywhere, without what does not show */
 }

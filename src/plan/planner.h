@@ -17,7 +17,7 @@ typedef struct iso_plan_trial {
     iso_metrics measured;    /* of the view in which the RMSE is the largest */
     uint8_t *levels, *drawn; /* owned; one byte a brick */
     size_t drawn_count, node_count;
-    iso_image image;         /* of the first view */
+    iso_image image; /* of the first view */
 } iso_plan_trial;
 
 typedef struct iso_planner {
@@ -27,9 +27,9 @@ typedef struct iso_planner {
     size_t view_count;
     iso_brick_faces faces;
     iso_plan plan;
-    uint8_t *wanted;      /* bricks that a view sees */
-    iso_image *full;      /* a view each, all bricks at level 0 */
-    double blank_rmse;    /* of the background alone, in the view where it is the least */
+    uint8_t *wanted;   /* bricks that a view sees */
+    iso_image *full;   /* a view each, all bricks at level 0 */
+    double blank_rmse; /* of the background alone, in the view where it is the least */
     size_t full_node_count;
     iso_plan_trial best;
     int render_count;
@@ -46,15 +46,19 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
                               const iso_progress *progress, iso_error *err);
 /* memory 0: the least model whose measured RMSE is at most `error` in every view. Else the model of the least RMSE in
  * at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what is needed. */
-iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err);
+iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress,
+                              iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
 
-static inline double iso_plan_trial_bytes(const iso_plan_trial *t) { return ISO_BYTES_A_NODE * (double)t->node_count; }
+static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
+{
+    return ISO_BYTES_A_NODE * (double)t->node_count;
+}
 
 /* Scenes by name, "A.scene.json,B.scene.json", each from `turns` sides: turned round its "up" by 360 / turns degrees.
  * *views is to be released with iso_planner_destroy_views(). */
-iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size, iso_view **views,
-                                  size_t *count, iso_error *err);
+iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size,
+                                  iso_view **views, size_t *count, iso_error *err);
 void iso_planner_destroy_views(iso_view *views, size_t count);
 
 #endif

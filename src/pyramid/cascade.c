@@ -74,7 +74,8 @@ void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y,
 {
     if (z < out->first || !(out->codes || out->directions || out->magnitude))
         return;
-    iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2], out->magnitude ? r->magnitude : NULL);
+    iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2],
+                  out->magnitude ? r->magnitude : NULL);
     store_codes(c, out, 0, y, z, r);
 }
 
@@ -95,10 +96,10 @@ typedef struct tile {
     iso_cascade *c;
     const iso_planes *in;
     const iso_cascade_out *out;
-    size_t base, top;             /* levels */
+    size_t base, top; /* levels */
     emit_rows rows;
-    float *acc[MAX_LEVELS][2];    /* [k]: sums of two rows of level k, a half each */
-    float *own[MAX_LEVELS];       /* [k]: a row of level k */
+    float *acc[MAX_LEVELS][2]; /* [k]: sums of two rows of level k, a half each */
+    float *own[MAX_LEVELS];    /* [k]: a row of level k */
     float lo[MAX_LEVELS], hi[MAX_LEVELS];
 } tile;
 
@@ -186,7 +187,8 @@ static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add
             iso_double_row(sum + i * stride, fine[0]);
     }
     for (size_t i = 0; i <= c->state_count; ++i)
-        iso_mean_row(t->acc[k - 1][0] + i * stride, t->acc[k - 1][two_z] + i * stride, fine[0], own + i * coarse_stride);
+        iso_mean_row(t->acc[k - 1][0] + i * stride, t->acc[k - 1][two_z] + i * stride, fine[0],
+                     own + i * coarse_stride);
     store_coarse(t, k, y, z, own);
     if (k < t->top)
         add_row(t, k, own, acc, add);

@@ -48,7 +48,8 @@ iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err)
         for (size_t k = 0; k + 1 < c->level_count; ++k) {
             w->slots[k] = calloc(w->slot_count * slot_floats(c, w, k + 1), sizeof(float));
             if (!w->slots[k])
-                return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %zu planes of level %zu", w->slot_count, k + 1);
+                return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %zu planes of level %zu", w->slot_count,
+                                k + 1);
         }
     }
     return ISO_OK;
@@ -63,8 +64,7 @@ void iso_cascade_gauss_destroy(iso_cascade *c)
 
 static float *slot(const gauss_run *r, size_t coarse, size_t plane)
 {
-    return r->channel->slots[coarse - 1] +
-           plane % r->channel->slot_count * slot_floats(r->c, r->channel, coarse);
+    return r->channel->slots[coarse - 1] + plane % r->channel->slot_count * slot_floats(r->c, r->channel, coarse);
 }
 
 /* Rows of one thread in a block. */
@@ -109,8 +109,8 @@ static const float *fine_row(const gauss_run *r, block *b, size_t k, size_t y, s
         return b->state;
     }
     iso_cascade_level0_gradients(c, r->in, y, z, &b->rows);
-    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2], c->size[0][0],
-                             b->state, *stride, false);
+    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2],
+                             c->size[0][0], b->state, *stride, false);
     if (own)
         iso_emit_level0(c, &r->out[0], y, z, &b->rows);
     return b->state;
@@ -122,7 +122,8 @@ static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_
 {
     const gauss_channel *w = r->channel;
     const size_t *fine = r->c->size[k], *coarse = r->c->size[k + 1], taps = w->taps.count, radius = taps / 2;
-    const size_t first = iso_taps_source(&w->taps, j0, 0, fine[1]), last = iso_taps_source(&w->taps, j1 - 1, taps - 1, fine[1]);
+    const size_t first = iso_taps_source(&w->taps, j0, 0, fine[1]),
+                 last = iso_taps_source(&w->taps, j1 - 1, taps - 1, fine[1]);
     const size_t open_first = z >= radius ? (z - radius + 1) / 2 : 0, reach = (z + radius - 1) / 2;
     const size_t open_last = reach < coarse[2] ? reach : coarse[2] - 1;
     for (size_t y = first; y <= last; ++y) {
@@ -137,7 +138,8 @@ static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_
             memset(b->filtered, 0, coarse[0] * sizeof(float));
             for (size_t t = 0; t < taps; ++t)
                 iso_weigh_row(w->taps.weight[t],
-                              b->narrow + ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
+                              b->narrow +
+                                  ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
                               coarse[0], b->filtered);
             for (size_t p = open_first; p <= open_last; ++p) {
                 float *to = slot(r, k + 1, p) + (i * coarse[1] + j) * coarse[0];
@@ -215,7 +217,8 @@ static void feed_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
     }
 }
 
-iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err)
+iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
+                                  const iso_cascade_out *out, iso_error *err)
 {
     for (size_t i = 0; i < c->gauss_count; ++i) {
         gauss_run r = {.c = c, .channel = &c->gauss[i], .in = in, .out = out};

@@ -14,9 +14,9 @@ typedef struct gauss_channel {
     bool is_scalar;
     size_t components, filtered; /* planes of a slot; the first of them are sums */
     iso_taps taps;
-    size_t batch;              /* fine planes at a time */
-    size_t slot_count;         /* coarse planes that these touch */
-    float *slots[MAX_LEVELS];  /* [k]: of level k + 1, slot_count x components planes */
+    size_t batch;             /* fine planes at a time */
+    size_t slot_count;        /* coarse planes that these touch */
+    float *slots[MAX_LEVELS]; /* [k]: of level k + 1, slot_count x components planes */
 } gauss_channel;
 
 struct iso_cascade {
@@ -28,10 +28,10 @@ struct iso_cascade {
     size_t size[MAX_LEVELS][3];
     float lo[MAX_LEVELS], hi[MAX_LEVELS];
     /* Filters that read only the children, tile by tile. */
-    size_t tile_top;     /* the highest level that is made depth first from level 0 */
-    size_t state_count;  /* components of the state it carries; 0: directions have a Gaussian filter */
-    bool scalar_means;   /* else scalars have a Gaussian filter */
-    float *carry;        /* states and scalars of level tile_top, where there are levels above it */
+    size_t tile_top;    /* the highest level that is made depth first from level 0 */
+    size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
+    bool scalar_means;  /* else scalars have a Gaussian filter */
+    float *carry;       /* states and scalars of level tile_top, where there are levels above it */
     /* Gaussian filters, plane by plane (cascade_gauss.c). */
     gauss_channel gauss[2];
     size_t gauss_count;
@@ -77,6 +77,7 @@ void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k,
 /* cascade_gauss.c */
 iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);
 void iso_cascade_gauss_destroy(iso_cascade *c);
-iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out, iso_error *err);
+iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
+                                  const iso_cascade_out *out, iso_error *err);
 
 #endif

@@ -47,9 +47,9 @@ static inline float inverse_length(float m2, float m)
     return m2 >= FLT_MIN ? inverse : 0;
 }
 
-static inline __attribute__((always_inline)) void moments_into(const float *gx, const float *gy, const float *gz, size_t n,
-                                                               float *restrict ax, float *restrict ay, float *restrict az,
-                                                               float *restrict as, bool add)
+static inline __attribute__((always_inline)) void moments_into(const float *gx, const float *gy, const float *gz,
+                                                               size_t n, float *restrict ax, float *restrict ay,
+                                                               float *restrict az, float *restrict as, bool add)
 {
     for (size_t i = 0; i < n; ++i) {
         float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z, m = sqrtf(m2);
@@ -70,8 +70,8 @@ ISO_SIMD static void moments(const float *gx, const float *gy, const float *gz, 
         moments_into(gx, gy, gz, n, ax, ay, az, as, false);
 }
 
-ISO_SIMD static void moment_vectors(const float *restrict gx, const float *restrict gy, const float *restrict gz, size_t n,
-                                    float *restrict acc, size_t stride, bool add)
+ISO_SIMD static void moment_vectors(const float *restrict gx, const float *restrict gy, const float *restrict gz,
+                                    size_t n, float *restrict acc, size_t stride, bool add)
 {
     float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride;
     for (size_t i = 0; i < n; ++i) {
@@ -90,8 +90,9 @@ static inline float power(float m, size_t exponent)
     return result;
 }
 
-static inline __attribute__((always_inline)) void eq1_weigh_by(const float *gx, const float *gy, const float *gz, size_t n,
-                                                               size_t exponent, float *restrict acc, size_t stride)
+static inline __attribute__((always_inline)) void eq1_weigh_by(const float *gx, const float *gy, const float *gz,
+                                                               size_t n, size_t exponent, float *restrict acc,
+                                                               size_t stride)
 {
     float *ax = acc, *ay = acc + stride, *az = acc + 2 * stride, *aw = acc + 3 * stride, *am = acc + 4 * stride;
     for (size_t i = 0; i < n; ++i) {
@@ -119,8 +120,8 @@ ISO_SIMD static void products(const float *restrict a, const float *restrict b, 
         acc[i] = add ? acc[i] + a[i] * b[i] : a[i] * b[i];
 }
 
-void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
-                              float *restrict acc, size_t stride, bool add)
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy,
+                              const float *gz, size_t n, float *restrict acc, size_t stride, bool add)
 {
     if (f == ISO_DIRECTION_MOMENTS) {
         moments(gx, gy, gz, n, acc, stride, add);
@@ -182,8 +183,8 @@ ISO_SIMD static void u8_row(const uint8_t *restrict in, size_t n, float *restric
         out[i] = (float)in[i];
 }
 
-void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add, float *lo,
-                    float *hi)
+void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add,
+                    float *lo, float *hi)
 {
     const size_t n = p->size[0], first = ((z - p->first) * p->size[1] + y) * n;
     if (p->type == ISO_U16)
@@ -253,7 +254,8 @@ ISO_SIMD static void weigh_four(const float *restrict w, const float *restrict r
         out[i] = ((w[0] * row[2 * i] + w[1] * row[2 * i + 1]) + w[2] * row[2 * i + 2]) + w[3] * row[2 * i + 3];
 }
 
-void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded, float *restrict out)
+void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
+                  float *restrict out)
 {
     const size_t radius = taps->count / 2, half = (n + 1) / 2;
     for (size_t i = 0; i < radius - 1; ++i)
@@ -280,7 +282,8 @@ ISO_SIMD void iso_weigh_row(float weight, const float *restrict row, size_t n, f
  * quotient is the filtered gradient, whose own length weighs the next level. */
 ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent)
 {
-    float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sw = state + 3 * stride, *sm = state + 4 * stride;
+    float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sw = state + 3 * stride,
+          *sm = state + 4 * stride;
     for (size_t i = 0; i < n; ++i) {
         float inverse = 1 / sw[i];
         inverse = sw[i] >= FLT_MIN ? inverse : 0;

@@ -39,14 +39,14 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 /* ---- level 0 ---- */
 
 /* The states of a row of gradients are stored in acc, or added to it (not with eq1). */
-void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy, const float *gz, size_t n,
-                              float *restrict acc, size_t stride, bool add);
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy,
+                              const float *gz, size_t n, float *restrict acc, size_t stride, bool add);
 /* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
 void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
                    float *restrict dz, float *restrict length);
 /* Samples as floats are stored in acc, or added to it; *lo and *hi are extended to their range. */
-void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add, float *lo,
-                    float *hi);
+void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add,
+                    float *lo, float *hi);
 
 /* ---- from level to level ---- */
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 iso_status iso_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
-                                    iso_error *err)
+                                iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&level->geometry);
     *owned = NULL;
@@ -48,8 +48,8 @@ void iso_level_detach_palette(iso_level *level)
     level->palette_index = NULL;
 }
 
-iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials, int threads,
-                               iso_palette *palette, iso_error *err)
+iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials,
+                                 int threads, iso_palette *palette, iso_error *err)
 {
     iso_palette_options opt = iso_palette_defaults();
     iso_direction_set set = {0};

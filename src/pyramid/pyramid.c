@@ -15,14 +15,16 @@
 
 static const struct {
     const char *name, *summary;
-} scalar_filters[] = {
-    [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
-    [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
-}, direction_filters[] = {
-    [ISO_DIRECTION_MOMENTS] = {"moments", "sums weighted by the squared magnitude; the coherence is the length"},
-    [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of [diaz-garcia-2017]: a Gaussian times the gradient magnitude"},
-    [ISO_DIRECTION_NAIVE] = {"naive", "means of the children's gradients, of length 1"},
-    [ISO_DIRECTION_TENSOR] = {"tensor", "the main axis of summed outer products: opposite gradients agree"},
+} scalar_filters[] =
+    {
+        [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
+        [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
+},
+  direction_filters[] = {
+      [ISO_DIRECTION_MOMENTS] = {"moments", "sums weighted by the squared magnitude; the coherence is the length"},
+      [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of [diaz-garcia-2017]: a Gaussian times the gradient magnitude"},
+      [ISO_DIRECTION_NAIVE] = {"naive", "means of the children's gradients, of length 1"},
+      [ISO_DIRECTION_TENSOR] = {"tensor", "the main axis of summed outer products: opposite gradients agree"},
 };
 const iso_names iso_scalar_filter_names = ISO_NAMES_OF_ROWS("scalar filter", scalar_filters);
 const iso_names iso_direction_filter_names = ISO_NAMES_OF_ROWS("direction filter", direction_filters);
@@ -75,13 +77,15 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
     if (opt->level_count < 1 || opt->level_count > 32)
         return iso_fail(err, ISO_E_RANGE, "levels: %zu, must be 1 to 32", opt->level_count);
     if (opt->gauss_radius < 1 || opt->gauss_radius > max_radius)
-        return iso_fail(err, ISO_E_RANGE, "Gaussian radius: %zu voxels, must be 1 to %zu", opt->gauss_radius, max_radius);
+        return iso_fail(err, ISO_E_RANGE, "Gaussian radius: %zu voxels, must be 1 to %zu", opt->gauss_radius,
+                        max_radius);
     if (!(opt->gauss_sigma_voxels >= 0.1 && opt->gauss_sigma_voxels <= 100))
         return iso_fail(err, ISO_E_RANGE, "Gaussian sigma: %g voxels, must be 0.1 to 100", opt->gauss_sigma_voxels);
     if (opt->eq1_exponent > 4)
         return iso_fail(err, ISO_E_RANGE, "exponent of Eq. 1: %zu, must be 0 to 4", opt->eq1_exponent);
     if (!iso_code_describe(opt->code)->is_textured)
-        return iso_fail(err, ISO_E_RANGE, "code %s: not for pyramids, whose codes are 3 bytes that a texture can filter",
+        return iso_fail(err, ISO_E_RANGE,
+                        "code %s: not for pyramids, whose codes are 3 bytes that a texture can filter",
                         iso_code_describe(opt->code)->name);
     return ISO_OK;
 }

@@ -209,8 +209,8 @@ static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *
     if (r->status == ISO_OK)
         r->status = iso_type_from_name(type, &l->stored_type, err);
     if (r->status == ISO_OK && iso_type_bytes(l->stored_type) > 2 && l->stored_type != ISO_F32)
-        r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"stored_type\" is \"%s\", must be of 8 or 16 bits, or float", r->path,
-                             type);
+        r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"stored_type\" is \"%s\", must be of 8 or 16 bits, or float",
+                             r->path, type);
     if (r->status != ISO_OK)
         return r->status;
     void *data[FILE_COUNT] = {NULL};
@@ -253,7 +253,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
             continue;
         iso_geometry wanted = iso_geometry_coarser(&out->levels[k - 1].geometry);
         if (memcmp(wanted.size, out->levels[k].geometry.size, sizeof wanted.size) != 0)
-            return iso_fail(err, ISO_E_FORMAT, "%s: the sizes of level %zu are not half of the finer level's", r->path, k);
+            return iso_fail(err, ISO_E_FORMAT, "%s: the sizes of level %zu are not half of the finer level's", r->path,
+                            k);
     }
     return ISO_OK;
 }

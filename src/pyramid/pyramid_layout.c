@@ -14,10 +14,13 @@
 void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, level_file files[FILE_COUNT])
 {
     const iso_type codes = iso_code_describe(opt->code)->is_signed ? ISO_I8 : ISO_U8;
-    files[FILE_SCALAR] = (level_file){.key = "scalar", .suffix = "", .components = 1, .type = scalar_type, .stored = true};
+    files[FILE_SCALAR] =
+        (level_file){.key = "scalar", .suffix = "", .components = 1, .type = scalar_type, .stored = true};
     files[FILE_CODES] = (level_file){.key = "codes", .suffix = "_dir", .components = 3, .type = codes, .stored = true};
-    files[FILE_DIRECTIONS] = (level_file){.key = "directions", .suffix = "_grad", .components = 3, .type = ISO_F32, .stored = opt->keep_float};
-    files[FILE_MAGNITUDE] = (level_file){.key = "magnitude", .suffix = "_mag", .components = 1, .type = ISO_F32, .stored = opt->keep_magnitude};
+    files[FILE_DIRECTIONS] = (level_file){
+        .key = "directions", .suffix = "_grad", .components = 3, .type = ISO_F32, .stored = opt->keep_float};
+    files[FILE_MAGNITUDE] = (level_file){
+        .key = "magnitude", .suffix = "_mag", .components = 1, .type = ISO_F32, .stored = opt->keep_magnitude};
 }
 
 void iso_layout_name(const level_file *f, size_t level, char name[64])
@@ -66,8 +69,8 @@ json_t *iso_layout_options(const iso_pyramid_options *o)
                      "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
                      iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
                      "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
-                     "gauss_radius", (json_int_t)o->gauss_radius, "eq1_exponent", (json_int_t)o->eq1_exponent, "keep_float", o->keep_float, "keep_magnitude",
-                     o->keep_magnitude);
+                     "gauss_radius", (json_int_t)o->gauss_radius, "eq1_exponent", (json_int_t)o->eq1_exponent,
+                     "keep_float", o->keep_float, "keep_magnitude", o->keep_magnitude);
 }
 
 json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,
@@ -80,8 +83,9 @@ json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min
             continue;
         iso_layout_name(&files[i], level, name);
         snprintf(digest, sizeof digest, "%016llx", (unsigned long long)files[i].hash);
-        json_object_set_new(list, files[i].key, json_pack("{s:s, s:I, s:s}", "name", name, "bytes",
-                                                          (json_int_t)files[i].bytes, "xxh3_64", digest));
+        json_object_set_new(list, files[i].key,
+                            json_pack("{s:s, s:I, s:s}", "name", name, "bytes", (json_int_t)files[i].bytes, "xxh3_64",
+                                      digest));
     }
     return json_pack("{s:o, s:s, s:f, s:f, s:o}", "geometry", iso_layout_geometry(g), "stored_type",
                      iso_type_name(scalar_type), "min", min, "max", max, "files", list);

@@ -42,7 +42,8 @@ static iso_status set_up(pyramid_build *s, double *scale, iso_error *err)
     if (status != ISO_OK)
         return status;
     iso_stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);
-    s->out.direct = s->how->direct || iso_geometry_voxel_count(&s->header.geometry) * iso_type_bytes(s->header.type) >= DIRECT_BYTES;
+    s->out.direct = s->how->direct ||
+                    iso_geometry_voxel_count(&s->header.geometry) * iso_type_bytes(s->header.type) >= DIRECT_BYTES;
     s->overlap = iso_stream_longest_warm_up(s);
     return iso_stream_choose_slab(s, err);
 }
@@ -65,7 +66,8 @@ static iso_status begin(pyramid_build *s, const json_t *job, bool resumed, size_
     size_t plane_floats;
     if (status == ISO_OK && iso_cascade_carry(s->cascade, &plane_floats)) {
         char *path = iso_path_join(s->output.temp_path, STREAM_CARRY_NAME);
-        status = path ? iso_bigfile_open(path, s->out.direct, s->carry_planes * plane_floats * sizeof(float), &s->carry, err)
+        status = path ? iso_bigfile_open(path, s->out.direct, s->carry_planes * plane_floats * sizeof(float), &s->carry,
+                                         err)
                       : iso_fail(err, ISO_E_MEMORY, "out of memory");
         free(path);
     }
@@ -80,7 +82,8 @@ static iso_status begin_all(pyramid_build *s, const char *dir, double scale, jso
     if (stream_is_first(s)) {
         status = iso_output_resume_dir(&s->output, dir, ISO_PYRAMID_MARKER, s->how->resume, &resumed, err);
         *job = iso_stream_describe_job(s, scale);
-        if (status == ISO_OK && snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)
+        if (status == ISO_OK &&
+            snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)
             status = iso_fail(err, ISO_E_IO, "%s: the path is too long", dir);
         if (status == ISO_OK)
             status = begin(s, *job, resumed, done, err);

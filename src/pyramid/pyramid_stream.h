@@ -41,13 +41,15 @@ typedef struct iso_stream_report {
         double min, max;
     } levels[32];
     size_t slab_planes, buffer_bytes, resumed_at_plane;
-    double seconds_read, seconds_build, seconds_write, seconds_total; /* read, write: waiting for the threads that do it */
+    double seconds_read, seconds_build, seconds_write,
+        seconds_total;                       /* read, write: waiting for the threads that do it */
     double seconds_reading, seconds_writing; /* of these threads, summed, with hashing */
 } iso_stream_report;
 
 /* ISO_E_MEMORY when memory_bytes is too little, with what is needed. All ranks get the same status and message; the
  * report is rank 0's. */
-iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt, const iso_stream_options *stream,
-                              const char *dir, iso_stream_report *report, const iso_progress *progress, iso_error *err);
+iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt,
+                              const iso_stream_options *stream, const char *dir, iso_stream_report *report,
+                              const iso_progress *progress, iso_error *err);
 
 #endif

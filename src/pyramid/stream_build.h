@@ -58,9 +58,15 @@ typedef struct stream_slab {
     size_t read_from, read_to;
 } stream_slab;
 
-static inline bool stream_is_alone(const pyramid_build *s) { return iso_ranks_count(s->how->ranks) == 1; }
+static inline bool stream_is_alone(const pyramid_build *s)
+{
+    return iso_ranks_count(s->how->ranks) == 1;
+}
 
-static inline bool stream_is_first(const pyramid_build *s) { return iso_ranks_index(s->how->ranks) == 0; }
+static inline bool stream_is_first(const pyramid_build *s)
+{
+    return iso_ranks_index(s->how->ranks) == 0;
+}
 
 static inline size_t stream_plane_bytes(const pyramid_build *s)
 {

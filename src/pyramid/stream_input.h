@@ -17,7 +17,7 @@ typedef struct stream_planes {
 } stream_planes;
 
 typedef struct stream_input {
-    iso_volume_source *source; /* borrowed */
+    iso_volume_source *source;          /* borrowed */
     size_t plane_bytes, capacity, read; /* read: planes that the source has given or skipped */
     stream_planes set[STREAM_INPUT_SETS];
     int newest;

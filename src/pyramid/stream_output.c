@@ -18,7 +18,8 @@ typedef struct stream_tail {
     XXH3_state_t hash;
 } stream_tail;
 
-void iso_stream_output_describe(stream_output *o, const iso_geometry *geometry, iso_type input, const iso_pyramid_options *opt)
+void iso_stream_output_describe(stream_output *o, const iso_geometry *geometry, iso_type input,
+                                const iso_pyramid_options *opt)
 {
     iso_geometry g = *geometry;
     pthread_mutex_init(&o->mutex, NULL);
@@ -120,7 +121,8 @@ static iso_status hash_file(const char *path, XXH3_state_t *hash, size_t bytes, 
     return good ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
 }
 
-static iso_status open_file(stream_output *o, const char *path, const char *header, size_t k, int i, bool join, iso_error *err)
+static iso_status open_file(stream_output *o, const char *path, const char *header, size_t k, int i, bool join,
+                            iso_error *err)
 {
     stream_level *l = &o->levels[k];
     XXH3_64bits_reset(l->hash[i]);
@@ -223,15 +225,17 @@ void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREA
     }
 }
 
-void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first)
+void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input,
+                            size_t input_first)
 {
     o->item_count = 0;
     for (size_t k = 0; k < o->level_count; ++k) {
         stream_level *l = &o->levels[k];
         char *data[FILE_COUNT];
         list_pointers(&l->set[o->active], data);
-        const char *scalar = l->converts ? data[FILE_SCALAR]
-                                         : input + (l->first - input_first) * iso_stream_file_plane_bytes(l, FILE_SCALAR);
+        const char *scalar = l->converts
+                                 ? data[FILE_SCALAR]
+                                 : input + (l->first - input_first) * iso_stream_file_plane_bytes(l, FILE_SCALAR);
         l->written = complete[k] > l->first ? complete[k] - l->first : 0;
         for (int i = 0; i < FILE_COUNT && l->written > 0; ++i)
             if (l->files[i].stored)
@@ -269,8 +273,7 @@ static void *write_items(void *user)
 void iso_stream_output_start(stream_output *o)
 {
     atomic_store(&o->next_item, 0);
-    while (o->writer_count < STREAM_WRITERS &&
-           pthread_create(&o->writers[o->writer_count], NULL, write_items, o) == 0)
+    while (o->writer_count < STREAM_WRITERS && pthread_create(&o->writers[o->writer_count], NULL, write_items, o) == 0)
         ++o->writer_count;
     if (o->writer_count == 0)
         write_items(o);

@@ -41,14 +41,14 @@ typedef struct stream_item {
 typedef struct stream_output {
     size_t level_count;
     stream_level levels[STREAM_MAX_LEVELS];
-    bool direct;      /* files past the page cache */
-    bool in_turns;    /* with other ranks */
-    int active;       /* the set that is filled */
+    bool direct;   /* files past the page cache */
+    bool in_turns; /* with other ranks */
+    int active;    /* the set that is filled */
     stream_item items[STREAM_MAX_LEVELS * FILE_COUNT];
     size_t item_count;
     atomic_size_t next_item;
     pthread_t writers[STREAM_WRITERS];
-    int writer_count; /* that are at work */
+    int writer_count;      /* that are at work */
     pthread_mutex_t mutex; /* of status and error */
     iso_status status;
     iso_error error;
@@ -56,7 +56,8 @@ typedef struct stream_output {
 } stream_output;
 
 /* Levels as the options and the size give them; no memory yet. */
-void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input, const iso_pyramid_options *opt);
+void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input,
+                                const iso_pyramid_options *opt);
 /* Bytes of one plane of a level in each set; bytes of one plane of a file. */
 size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
 size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
@@ -77,7 +78,8 @@ void iso_stream_output_copy_begun(stream_output *o);
 void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
 /* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's
  * planes. */
-void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input, size_t input_first);
+void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input,
+                            size_t input_first);
 /* Starts to write the listed planes; the other set becomes active. */
 void iso_stream_output_start(stream_output *o);
 iso_status iso_stream_output_wait(stream_output *o, iso_error *err);

@@ -71,8 +71,8 @@ bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *plane
         json_object_foreach((json_t *)job, key, value) same = same && json_equal(value, json_object_get(found, key));
     json_t *ranges = same ? json_object_get(found, "ranges") : NULL;
     *planes = same ? (size_t)json_integer_value(json_object_get(found, "planes")) : 0;
-    same =
-        same && *planes > 0 && *planes <= s->header.geometry.size[2] && json_array_size(ranges) == s->out.level_count;
+    same = same && *planes > 0 && *planes <= s->header.geometry.size[2] &&
+           json_array_size(ranges) == s->out.level_count;
     for (size_t k = 0; same && k < s->out.level_count; ++k) {
         json_t *range = json_array_get(ranges, k);
         if (json_is_number(json_array_get(range, 0)))

@@ -70,8 +70,8 @@ size_t iso_stream_planes_capacity(const pyramid_build *s, size_t slab)
 
 size_t iso_stream_buffer_bytes(const pyramid_build *s, size_t slab)
 {
-    size_t bytes =
-        STREAM_INPUT_SETS * iso_stream_planes_capacity(s, slab) * stream_plane_bytes(s) + iso_cascade_bytes(s->cascade);
+    size_t bytes = STREAM_INPUT_SETS * iso_stream_planes_capacity(s, slab) * stream_plane_bytes(s) +
+                   iso_cascade_bytes(s->cascade);
     for (size_t k = 0; k < s->out.level_count; ++k) {
         const stream_level *l = &s->out.levels[k];
         bytes += 2 * iso_cascade_capacity(s->cascade, k, slab) * iso_stream_level_plane_bytes(l, s->opt);

@@ -25,7 +25,10 @@ bool iso_stream_turn_create(pyramid_build *s)
     return s->turn != NULL;
 }
 
-static char *turn_tails(const pyramid_build *s) { return (char *)(s->turn + 1); }
+static char *turn_tails(const pyramid_build *s)
+{
+    return (char *)(s->turn + 1);
+}
 
 static float *turn_carry(const pyramid_build *s)
 {

@@ -11,7 +11,9 @@
 
 iso_reference_options iso_reference_defaults(void)
 {
-    return (iso_reference_options){.quadrature = ISO_QUADRATURE_CONVERGED, .source = ISO_FROM_CODES, .intervals = 100,
+    return (iso_reference_options){.quadrature = ISO_QUADRATURE_CONVERGED,
+                                   .source = ISO_FROM_CODES,
+                                   .intervals = 100,
                                    .tolerance = 1e-6};
 }
 
@@ -19,9 +21,9 @@ iso_reference_options iso_reference_defaults(void)
 typedef struct layer {
     const iso_sampler *sampler;
     const iso_tf_table *tf;
-    const iso_tf_2d *tf_2d; /* in place of tf, or NULL */
-    const size_t *bends;             /* bends_create() */
-    double scale, offset[3];         /* its index = scale * index of the level that is rendered - offset */
+    const iso_tf_2d *tf_2d;  /* in place of tf, or NULL */
+    const size_t *bends;     /* bends_create() */
+    double scale, offset[3]; /* its index = scale * index of the level that is rendered - offset */
 } layer;
 
 /* A ray in the level's index space, with what its samples need. */
@@ -29,8 +31,8 @@ typedef struct ray_state {
     const layer *layer, *roi; /* roi: the region of interest's, or NULL */
     const iso_view *view;
     const iso_tf_integral *integral; /* preintegrated */
-    iso_vec3 origin, direction; /* index per mm of t */
-    iso_vec3 to_viewer;         /* world, unit */
+    iso_vec3 origin, direction;      /* index per mm of t */
+    iso_vec3 to_viewer;              /* world, unit */
 } ray_state;
 
 /* What a stretch of the ray emits towards its own start, and its optical depth. */
@@ -380,7 +382,11 @@ static void render_pixel(const layer l[2], const iso_view *view, const iso_refer
     const iso_geometry *g = &l->sampler->level->geometry, *finest = iso_view_step_geometry(view, g);
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.layer = &l[0], .roi = view->roi ? &l[1] : NULL, .view = view, .integral = integral, .to_viewer = iso_scale(ray.direction, -1),
+    ray_state state = {.layer = &l[0],
+                       .roi = view->roi ? &l[1] : NULL,
+                       .view = view,
+                       .integral = integral,
+                       .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
     double t0, t1;
@@ -419,7 +425,8 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
 
 /* roi: of the region of interest, or NULL. */
 static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi, const iso_view *view,
-                             const iso_reference_options *opt, iso_image *image, const iso_progress *progress, iso_error *err)
+                             const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                             iso_error *err)
 {
     const iso_roi *f = view->roi;
     /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are counted. */
@@ -427,7 +434,10 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi,
     size_t *bends = bends_create(tf, view->tf_2d), *roi_bends = f ? bends_create(&f->tf, NULL) : NULL;
     layer l[2] = {{.sampler = sampler, .tf = tf, .tf_2d = view->tf_2d, .bends = bends, .scale = 1}};
     if (f)
-        l[1] = (layer){.sampler = roi, .tf = &f->tf, .bends = roi_bends, .scale = f->scale,
+        l[1] = (layer){.sampler = roi,
+                       .tf = &f->tf,
+                       .bends = roi_bends,
+                       .scale = f->scale,
                        .offset = {f->offset[0], f->offset[1], f->offset[2]}};
     iso_status status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK && (!bends || (f && !roi_bends)))
@@ -473,15 +483,16 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 }
 
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
-                                       const iso_reference_options *opt, iso_image *image,
-                                       const iso_progress *progress, iso_error *err)
+                                       const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                       iso_error *err)
 {
     iso_sampler sampler;
     iso_level level;
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
     if (status == ISO_OK && (view->tf_2d || view->roi))
-        status = iso_fail(err, ISO_E_RANGE, "reference: bricks have neither a 2D transfer function nor a region of interest");
+        status = iso_fail(err, ISO_E_RANGE,
+                          "reference: bricks have neither a 2D transfer function nor a region of interest");
     if (status != ISO_OK)
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);

@@ -37,10 +37,10 @@ typedef enum iso_quadrature {
 typedef struct iso_reference_options {
     iso_quadrature quadrature;
     iso_direction_source source;
-    double step_voxels; /* midpoint and preintegrated; 0: the view's */
-    size_t intervals;   /* povray */
-    double tolerance;   /* converged: of a pixel's value */
-    double iso;         /* first hit: the value of the surface */
+    double step_voxels;        /* midpoint and preintegrated; 0: the view's */
+    size_t intervals;          /* povray */
+    double tolerance;          /* converged: of a pixel's value */
+    double iso;                /* first hit: the value of the surface */
     iso_surface_output output; /* first hit: what the image shows of it */
     int threads;
 } iso_reference_options;
@@ -55,8 +55,8 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 /* The same of bricks of mixed resolution, with their own directions; opt->source
  * is ignored. */
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
-                                       const iso_reference_options *opt, iso_image *image,
-                                       const iso_progress *progress, iso_error *err);
+                                       const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
+                                       iso_error *err);
 
 /* The same of bricks with the transitions of [beyer-2008], of four channels; level: whose field this is, for
  * its geometry and range. */

@@ -11,9 +11,12 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
 {
     const iso_geometry *g = &level->geometry;
     size_t count = iso_geometry_voxel_count(g);
-    *s = (iso_sampler){.level = level, .code = code, .source = source,
+    *s = (iso_sampler){.level = level,
+                       .code = code,
+                       .source = source,
                        .gradient_to_world = iso_geometry_gradient_to_world(g),
-                       .on_the_fly_eps = ISO_ON_THE_FLY_EPS * (level->max - level->min) / iso_geometry_min_spacing_mm(g)};
+                       .on_the_fly_eps = ISO_ON_THE_FLY_EPS * (level->max - level->min) /
+                                         iso_geometry_min_spacing_mm(g)};
     if (source == ISO_FROM_FLOAT) {
         if (!level->directions)
             return iso_fail(err, ISO_E_RANGE, "the level holds no float directions; build with --keep-float");

@@ -22,7 +22,7 @@ typedef struct iso_sampler {
     float *owned;         /* lattice vectors or decoded directions, made here */
     const float *vectors; /* 3 a voxel, filtered; NULL on the fly */
     iso_mat3 gradient_to_world;
-    double on_the_fly_eps; /* value per mm */
+    double on_the_fly_eps;         /* value per mm */
     const iso_brick_field *bricks; /* instead of the level's voxels; or NULL */
     const iso_warp_field *warp;    /* the same, of four channels */
 } iso_sampler;

@@ -13,7 +13,10 @@ iso_status iso_renderers_need_gl(iso_renderers *r, iso_gl **gl, iso_error *err)
     return status;
 }
 
-static void end(void *kept) { iso_gl_destroy(kept); }
+static void end(void *kept)
+{
+    iso_gl_destroy(kept);
+}
 
 _Static_assert(ISO_GL_MAX_DRAWS <= ISO_RENDER_MAX_FRAMES, "the stats hold all draws");
 
@@ -55,7 +58,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     if (status == ISO_OK && opt->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
-        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, NULL, err);
+        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, NULL,
+                               err);
     if (status == ISO_OK)
         iso_render_stats_of_gl(&inside, stats);
     return status;
@@ -77,8 +81,9 @@ const iso_renderer_info iso_renderer_gl = {
     .name = "gl",
     .title = "OpenGL ray caster",
     .color = "#0072b2",
-    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
-              ISO_READS_QUADRATURE | ISO_READS_SHADE_TABLE | ISO_READS_EXACT_LOOKUPS | ISO_READS_SHADERS,
+    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME |
+              ISO_READS_SOURCE | ISO_READS_QUADRATURE | ISO_READS_SHADE_TABLE | ISO_READS_EXACT_LOOKUPS |
+              ISO_READS_SHADERS,
     .quadratures = 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
     .relative_cost = 1,

@@ -20,7 +20,8 @@ static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *
 /* As few pieces of equally many intervals as make the longest ray's step at most step_voxels. */
 static void set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
 {
-    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
+    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) /
+                          iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
     double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
     double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
     o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
@@ -53,7 +54,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 
 /* The planes stay and the intervals double from frame to frame, so that every interval is halved. There are so many planes
  * that the intervals of a piece can be doubled `spare` times more before they are too many. */
-static void ask_steps(const iso_level *level, double finest_voxels, size_t count, double spare, iso_render_options *frames)
+static void ask_steps(const iso_level *level, double finest_voxels, size_t count, double spare,
+                      iso_render_options *frames)
 {
     const int halvings = (int)count - 1;
     const size_t most_coarse = (size_t)ISO_POVRAY_MAX_INTERVALS >> halvings, most = most_coarse << halvings;

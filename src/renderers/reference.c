@@ -16,10 +16,10 @@ static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *
 /* What it reads of a level: floats of the scalar, and codes or floats of the directions. */
 static double bytes_of(const iso_level *level, iso_direction_source source)
 {
-    const double direction = source == ISO_FROM_ON_THE_FLY                                       ? 0
-                             : source == ISO_FROM_FLOAT                                          ? 3 * sizeof(float)
+    const double direction = source == ISO_FROM_ON_THE_FLY                                      ? 0
+                             : source == ISO_FROM_FLOAT                                         ? 3 * sizeof(float)
                              : source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST ? sizeof(uint16_t)
-                                                                                                 : 3;
+                                                                                                : 3;
     return (double)iso_geometry_voxel_count(&level->geometry) * (sizeof(float) + direction);
 }
 
@@ -27,7 +27,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 {
     const iso_render_options *opt = q->options;
     const iso_level *level = &q->pyramid->levels[q->level];
-    double seconds[ISO_RENDER_MAX_FRAMES], sum = 0, (*clock)(void) = opt->processor_time ? iso_cpu_seconds : iso_clock_seconds;
+    double seconds[ISO_RENDER_MAX_FRAMES], sum = 0,
+                                           (*clock)(void) = opt->processor_time ? iso_cpu_seconds : iso_clock_seconds;
     size_t count = 0;
     iso_reference_options o = iso_reference_defaults();
     o.quadrature = opt->isosurface ? ISO_QUADRATURE_FIRST_HIT : opt->quadrature;
@@ -53,8 +54,8 @@ const iso_renderer_info iso_renderer_reference = {
     .name = "reference",
     .title = "Reference",
     .color = "#222222",
-    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_READS_QUADRATURE |
-              ISO_READS_INTERVALS,
+    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
+              ISO_READS_QUADRATURE | ISO_READS_INTERVALS,
     .quadratures = 1u << ISO_QUADRATURE_CONVERGED | 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED |
                    1u << ISO_QUADRATURE_POVRAY,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_CONVERGED},

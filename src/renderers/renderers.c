@@ -30,8 +30,8 @@ double iso_level_chord_voxels(const iso_level *level)
     return 2 * iso_geometry_box_radius_mm(&level->geometry) / iso_geometry_min_spacing_mm(&level->geometry);
 }
 
-void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count, double spare,
-                          iso_render_options *frames)
+void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count,
+                          double spare, iso_render_options *frames)
 {
     for (size_t i = 0; i < count; ++i)
         frames[i].step_voxels = ldexp(finest_voxels, (int)(count - 1 - i));
@@ -41,7 +41,8 @@ void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, do
 
 double iso_render_step_voxels(const iso_level *level, const iso_render_options *frame)
 {
-    return frame->intervals ? iso_level_chord_voxels(level) / (double)(frame->intervals * (frame->planes + 1)) : frame->step_voxels;
+    return frame->intervals ? iso_level_chord_voxels(level) / (double)(frame->intervals * (frame->planes + 1))
+                            : frame->step_voxels;
 }
 
 /* ---- stats ---- */
@@ -106,7 +107,8 @@ static iso_status check(const iso_render_request *q, iso_error *err)
     const iso_renderer_info *r = q->options->renderer;
     const asked_trait lacking = find_lacking(r, q->view, q->options->isosurface);
     if (q->level >= q->pyramid->level_count)
-        return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", q->level, q->pyramid->level_count - 1);
+        return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", q->level,
+                        q->pyramid->level_count - 1);
     if (lacking.asked)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
                         iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
@@ -163,7 +165,8 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
         return status;
     }
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &images[i], NULL, q->progress, err);
+        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &images[i], NULL, q->progress,
+                                 err);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     return status;

@@ -22,15 +22,17 @@ typedef struct iso_renderers iso_renderers;
 /* What an image takes, by the renderer's own account. */
 enum { ISO_RENDER_MAX_FRAMES = 16 };
 typedef struct iso_render_stats {
-    double seconds, median_seconds, most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
+    double seconds, median_seconds,
+        most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
     size_t count;
     double frame_seconds[ISO_RENDER_MAX_FRAMES]; /* rising */
     double setup_seconds; /* before it: textures; or the start, the export and the reading of another program */
-    double bytes;         /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
+    double bytes; /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
                            * reference's floats and codes */
 } iso_render_stats;
 
 /* The options that an image depends on: type, name. Two frames are the same if all of them are equal. */
+/* clang-format off */
 #define ISO_FRAME_FIELDS(X)                                                                                    \
     X(const iso_renderer_info *, renderer)                                                                     \
     X(iso_direction_source, source)   /* of renderers that read one */                                         \
@@ -45,6 +47,7 @@ typedef struct iso_render_stats {
     X(double, iso)                                                                                             \
     X(bool, shade_table)              /* palettes: shade the entries once instead of each sample */            \
     X(bool, exact_lookups)            /* textures at positions in double precision (render/gl/raycaster.h) */
+/* clang-format on */
 
 typedef struct iso_render_options {
 #define ISO_FRAME_FIELD(type, name) type name;
@@ -71,10 +74,10 @@ typedef struct iso_render_request {
 
 /* What a renderer can do, and which options it reads; it ignores the others. */
 typedef enum iso_trait {
-    ISO_IS_PROGRAM = 1 << 0,         /* started for each request, which takes seconds, and given an export, which carries
+    ISO_IS_PROGRAM = 1 << 0, /* started for each request, which takes seconds, and given an export, which carries
                                       * decoded directions; else it runs in this process */
-    ISO_IS_RANDOM = 1 << 1,          /* its images have noise: it is run with several seeds */
-    ISO_HAS_LIMIT = 1 << 2,          /* its error falls with the square of its ray step */
+    ISO_IS_RANDOM = 1 << 1,  /* its images have noise: it is run with several seeds */
+    ISO_HAS_LIMIT = 1 << 2,  /* its error falls with the square of its ray step */
     ISO_HAS_ISOSURFACES = 1 << 3,
     ISO_HAS_CLIP_PLANES = 1 << 4,
     ISO_HAS_2D_TFS = 1 << 5,         /* 2D transfer functions */
@@ -82,14 +85,14 @@ typedef enum iso_trait {
     ISO_HAS_BRICKS = 1 << 7,         /* bricks of mixed resolution (plan/cached.h) */
     ISO_HAS_PROCESSOR_TIME = 1 << 8, /* tells that of a frame */
     ISO_READS_QUADRATURE = 1 << 9,
-    ISO_READS_SOURCE = 1 << 10,      /* takes directions from codes, floats, palettes ..., filtered as asked */
+    ISO_READS_SOURCE = 1 << 10, /* takes directions from codes, floats, palettes ..., filtered as asked */
     ISO_READS_INTERVALS = 1 << 11,
     ISO_READS_PLANES = 1 << 12,
     ISO_READS_SAMPLES = 1 << 13,
     ISO_READS_SEED = 1 << 14,
     ISO_READS_SHADE_TABLE = 1 << 15,
     ISO_READS_EXACT_LOOKUPS = 1 << 16,
-    ISO_READS_SHADERS = 1 << 17,     /* iso_renderers.shader_dir */
+    ISO_READS_SHADERS = 1 << 17, /* iso_renderers.shader_dir */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI)
 
@@ -117,15 +120,15 @@ typedef struct iso_render_output {
 } iso_render_output;
 
 struct iso_renderer_info {
-    const char *name;       /* on command lines and in reports: "gl" */
-    const char *title;      /* for people: "OpenGL ray caster" */
-    const char *color;      /* of its marks in charts */
-    unsigned traits;        /* iso_trait */
-    unsigned quadratures;   /* 1 << iso_quadrature of those that it reads */
-    iso_render_options defaults; /* .renderer need not be set */
-    double relative_cost;   /* of a frame, in those of the ray caster */
-    double first_step_voxels; /* where the search for its limit begins; 0: where the transfer function says */
-    size_t max_intervals;   /* of a ray, or of its piece between two planes; 0: it has steps */
+    const char *name;               /* on command lines and in reports: "gl" */
+    const char *title;              /* for people: "OpenGL ray caster" */
+    const char *color;              /* of its marks in charts */
+    unsigned traits;                /* iso_trait */
+    unsigned quadratures;           /* 1 << iso_quadrature of those that it reads */
+    iso_render_options defaults;    /* .renderer need not be set */
+    double relative_cost;           /* of a frame, in those of the ray caster */
+    double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
+    size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
 
@@ -139,21 +142,27 @@ struct iso_renderer_info {
     /* Asks `count` frames for steps, the last for finest_voxels and each other for the double of the next, so that all
      * samples of one are halved into those of the next; and so that the last can be halved `spare` times more, a factor
      * of 1 to 4. NULL: by step_voxels. */
-    void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare, iso_render_options *frames);
+    void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare,
+                      iso_render_options *frames);
     /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
     void (*end)(void *kept);
 };
 
-static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits) { return (r->traits & traits) == traits; }
+static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits)
+{
+    return (r->traits & traits) == traits;
+}
 
 /* ---- the table ---- */
 
 /* The renderers: a file each, in the order in which they are listed. */
+/* clang-format off */
 #define ISO_RENDERER_LIST(X)   \
     X(iso_renderer_reference)  \
     X(iso_renderer_gl)         \
     X(iso_renderer_cycles)     \
     X(iso_renderer_povray)
+/* clang-format on */
 #define ISO_RENDERER_EXTERN(renderer) extern const iso_renderer_info renderer;
 ISO_RENDERER_LIST(ISO_RENDERER_EXTERN)
 #undef ISO_RENDERER_EXTERN
@@ -198,13 +207,17 @@ void iso_frame_cache_clear(iso_frame_cache *cache);
 
 /* Zeroed, it is ready. */
 struct iso_renderers {
-    void *kept[ISO_MAX_RENDERERS]; /* what a renderer keeps between images, such as a context; by iso_renderer_index() */
-    const char *shader_dir;        /* NULL: the embedded shaders */
-    iso_image_hook after;          /* of each image that is rendered */
-    iso_frame_cache *cache;        /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
+    void
+        *kept[ISO_MAX_RENDERERS]; /* what a renderer keeps between images, such as a context; by iso_renderer_index() */
+    const char *shader_dir;       /* NULL: the embedded shaders */
+    iso_image_hook after;         /* of each image that is rendered */
+    iso_frame_cache *cache; /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
 };
 void iso_renderers_end(iso_renderers *r);
-static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_info *of) { return &r->kept[iso_renderer_index(of)]; }
+static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_info *of)
+{
+    return &r->kept[iso_renderer_index(of)];
+}
 
 iso_render_options iso_render_defaults(const iso_renderer_info *r);
 
@@ -212,8 +225,8 @@ iso_render_options iso_render_defaults(const iso_renderer_info *r);
 const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_view *view, bool isosurface);
 
 /* Asks frames for steps as iso_renderer_info.ask_steps does. */
-void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count, double spare,
-                          iso_render_options *frames);
+void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count,
+                          double spare, iso_render_options *frames);
 /* The step that a frame asks for, of the longest ray where it has intervals. */
 double iso_render_step_voxels(const iso_level *level, const iso_render_options *frame);
 /* The longest ray through a level, in its smallest spacing. */

@@ -21,7 +21,10 @@ size_t iso_renderer_count(void)
     return count;
 }
 
-const iso_renderer_info *iso_renderer_at(size_t index) { return table[index]; }
+const iso_renderer_info *iso_renderer_at(size_t index)
+{
+    return table[index];
+}
 
 size_t iso_renderer_index(const iso_renderer_info *r)
 {
@@ -31,8 +34,14 @@ size_t iso_renderer_index(const iso_renderer_info *r)
     return i;
 }
 
-const iso_renderer_info *iso_renderers_truth(void) { return &iso_renderer_reference; }
-const iso_renderer_info *iso_renderers_usual(void) { return &iso_renderer_gl; }
+const iso_renderer_info *iso_renderers_truth(void)
+{
+    return &iso_renderer_reference;
+}
+const iso_renderer_info *iso_renderers_usual(void)
+{
+    return &iso_renderer_gl;
+}
 
 static const iso_renderer_info *find(const char *name)
 {
@@ -48,7 +57,8 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err)
     if (find(r->name))
         return iso_fail(err, ISO_E_USAGE, "a renderer called \"%s\" is there already", r->name);
     if (count == ISO_MAX_RENDERERS)
-        return iso_fail(err, ISO_E_RANGE, "renderer \"%s\": there are %zu already, and room for no more", r->name, count);
+        return iso_fail(err, ISO_E_RANGE, "renderer \"%s\": there are %zu already, and room for no more", r->name,
+                        count);
     table[count] = r;
     return ISO_OK;
 }

@@ -42,13 +42,16 @@ static void keep_what_was_asked(json_t *kept, const json_t *row, size_t *figures
     json_t *limit, *gate;
     size_t i;
     char key[200];
-    json_object_foreach(json_object_get(row, "limits"), metric, limit) {
+    json_object_foreach(json_object_get(row, "limits"), metric, limit)
+    {
         snprintf(key, sizeof key, "limit of %s", metric);
         if (json_is_number(limit))
             keep(kept, key, json_number_value(limit), figures);
     }
-    json_array_foreach(json_object_get(row, "gates"), i, gate) {
-        const double value = json_number_value(json_object_get(gate, "value")), most = json_number_value(json_object_get(gate, "limit"));
+    json_array_foreach(json_object_get(row, "gates"), i, gate)
+    {
+        const double value = json_number_value(json_object_get(gate, "value")),
+                     most = json_number_value(json_object_get(gate, "limit"));
         snprintf(key, sizeof key, "limit of %.100s", string_of(gate, "name"));
         keep(kept, key, most, figures);
         snprintf(key, sizeof key, "%.100s%s", string_of(gate, "name"), part_suffix);
@@ -58,7 +61,8 @@ static void keep_what_was_asked(json_t *kept, const json_t *row, size_t *figures
 }
 
 /* The verdict, and what was measured: a refused row has nulls, which are left out, and miss later. */
-static iso_status take_row(json_t *rows, const json_t *row, const char *name, const char *const keys[], size_t *figures, iso_error *err)
+static iso_status take_row(json_t *rows, const json_t *row, const char *name, const char *const keys[], size_t *figures,
+                           iso_error *err)
 {
     if (json_object_get(rows, name))
         return iso_fail(err, ISO_E_RANGE, "baseline: the report has two rows \"%s\"", name);
@@ -88,9 +92,7 @@ static json_t *sorted(json_t *rows)
     const char **names = calloc(json_object_size(rows) + 1, sizeof *names), *name;
     json_t *out = json_object(), *row;
     size_t count = 0;
-    json_object_foreach(rows, name, row)
-        if (names)
-            names[count++] = name;
+    json_object_foreach(rows, name, row) if (names) names[count++] = name;
     if (names)
         qsort(names, count, sizeof *names, by_name);
     for (size_t i = 0; i < count; ++i)
@@ -107,27 +109,32 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
 {
     static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", "error_bar", NULL};
     static const char *const calibration_keys[] = {"value", "limit", NULL};
-    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", NULL};
+    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg",
+                                                   NULL};
     *baseline = NULL;
     if (strcmp(string_of(report, "schema"), "isoshade.validate/1") != 0)
-        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted isoshade.validate/1", string_of(report, "schema"));
+        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted isoshade.validate/1",
+                        string_of(report, "schema"));
     json_t *rows = json_object(), *row;
     size_t i, figures = 0;
     char name[700];
     iso_status status = ISO_OK;
-    json_array_foreach(json_object_get(report, "agreement"), i, row) {
+    json_array_foreach(json_object_get(report, "agreement"), i, row)
+    {
         snprintf(name, sizeof name, "agreement/%s/level %lld/%s/%s/%s", string_of(row, "scene"),
                  (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), string_of(row, "b"),
                  string_of(row, "tier"));
         if (status == ISO_OK)
             status = take_row(rows, row, name, agreement_keys, &figures, err);
     }
-    json_array_foreach(json_object_get(report, "calibration"), i, row) {
+    json_array_foreach(json_object_get(report, "calibration"), i, row)
+    {
         snprintf(name, sizeof name, "calibration/%s/%s", string_of(row, "renderer"), string_of(row, "check"));
         if (status == ISO_OK)
             status = take_row(rows, row, name, calibration_keys, &figures, err);
     }
-    json_array_foreach(json_object_get(report, "consistency"), i, row) {
+    json_array_foreach(json_object_get(report, "consistency"), i, row)
+    {
         char method[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, method);
         snprintf(name, sizeof name, "consistency/%s/level %lld", method,
@@ -143,17 +150,19 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
         json_decref(rows);
         return status;
     }
-    *baseline = json_pack("{s:s, s:s, s:O*, s:O*, s:o}", "schema", schema, "command", string_of(report, "command"), "options",
-                          json_object_get(report, "options"), "versions", json_object_get(report, "versions"), "rows", rows);
+    *baseline = json_pack("{s:s, s:s, s:O*, s:O*, s:o}", "schema", schema, "command", string_of(report, "command"),
+                          "options", json_object_get(report, "options"), "versions",
+                          json_object_get(report, "versions"), "rows", rows);
     return ISO_OK;
 }
 
-static void note(iso_baseline_result *r, const char *row, const char *key, const json_t *accepted, const json_t *now, const char *change)
+static void note(iso_baseline_result *r, const char *row, const char *key, const json_t *accepted, const json_t *now,
+                 const char *change)
 {
     char figure[800];
     snprintf(figure, sizeof figure, "%s/%s", row, key);
-    json_t *o = json_pack("{s:s, s:O, s:O, s:s}", "figure", figure, "accepted", accepted ? accepted : json_null(), "now",
-                          now ? now : json_null(), "change", change);
+    json_t *o = json_pack("{s:s, s:O, s:O, s:s}", "figure", figure, "accepted", accepted ? accepted : json_null(),
+                          "now", now ? now : json_null(), "change", change);
     if (strcmp(change, "worse") == 0 || strcmp(change, "missing") == 0)
         json_array_insert_new(r->changes, 0, o);
     else
@@ -178,8 +187,8 @@ static bool ends_with(const char *text, const char *end)
     return length >= tail && strcmp(text + length - tail, end) == 0;
 }
 
-static void compare_figure(const char *row, const char *key, const json_t *before, const json_t *after, double factor, double floor,
-                           iso_baseline_result *r)
+static void compare_figure(const char *row, const char *key, const json_t *before, const json_t *after, double factor,
+                           double floor, iso_baseline_result *r)
 {
     int step; /* above 0: worse */
     if (json_is_string(before)) {
@@ -188,7 +197,7 @@ static void compare_figure(const char *row, const char *key, const json_t *befor
         double old = json_number_value(before), new = json_number_value(after);
         if (ends_with(key, part_suffix))
             floor = fmax(floor, PART_FLOOR);
-        step = !(new <= factor * old + floor) ? 1 : new < old / factor - floor ? -1 : 0;
+        step = !(new <= factor *old + floor) ? 1 : new < old / factor - floor ? -1 : 0;
     }
     if (!after || json_typeof(before) != json_typeof(after)) {
         ++r->missing;
@@ -209,14 +218,13 @@ static void compare_rows(const json_t *now, const json_t *accepted, double facto
     const char *name, *key;
     json_t *row, *value;
     json_object_foreach((json_t *)now, name, row)
-        json_object_foreach(row, key, value)
-            if (!json_object_get(json_object_get(accepted, name), key)) {
-                ++r->added;
-                note(r, name, key, NULL, value, "new");
-            }
-    json_object_foreach((json_t *)accepted, name, row)
-        json_object_foreach(row, key, value)
-            compare_figure(name, key, value, json_object_get(json_object_get(now, name), key), factor, floor, r);
+        json_object_foreach(row, key, value) if (!json_object_get(json_object_get(accepted, name), key))
+    {
+        ++r->added;
+        note(r, name, key, NULL, value, "new");
+    }
+    json_object_foreach((json_t *)accepted, name, row) json_object_foreach(row, key, value)
+        compare_figure(name, key, value, json_object_get(json_object_get(now, name), key), factor, floor, r);
 }
 
 static void compare_facts(const json_t *now, const json_t *accepted, const char *section, iso_baseline_result *r)
@@ -228,14 +236,15 @@ static void compare_facts(const json_t *now, const json_t *accepted, const char 
         json_object_update(both, (json_t *)old);
     if (new)
         json_object_update(both, (json_t *)new);
-    json_object_foreach(both, key, unused) {
+    json_object_foreach(both, key, unused)
+    {
         json_t *before = json_object_get(old, key), *after = json_object_get(new, key);
         char fact[300];
         if (before && after && json_equal(before, after))
             continue;
         snprintf(fact, sizeof fact, "%s/%s", section, key);
-        json_array_append_new(r->facts, json_pack("{s:s, s:O, s:O}", "fact", fact, "accepted", before ? before : json_null(), "now",
-                                                  after ? after : json_null()));
+        json_array_append_new(r->facts, json_pack("{s:s, s:O, s:O}", "fact", fact, "accepted",
+                                                  before ? before : json_null(), "now", after ? after : json_null()));
     }
     json_decref(both);
 }
@@ -245,9 +254,11 @@ iso_status iso_baseline_compare(const json_t *now, const json_t *accepted, doubl
 {
     *result = (iso_baseline_result){0};
     if (strcmp(string_of(accepted, "schema"), schema) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted %s", string_of(accepted, "schema"), schema);
+        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted %s", string_of(accepted, "schema"),
+                        schema);
     if (!(factor >= 1 && factor <= 1e6) || !(floor >= 0 && floor <= 1))
-        return iso_fail(err, ISO_E_RANGE, "baseline: factor %g, must be 1 to 1e6; floor %g, must be 0 to 1", factor, floor);
+        return iso_fail(err, ISO_E_RANGE, "baseline: factor %g, must be 1 to 1e6; floor %g, must be 0 to 1", factor,
+                        floor);
     result->changes = json_array();
     result->facts = json_array();
     compare_rows(json_object_get(now, "rows"), json_object_get(accepted, "rows"), factor, floor, result);

@@ -24,8 +24,9 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
 
 typedef struct iso_baseline_result {
     size_t same, better, worse, missing, added; /* figures, verdicts among them */
-    json_t *changes; /* [{figure, accepted, now, change: "worse" | "better" | "missing" | "new"}], the worse first; owned */
-    json_t *facts;   /* [{fact, accepted, now}]: versions and options that are others; owned */
+    json_t *
+        changes; /* [{figure, accepted, now, change: "worse" | "better" | "missing" | "new"}], the worse first; owned */
+    json_t *facts; /* [{fact, accepted, now}]: versions and options that are others; owned */
 } iso_baseline_result;
 
 /* better: below the accepted figure divided by factor, less floor. ISO_E_FORMAT: no baseline; ISO_E_RANGE: factor

@@ -123,7 +123,8 @@ static json_t *pictured_methods(const json_t *rows)
 {
     json_t *methods = json_object(), *row;
     size_t i;
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
         if (string_of(row, "image")[0] && string_of(row, "reference_image")[0])
@@ -153,7 +154,8 @@ static json_t *chosen_methods(json_t *methods, const char *list)
 {
     json_t *chosen = json_object(), *adapted;
     const char *method, *first = NULL, *last = NULL;
-    json_object_foreach(methods, method, adapted) {
+    json_object_foreach(methods, method, adapted)
+    {
         if (list && is_in_list(list, method))
             json_object_set(chosen, method, adapted);
         if (!json_is_true(adapted))
@@ -182,9 +184,10 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
              1 - added->metrics.ssim, added->metrics.flip_mean);
-    fprintf(f->caption, " %s%s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees", string_of(row, "method"),
-            is_adapted(row) ? " with the adapted transfer function" : "", level, number_of(row, "ssim_dissimilarity_mean"),
-            number_of(row, "flip_mean"), number_of(row, "gradient_angle_mean_deg"));
+    fprintf(f->caption, " %s%s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees",
+            string_of(row, "method"), is_adapted(row) ? " with the adapted transfer function" : "", level,
+            number_of(row, "ssim_dissimilarity_mean"), number_of(row, "flip_mean"),
+            number_of(row, "gradient_angle_mean_deg"));
     fputs(string_of(row, "original_kept")[0] ? " (adapting refused, the original kept)." : ".", f->caption);
     return ISO_OK;
 }
@@ -196,14 +199,16 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
     bool first = true;
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
         if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
             continue;
         if (first) { /* level 0 stands before each row of pictures */
             panel p = {.row = 2 * at, .image = string_of(row, "reference_image"), .scale_bar = at == 0};
-            snprintf(p.side, sizeof p.side, "%.60s%s", string_of(row, "method"), is_adapted(row) ? " (adapted TF)" : "");
+            snprintf(p.side, sizeof p.side, "%.60s%s", string_of(row, "method"),
+                     is_adapted(row) ? " (adapted TF)" : "");
             if (at == 0)
                 snprintf(p.title, sizeof p.title, "level 0");
             status = add_panel(f, p, err);
@@ -226,12 +231,12 @@ static iso_status plan_levels(figure *f, iso_error *err)
         status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
     if (status == ISO_OK)
         status = check_methods(methods, f->opt->methods, err);
-    fprintf(f->caption, "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
-                        "channels, on a linear scale. Figures below a map are of this view; means over all views:",
+    fprintf(f->caption,
+            "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
+            "channels, on a linear scale. Figures below a map are of this view; means over all views:",
             file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
-    json_object_foreach(chosen, method, adapted)
-        if (status == ISO_OK)
-            status = add_levels(f, rows, method, shown++, err);
+    json_object_foreach(chosen, method, adapted) if (status == ISO_OK)
+        status = add_levels(f, rows, method, shown++, err);
     json_decref(chosen);
     json_decref(methods);
     return status;
@@ -243,8 +248,10 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
 {
     const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b");
     panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
-    panel middle = {.row = 1, .column = column, .image = b}, bottom = {.row = 2, .column = column, .image = b, .against = a};
-    snprintf(top.title, sizeof top.title, "%.60s%s", string_of(row, "b"), strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
+    panel middle = {.row = 1, .column = column, .image = b},
+          bottom = {.row = 2, .column = column, .image = b, .against = a};
+    snprintf(top.title, sizeof top.title, "%.60s%s", string_of(row, "b"),
+             strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
     if (column == 0) {
         snprintf(top.side, sizeof top.side, "reference");
         snprintf(middle.side, sizeof middle.side, "renderer");
@@ -269,9 +276,11 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
 static bool is_shown(const json_t *row, const iso_figure_options *opt)
 {
     const char *name = string_of(row, "b"), *rest = strchr(name, ',');
-    if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level || strcmp(string_of(row, "verdict"), "refused") == 0)
+    if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level ||
+        strcmp(string_of(row, "verdict"), "refused") == 0)
         return false;
-    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] || (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
+    if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] ||
+        (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
         return false;
     return opt->variant ? strstr(name, opt->variant) != NULL : !rest || strcmp(rest, ", limit") == 0;
 }
@@ -297,7 +306,9 @@ static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error 
         snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", names[0] ? ", " : "", name);
     size_t scene_count = json_object_size(scenes);
     json_decref(scenes);
-    return scene_count <= 1 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "the report has %zu scenes, --scene chooses one: %s", scene_count, names);
+    return scene_count <= 1
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE, "the report has %zu scenes, --scene chooses one: %s", scene_count, names);
 }
 
 static iso_status plan_renderers(figure *f, iso_error *err)
@@ -307,17 +318,19 @@ static iso_status plan_renderers(figure *f, iso_error *err)
     size_t i, count = 0;
     if (!shown)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    json_array_foreach(rows, i, row)
-        if (is_shown(row, f->opt))
-            shown[count++] = row;
+    json_array_foreach(rows, i, row) if (is_shown(row, f->opt)) shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
     const char *volume = file_name_of(f->report, "volume"); /* a suite has one a scene */
-    fprintf(f->caption, "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
-                        "channels on a log scale.", f->opt->level, volume, *volume ? " (" : "the scene ",
+    fprintf(f->caption,
+            "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
+            "channels on a log scale.",
+            f->opt->level, volume, *volume ? " (" : "the scene ",
             f->opt->scene ? f->opt->scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
-    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu%s%s",
-                                                      f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
-                                                      f->opt->variant ? f->opt->variant : "");
+    iso_status status = count > 0 ? ISO_OK
+                                  : iso_fail(err, ISO_E_RANGE,
+                                             "%s: the report has no pictures of comparisons at level %zu%s%s",
+                                             f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
+                                             f->opt->variant ? f->opt->variant : "");
     if (status == ISO_OK)
         status = check_one_scene(shown, count, err);
     for (i = 0; i < count && status == ISO_OK; ++i)
@@ -365,10 +378,17 @@ static iso_status make(figure *f, const char *dir, iso_error *err)
     if (status == ISO_OK) {
         choose_scale(f);
         describe_drawing(f);
-        const iso_figure_sheet sheet = {.panels = f->panels, .count = f->count, .rows = f->rows, .columns = f->columns,
-                                        .rows_a_side = f->opt->kind == ISO_FIGURE_LEVELS ? 2 : 1, .in_logs = f->in_logs,
-                                        .low = f->low, .high = f->high, .width_mm = f->opt->width_mm,
-                                        .height_mm = f->opt->height_mm, .dpi = f->opt->dpi};
+        const iso_figure_sheet sheet = {.panels = f->panels,
+                                        .count = f->count,
+                                        .rows = f->rows,
+                                        .columns = f->columns,
+                                        .rows_a_side = f->opt->kind == ISO_FIGURE_LEVELS ? 2 : 1,
+                                        .in_logs = f->in_logs,
+                                        .low = f->low,
+                                        .high = f->high,
+                                        .width_mm = f->opt->width_mm,
+                                        .height_mm = f->opt->height_mm,
+                                        .dpi = f->opt->dpi};
         status = iso_figure_draw(&sheet, dir, err);
     }
     if (f->caption)

@@ -30,10 +30,11 @@ typedef struct iso_figure_options {
                           * order; NULL: the first and the last under the original TF */
     size_t level;        /* renderers */
     const char *scene;   /* renderers: of a suite's report, the scene's name; NULL: it has one */
-    const char *variant; /* renderers: "naive", "adapted TF": comparisons whose name holds it; NULL: neither method nor TF */
-    double width_mm;     /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
-    double height_mm;    /* the same: panels become smaller */
-    double dpi;          /* of the pictures, at least */
+    const char
+        *variant; /* renderers: "naive", "adapted TF": comparisons whose name holds it; NULL: neither method nor TF */
+    double width_mm;  /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
+    double height_mm; /* the same: panels become smaller */
+    double dpi;       /* of the pictures, at least */
 } iso_figure_options;
 iso_figure_options iso_figure_defaults(void);
 

@@ -113,7 +113,10 @@ typedef struct layout {
 static const char legend_words[] = "difference,|1 = white";
 static const double legend_bar_mm = 2.2;
 
-static const char *text_of(const iso_figure_panel *p, bool title) { return title ? p->title : p->note; }
+static const char *text_of(const iso_figure_panel *p, bool title)
+{
+    return title ? p->title : p->note;
+}
 
 /* Do the titles, or the notes, of a row each fit in one line? They look alike: else all are broken. */
 static bool fit_in_one(const iso_figure_sheet *f, size_t row, bool titles, double room_mm, double pt)
@@ -128,7 +131,8 @@ static bool fit_in_one(const iso_figure_sheet *f, size_t row, bool titles, doubl
 }
 
 /* A panel's title or note as it stands. Returns the count of lines. */
-static size_t set_lines(const iso_figure_sheet *f, const iso_figure_panel *p, bool title, double room_mm, double pt, char out[128])
+static size_t set_lines(const iso_figure_sheet *f, const iso_figure_panel *p, bool title, double room_mm, double pt,
+                        char out[128])
 {
     if (!fit_in_one(f, p->row, title, room_mm, pt))
         return break_lines(text_of(p, title), room_mm, pt, out);
@@ -147,7 +151,10 @@ static size_t most_lines(const iso_figure_sheet *f, size_t row, bool titles, dou
     return most;
 }
 
-static double lines_mm(size_t count, double pt) { return (double)count * line_height * pt * mm_per_pt; }
+static double lines_mm(size_t count, double pt)
+{
+    return (double)count * line_height * pt * mm_per_pt;
+}
 
 /* Below a row: its notes, or a gap. */
 static double row_foot(const iso_figure_sheet *f, const layout *l, size_t row)
@@ -197,7 +204,10 @@ static size_t first_map_row(const iso_figure_sheet *f)
 }
 
 /* gnuplot writes exponents at 0.8 of the size. */
-static double tick_pt(const iso_figure_sheet *f) { return f->in_logs ? smallest_pt / 0.8 : note_pt; }
+static double tick_pt(const iso_figure_sheet *f)
+{
+    return f->in_logs ? smallest_pt / 0.8 : note_pt;
+}
 
 static double legend_ticks_mm(const iso_figure_sheet *f)
 {
@@ -228,7 +238,9 @@ static void size_panels(const iso_figure_sheet *f, layout *l, bool inside, doubl
     for (size_t sides = 0, wanted = 1; wanted > sides; wanted = side_lines(f, l)) {
         sides = wanted;
         l->left = 0.5 + lines_mm(sides, l->title_pt) + 0.5;
-        l->right = inside || first_map_row(f) == f->rows ? 0.5 : gap_mm + legend_words_mm(l, lines) + legend_bar_mm + legend_ticks_mm(f) + 0.5;
+        l->right = inside || first_map_row(f) == f->rows
+                       ? 0.5
+                       : gap_mm + legend_words_mm(l, lines) + legend_bar_mm + legend_ticks_mm(f) + 0.5;
         l->panel_width = fmin((f->width_mm - l->left - l->right - gaps) / columns, widest_mm) * narrower;
         l->panel_height = l->panel_width * (double)first->height / (double)first->width;
     }
@@ -269,8 +281,10 @@ static iso_status plan_layout(const iso_figure_sheet *f, layout *l, iso_error *e
         size_panels(f, l, inside, narrower);
     }
     if (!(l->panel_width > 0 && l->height <= f->height_mm && crowding(f, l) <= 1))
-        return iso_fail(err, ISO_E_RANGE, "figure: %zu columns and %zu rows do not fit into %g x %g mm with texts of %g points: they "
-                        "need %.1f times that", f->columns, f->rows, f->width_mm, f->height_mm, smallest_pt,
+        return iso_fail(err, ISO_E_RANGE,
+                        "figure: %zu columns and %zu rows do not fit into %g x %g mm with texts of %g points: they "
+                        "need %.1f times that",
+                        f->columns, f->rows, f->width_mm, f->height_mm, smallest_pt,
                         ceil(10 * fmax(crowding(f, l), l->height / f->height_mm)) / 10);
     if (maps < f->rows)
         place_legend(f, l, inside);
@@ -288,7 +302,8 @@ static double difference_at(const iso_figure_sheet *f, const iso_figure_panel *p
 }
 
 /* The panel's pixels, each repeated `times` in both directions; row 0 on top. */
-static iso_status write_pixels(const iso_figure_sheet *f, const iso_figure_panel *p, size_t times, const char *path, iso_error *err)
+static iso_status write_pixels(const iso_figure_sheet *f, const iso_figure_panel *p, size_t times, const char *path,
+                               iso_error *err)
 {
     size_t width = p->a.width, height = p->a.height, bytes_of_one = p->against ? sizeof(float) : 3;
     size_t size = width * times * height * times * bytes_of_one;
@@ -331,7 +346,8 @@ static const char *bar_color(const iso_image *image)
 
 /* ---- figure.csv ---- */
 
-static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t i, const char *dir, FILE *csv, iso_error *err)
+static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t i, const char *dir, FILE *csv,
+                              iso_error *err)
 {
     const iso_figure_panel *p = &f->panels[i];
     const double px = 96 / 25.4, x = l->left + (double)p->column * (l->panel_width + gap_mm), y = row_top(f, l, p->row);
@@ -339,7 +355,8 @@ static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t
     char file[32], lines[128], bar_text[32] = "";
     snprintf(file, sizeof file, "panel%zu.raw", i);
     char *path = iso_path_join(dir, file);
-    iso_status status = path ? write_pixels(f, p, times, path, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    iso_status status = path ? write_pixels(f, p, times, path, err)
+                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     free(path);
     double bar = 0;
     if (p->scale_bar && p->mm_per_pixel > 0) {
@@ -347,8 +364,9 @@ static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t
         bar = length / width_mm;
         snprintf(bar_text, sizeof bar_text, "%g mm", length);
     }
-    fprintf(csv, "%d,%s,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, file, p->a.width * times, p->a.height * times,
-            x / l->width, (x + l->panel_width) / l->width, 1 - (y + l->panel_height) / l->height, 1 - y / l->height);
+    fprintf(csv, "%d,%s,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, file, p->a.width * times,
+            p->a.height * times, x / l->width, (x + l->panel_width) / l->width, 1 - (y + l->panel_height) / l->height,
+            1 - y / l->height);
     set_lines(f, p, true, l->panel_width, l->title_pt, lines);
     put_text(csv, lines);
     set_lines(f, p, false, l->panel_width, note_pt, lines);
@@ -357,8 +375,8 @@ static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t
     put_text(csv, lines);
     fprintf(csv, "%.6f,", bar);
     put_text(csv, bar_text);
-    fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f,%s,%.6f\n", f->low, f->high, f->in_logs, l->width * px, l->height * px, bar_color(&p->a),
-            1 - (y + 0.5 * side_mm(f, l)) / l->height);
+    fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f,%s,%.6f\n", f->low, f->high, f->in_logs, l->width * px, l->height * px,
+            bar_color(&p->a), 1 - (y + 0.5 * side_mm(f, l)) / l->height);
     return status;
 }
 
@@ -369,14 +387,19 @@ static iso_status write_panels(const iso_figure_sheet *f, const char *dir, FILE 
     iso_status status = plan_layout(f, &l, err);
     if (status != ISO_OK)
         return status;
-    fputs("kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,figure_height,"
-          "bar_color,side_middle\n", csv);
+    fputs(
+        "kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,figure_height,"
+        "bar_color,side_middle\n",
+        csv);
     for (size_t i = 0; i < f->count && status == ISO_OK; ++i)
         status = write_panel(f, &l, i, dir, csv, err);
-    fprintf(script, "# Print sizes in points, and where the colour legend stands, as parts of the figure.\n"
-                    "title_pt = %g; note_pt = %g; tick_pt = %g\n", l.title_pt, note_pt, tick_pt(f));
-    fprintf(script, "legend_left = %.6f; legend_bottom = %.6f; legend_width = %.6f; legend_height = %.6f\n", l.legend.left / l.width,
-            1 - (l.legend.top + l.legend.height) / l.height, l.legend.width / l.width, l.legend.height / l.height);
+    fprintf(script,
+            "# Print sizes in points, and where the colour legend stands, as parts of the figure.\n"
+            "title_pt = %g; note_pt = %g; tick_pt = %g\n",
+            l.title_pt, note_pt, tick_pt(f));
+    fprintf(script, "legend_left = %.6f; legend_bottom = %.6f; legend_width = %.6f; legend_height = %.6f\n",
+            l.legend.left / l.width, 1 - (l.legend.top + l.legend.height) / l.height, l.legend.width / l.width,
+            l.legend.height / l.height);
     fprintf(script, "legend_text = '%s'\n", l.legend_text);
     fputs(iso_figure_gp, script);
     return status;

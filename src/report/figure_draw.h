@@ -10,7 +10,7 @@
 /* One picture, or one difference map (against set). A '|' in a text breaks the line where it does not fit in one. */
 typedef struct iso_figure_panel {
     size_t row, column;
-    const char *image, *against; /* names in the report; borrowed from it */
+    const char *image, *against;        /* names in the report; borrowed from it */
     char title[96], note[96], side[96]; /* above, below, and on the left, upright */
     iso_image a, b;
     iso_metrics metrics; /* of a difference */
@@ -23,7 +23,7 @@ typedef struct iso_figure_sheet {
     size_t count, rows, columns;
     size_t rows_a_side; /* rows that share the text on the left, which stands in the first of them */
     bool in_logs;
-    double low, high; /* of the difference maps; log10 when in_logs */
+    double low, high;           /* of the difference maps; log10 when in_logs */
     double width_mm, height_mm; /* at most */
     double dpi;
 } iso_figure_sheet;

@@ -67,7 +67,7 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
 }
 
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
-                          iso_error *err)
+                            iso_error *err)
 {
     char *style = iso_path_join(dir, "style.gp");
     if (!style)

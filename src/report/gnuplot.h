@@ -12,7 +12,7 @@
 /* format: "svg" or "pdf" (vector text, fonts embedded). A style.gp that is in the folder stays.
  * ISO_E_MISSING without gnuplot, ISO_E_PROGRAM when it fails. */
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
-                          iso_error *err);
+                            iso_error *err);
 
 /* gnuplot does not notice a full disk: a whole picture ends as its format, "svg", "pdf" or "png", does. ISO_E_IO. */
 iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err);

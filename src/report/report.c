@@ -18,9 +18,9 @@
 struct iso_report {
     iso_output out;
     pthread_mutex_t lock; /* of what is below */
-    json_t *root;    /* report.json */
-    json_t *inlined; /* what only the page needs: pictures as text, differences of the agreement's rows */
-    size_t *orders;  /* of the agreement's rows */
+    json_t *root;         /* report.json */
+    json_t *inlined;      /* what only the page needs: pictures as text, differences of the agreement's rows */
+    size_t *orders;       /* of the agreement's rows */
     double start_seconds;
     bool finished;
 };
@@ -55,11 +55,11 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
     r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
-    r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
-                        "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title),
-                        "volume", text(about->volume), "scene", text(about->scene), "made", stamp, "verdict", "",
-                        "sentence", "", "agreement", "consistency", "calibration", "images", "machine", "versions",
-                        "seconds");
+    r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}",
+                        "schema", "isoshade.validate/1", "command", text(about->command), "options", "title",
+                        text(about->title), "volume", text(about->volume), "scene", text(about->scene), "made", stamp,
+                        "verdict", "", "sentence", "", "agreement", "consistency", "calibration", "images", "machine",
+                        "versions", "seconds");
     if (!r->root || !r->inlined) {
         iso_report_destroy(r);
         return no_memory(err);
@@ -199,8 +199,9 @@ const char *iso_report_verdict(const iso_report_agreement *row)
         return "refused";
     if (row->informative && row->metrics.nonfinite_count == 0)
         return "reported";
-    bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances) ? row->metrics.nonfinite_count == 0
-                                                                    : iso_metrics_within(&row->metrics, &row->tolerances);
+    bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances)
+                       ? row->metrics.nonfinite_count == 0
+                       : iso_metrics_within(&row->metrics, &row->tolerances);
     return metrics && gates_hold(row) ? "agree" : "differ";
 }
 
@@ -212,25 +213,29 @@ static const struct {
 #undef ISO_GATE_ROW
 };
 
-const char *iso_gate_name(iso_gate gate) { return gates[gate].name; }
+const char *iso_gate_name(iso_gate gate)
+{
+    return gates[gate].name;
+}
 
 static json_t *gates_json(const iso_report_agreement *row)
 {
     json_t *list = json_array();
     for (size_t i = 0; !row->refused && i < row->gate_count; ++i)
         json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:f}", "gate", gates[row->gates[i].gate].key, "name",
-                                              iso_gate_name(row->gates[i].gate), "value", iso_json_number(row->gates[i].value),
-                                              "limit", row->gates[i].limit));
+                                              iso_gate_name(row->gates[i].gate), "value",
+                                              iso_json_number(row->gates[i].value), "limit", row->gates[i].limit));
     return list;
 }
 
 static json_t *tolerances_json(const iso_tolerances *l)
 {
-    const struct { const char *key; double value; } all[] = {
-        {"rmse", l->rmse},
-        {"max_abs", l->max_abs},
-        {"p99_abs", l->p99_abs},
-        {"ssim_dissimilarity", l->ssim_dissimilarity},
+    const struct {
+        const char *key;
+        double value;
+    } all[] = {
+        {"rmse", l->rmse},           {"max_abs", l->max_abs},
+        {"p99_abs", l->p99_abs},     {"ssim_dissimilarity", l->ssim_dissimilarity},
         {"flip_mean", l->flip_mean},
     };
     json_t *object = json_object();
@@ -281,7 +286,8 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_t *o = json_pack("{s:I, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "scene", text(row->scene), "a",
                           text(row->a), "b", text(row->b), "tier", text(row->tier));
     if (row->refused) {
-        const iso_metrics none = {.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
+        const iso_metrics none = {
+            .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
         json_object_update_new(o, iso_metrics_to_json(&none));
     } else {
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));
@@ -316,28 +322,30 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
         status = check_image_name(r, row->reference_image, err);
     if (status != ISO_OK)
         return status;
-    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "method",
-                          text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
+    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level,
+                          "method", text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
                           text(row->original_kept), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
                           iso_json_number(row->ssim_dissimilarity_mean), "flip_mean", iso_json_number(row->flip_mean),
-                          "gradient_angle_mean_deg", iso_json_number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
-                          iso_json_number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
-                          text(row->reference_image));
+                          "gradient_angle_mean_deg", iso_json_number(row->gradient_angle_mean_deg),
+                          "gradient_angle_p95_deg", iso_json_number(row->gradient_angle_p95_deg), "image",
+                          text(row->image), "reference_image", text(row->reference_image));
     return json_array_append_new(json_object_get(r->root, "consistency"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
 void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES])
 {
-    const char *method = json_string_value(json_object_get(row, "method")), *tf = json_string_value(json_object_get(row, "tf"));
-    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "", tf && strcmp(tf, "adapted") == 0 ? "+adapted" : "");
+    const char *method = json_string_value(json_object_get(row, "method")),
+               *tf = json_string_value(json_object_get(row, "tf"));
+    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "",
+             tf && strcmp(tf, "adapted") == 0 ? "+adapted" : "");
 }
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)
 {
     bool pass = fabs(row->value) <= row->limit; /* NaN fails */
     json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
-                          text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit), "unit",
-                          text(row->unit), "verdict", pass ? "pass" : "fail", "detail", text(row->detail));
+                          text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit),
+                          "unit", text(row->unit), "verdict", pass ? "pass" : "fail", "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
@@ -368,18 +376,20 @@ iso_report_summary iso_report_summarise(const iso_report *r)
         snprintf(s.sentence, sizeof s.sentence, "The renderers agree: %s %zu comparison%s within %s limits.",
                  judged == 1 ? "the" : "all", judged, judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
     else if (s.differed == 0 && s.refused > 0)
-        snprintf(s.sentence, sizeof s.sentence,
-                 "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration.", s.agreed,
-                 s.agreed == 1 ? "" : "s", s.agreed == 1 ? "s" : "", s.refused);
+        snprintf(
+            s.sentence, sizeof s.sentence,
+            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration.",
+            s.agreed, s.agreed == 1 ? "" : "s", s.agreed == 1 ? "s" : "", s.refused);
     else if (s.differed == 0)
         snprintf(s.sentence, sizeof s.sentence, "%zu of %zu calibrations failed, though all %zu comparisons agree.",
                  s.calibrations_failed, s.calibrations_failed + s.calibrations_passed, judged);
     else if (s.refused == 0)
-        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s.", judged,
-                 judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "");
+        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s.",
+                 judged, judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "");
     else
-        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s, %zu %s refused.",
-                 judged, judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "", s.refused,
+        snprintf(s.sentence, sizeof s.sentence,
+                 "The renderers do not all agree: of %zu comparison%s %zu differ%s, %zu %s refused.", judged,
+                 judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "", s.refused,
                  s.refused == 1 ? "was" : "were");
     return s;
 }
@@ -391,8 +401,8 @@ static double sort_key(const json_t *row)
     double worst = json_is_number(value) ? fmin(json_number_value(value), 1e300) : 1e300;
     int group = strcmp(verdict, "differ") == 0    ? 3
                 : strcmp(verdict, "refused") == 0 ? 2
-                : strcmp(verdict, "agree") == 0  ? 1
-                                                 : 0;
+                : strcmp(verdict, "agree") == 0   ? 1
+                                                  : 0;
     return group * 1000 + log10(fmax(worst, 1e-300));
 }
 
@@ -414,7 +424,8 @@ static iso_status sort_rows(iso_report *r, iso_error *err)
         json_decref(sorted);
         return no_memory(err);
     }
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         order[i] = row;
         json_object_set_new(row, "number", json_integer((json_int_t)i));
     }

@@ -49,17 +49,19 @@ iso_status iso_report_add_image(iso_report *report, const char *name, const iso_
 void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);
 
 /* What is asked of two images besides their metrics: enum, key in report.json, name. */
+/* clang-format off */
 #define ISO_GATE_LIST(X)                                                                   \
     X(ISO_GATE_ERROR_BAR, "error_bar", "error bar")                                        \
     X(ISO_GATE_HALVING, "halving", "left of the error by halving the step")                \
     X(ISO_GATE_PIXELS, "pixels", "pixels beyond chance")                                   \
     X(ISO_GATE_BIAS, "bias", "bias beyond chance")
+/* clang-format on */
 
 typedef enum iso_gate {
 #define ISO_GATE_ENUM(name, key, text) name,
     ISO_GATE_LIST(ISO_GATE_ENUM)
 #undef ISO_GATE_ENUM
-    ISO_GATE_COUNT
+        ISO_GATE_COUNT
 } iso_gate;
 const char *iso_gate_name(iso_gate gate);
 
@@ -77,16 +79,16 @@ typedef struct iso_report_agreement {
     const char *image_a, *image_b; /* names given to iso_report_add_image(), or NULL */
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
     iso_metrics metrics;
-    double error_bar;              /* RMSE that the discretisation alone explains; NaN: not measured */
+    double error_bar; /* RMSE that the discretisation alone explains; NaN: not measured */
     iso_tolerances tolerances;
     size_t gate_count;
     iso_report_gate gates[ISO_REPORT_MAX_GATES];
-    json_t *statistics;            /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */
-    const char *why;               /* why these tolerances */
-    double seconds;                /* that rendering and comparing took; 0: not measured */
-    const char *command;           /* the line that repeats this case, or NULL */
-    const char *refused;           /* the calibration that failed, with its value; NULL: compared */
-    bool informative;              /* reported, without a gate */
+    json_t *statistics;  /* what the gates were taken from: steps, order, seeds ...; borrowed, or NULL */
+    const char *why;     /* why these tolerances */
+    double seconds;      /* that rendering and comparing took; 0: not measured */
+    const char *command; /* the line that repeats this case, or NULL */
+    const char *refused; /* the calibration that failed, with its value; NULL: compared */
+    bool informative;    /* reported, without a gate */
 } iso_report_agreement;
 /* "agree", "differ", "refused" or "reported". */
 const char *iso_report_verdict(const iso_report_agreement *row);

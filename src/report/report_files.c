@@ -64,8 +64,8 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err)
     return ISO_OK;
 }
 
-iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image, const iso_image_note *notes,
-                                  char **uri, iso_error *err)
+iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
+                                  const iso_image_note *notes, char **uri, iso_error *err)
 {
     char *exr = NULL, *png = NULL;
     if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0)
@@ -168,11 +168,13 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
     size_t i;
     json_t *row;
     fputs("case,rmse,rmse_limit,max_abs,max_abs_limit,error_bar,verdict\n", f);
-    json_array_foreach(rows, i, row) {
+    json_array_foreach(rows, i, row)
+    {
         const json_t *limits = json_object_get(row, "limits");
         char label[256];
         snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"), iso_row_text(row, "b"));
+                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"),
+                 iso_row_text(row, "b"));
         put_field(f, label);
         fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", iso_row_number(row, "rmse"), iso_row_number(limits, "rmse"),
                 iso_row_number(row, "max_abs"), iso_row_number(limits, "max_abs"), iso_row_number(row, "error_bar"),
@@ -185,8 +187,9 @@ static void put_consistency_line(FILE *f, const json_t *row)
     const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
     put_field(f, iso_row_text(row, "method"));
     fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d\n", (long long)json_integer_value(json_object_get(row, "level")),
-            (long long)json_integer_value(json_object_get(row, "views")), iso_row_number(row, "ssim_dissimilarity_mean"),
-            iso_row_number(row, "flip_mean"), iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
+            (long long)json_integer_value(json_object_get(row, "views")),
+            iso_row_number(row, "ssim_dissimilarity_mean"), iso_row_number(row, "flip_mean"),
+            iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
             adapted ? "adapted" : "original", iso_row_text(row, "original_kept")[0] != 0);
 }
 
@@ -196,15 +199,19 @@ static void put_consistency_csv(FILE *f, const json_t *rows)
     json_t *seen = json_object(), *row, *other;
     size_t i, j;
     char name[ISO_CONSISTENCY_NAME_BYTES], other_name[ISO_CONSISTENCY_NAME_BYTES];
-    fputs("method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept\n", f);
-    json_array_foreach(rows, i, row) {
+    fputs(
+        "method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept\n",
+        f);
+    json_array_foreach(rows, i, row)
+    {
         iso_report_consistency_name(row, name);
         if (json_object_get(seen, name))
             continue;
         if (json_object_size(seen) > 0)
             fputs("\n\n", f);
         json_object_set_new(seen, name, json_true());
-        json_array_foreach(rows, j, other) {
+        json_array_foreach(rows, j, other)
+        {
             iso_report_consistency_name(other, other_name);
             if (strcmp(name, other_name) == 0)
                 put_consistency_line(f, other);

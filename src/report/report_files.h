@@ -14,8 +14,8 @@ double iso_row_number(const json_t *row, const char *key);
 iso_status iso_report_files_begin(const char *dir, iso_error *err);
 
 /* NAME.exr, NAME.png; *uri is the PNG as a data URI, to be freed. */
-iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image, const iso_image_note *notes,
-                                  char **uri, iso_error *err);
+iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
+                                  const iso_image_note *notes, char **uri, iso_error *err);
 
 /* The largest channel difference of each pixel of two images, 16 bits on a log scale in a PNG's red
  * and green: code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */

@@ -61,8 +61,10 @@ static void put_why_it_differs(FILE *f, const json_t *row)
     json_t *limit, *gate;
     size_t i;
     if (json_integer_value(json_object_get(row, "nonfinite_count")) > 0)
-        fprintf(f, "%lld pixels are not finite; ", (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
-    json_object_foreach((json_t *)limits, key, limit) {
+        fprintf(f, "%lld pixels are not finite; ",
+                (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
+    json_object_foreach((json_t *)limits, key, limit)
+    {
         const bool ssim = strcmp(key, "ssim_dissimilarity") == 0;
         put_unheld(f, key, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, key), json_number_value(limit));
     }
@@ -112,8 +114,8 @@ static void put_calibration_case(FILE *f, const json_t *row)
         return;
     }
     if (measured)
-        fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">", iso_row_number(row, "value"),
-                iso_row_text(row, "unit"), iso_row_number(row, "limit"));
+        fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">",
+                iso_row_number(row, "value"), iso_row_text(row, "unit"), iso_row_number(row, "limit"));
     else
         fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
     put_xml(f, iso_row_text(row, "detail"));
@@ -134,12 +136,14 @@ static void put_property(FILE *f, const char *name, const char *value)
 /* Nothing is asked of how far a level is from level 0: facts, not cases that cannot fail. */
 static void put_consistency_facts(FILE *f, const json_t *row)
 {
-    static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg", "original_kept"};
+    static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg",
+                                       "original_kept"};
     char of[ISO_CONSISTENCY_NAME_BYTES], name[ISO_CONSISTENCY_NAME_BYTES + 64], figure[32];
     iso_report_consistency_name(row, of);
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         const json_t *value = json_object_get(row, keys[i]);
-        snprintf(name, sizeof name, "level %lld: %s: %s", (long long)json_integer_value(json_object_get(row, "level")), of, keys[i]);
+        snprintf(name, sizeof name, "level %lld: %s: %s", (long long)json_integer_value(json_object_get(row, "level")),
+                 of, keys[i]);
         snprintf(figure, sizeof figure, "%.6g", json_number_value(value));
         put_property(f, name, json_is_number(value) ? figure : json_string_value(value));
     }
@@ -158,11 +162,9 @@ static json_t *scenes_not_compared(const json_t *rows)
     size_t i;
     if (json_array_size(rows) == 0)
         json_object_set_new(open, "", json_true());
-    json_array_foreach(rows, i, row)
-        json_object_set_new(open, iso_row_text(row, "scene"), json_true());
-    json_array_foreach(rows, i, row)
-        if (has_verdict(row, "agree") || has_verdict(row, "differ"))
-            json_object_del(open, iso_row_text(row, "scene"));
+    json_array_foreach(rows, i, row) json_object_set_new(open, iso_row_text(row, "scene"), json_true());
+    json_array_foreach(rows, i, row) if (has_verdict(row, "agree") || has_verdict(row, "differ"))
+        json_object_del(open, iso_row_text(row, "scene"));
     return open;
 }
 
@@ -170,11 +172,14 @@ static void put_scenes_not_compared(FILE *f, json_t *scenes)
 {
     const char *scene;
     json_t *unused;
-    json_object_foreach(scenes, scene, unused) {
+    json_object_foreach(scenes, scene, unused)
+    {
         fputs("    <testcase classname=\"agreement.", f);
         put_xml(f, scene);
-        fputs("\" time=\"0.000\" name=\"something is compared\">\n      <failure type=\"not compared\" message=\"nothing was compared, "
-              "so nothing is shown to agree\"/>\n    </testcase>\n", f);
+        fputs(
+            "\" time=\"0.000\" name=\"something is compared\">\n      <failure type=\"not compared\" message=\"nothing was compared, "
+            "so nothing is shown to agree\"/>\n    </testcase>\n",
+            f);
     }
 }
 
@@ -187,8 +192,10 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     const char *key;
     json_t *row, *version, *open = s->put_case == put_agreement_case ? scenes_not_compared(rows) : NULL;
     failures = json_object_size(open);
-    json_array_foreach(rows, i, row) {
-        const bool failed = has_verdict(row, "differ") || has_verdict(row, "fail"), nothing = json_is_null(json_object_get(row, "value"));
+    json_array_foreach(rows, i, row)
+    {
+        const bool failed = has_verdict(row, "differ") || has_verdict(row, "fail"),
+                   nothing = json_is_null(json_object_get(row, "value"));
         failures += failed && !nothing;
         errors += failed && nothing;
         skipped += has_verdict(row, "refused") || has_verdict(row, "reported");
@@ -203,13 +210,9 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
     json_object_foreach(json_object_get(root, "versions"), key, version)
         put_property(f, key, json_string_value(version));
-    json_array_foreach(rows, i, row)
-        if (s->put_facts)
-            s->put_facts(f, row);
+    json_array_foreach(rows, i, row) if (s->put_facts) s->put_facts(f, row);
     fputs("    </properties>\n", f);
-    json_array_foreach(rows, i, row)
-        if (s->put_case)
-            s->put_case(f, row);
+    json_array_foreach(rows, i, row) if (s->put_case) s->put_case(f, row);
     put_scenes_not_compared(f, open);
     json_decref(open);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
@@ -230,7 +233,8 @@ iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_err
         if (suites[i].put_case || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
             put_suite(f, r, i, &suites[i]);
     fputs("</testsuites>\n", f);
-    iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err) : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err)
+                                       : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     free(xml);
     return status;
 }

@@ -7,11 +7,11 @@
 #include "pyramid/pyramid.h"
 
 typedef enum iso_direction_source {
-    ISO_FROM_CODES,      /* fetch codes, filter, decode: what a GPU does */
-    ISO_FROM_DECODED,    /* decode at the voxels, then filter: what exports carry; the same for linear codes */
-    ISO_FROM_FLOAT,      /* iso_level.directions */
-    ISO_FROM_FLIPPED,    /* decode at the voxels, turn them to one side (code_decode.h), then filter */
-    ISO_FROM_ON_THE_FLY, /* central differences of the filtered scalar, one voxel apart */
+    ISO_FROM_CODES,           /* fetch codes, filter, decode: what a GPU does */
+    ISO_FROM_DECODED,         /* decode at the voxels, then filter: what exports carry; the same for linear codes */
+    ISO_FROM_FLOAT,           /* iso_level.directions */
+    ISO_FROM_FLIPPED,         /* decode at the voxels, turn them to one side (code_decode.h), then filter */
+    ISO_FROM_ON_THE_FLY,      /* central differences of the filtered scalar, one voxel apart */
     ISO_FROM_PALETTE,         /* iso_level.palette: the eight voxels' entries, filtered */
     ISO_FROM_PALETTE_NEAREST, /* the entry of the voxel that holds the point */
     ISO_SOURCE_COUNT

@@ -24,12 +24,14 @@ void iso_roi_destroy(iso_roi *f)
 static iso_status check(const iso_pyramid *p, size_t around, const iso_roi_options *opt, iso_error *err)
 {
     if (around >= p->level_count || opt->level >= around)
-        return iso_fail(err, ISO_E_RANGE, "region of interest: level %zu inside of level %zu, must be finer", opt->level, around);
+        return iso_fail(err, ISO_E_RANGE, "region of interest: level %zu inside of level %zu, must be finer",
+                        opt->level, around);
     if (!(opt->band >= 0 && opt->band <= 64))
         return iso_fail(err, ISO_E_RANGE, "region of interest: a band of %g voxels, must be 0 to 64", opt->band);
     for (int a = 0; a < 3; ++a)
         if (!(opt->lo[a] >= 0 && opt->lo[a] < opt->hi[a] && opt->hi[a] <= (double)p->levels[0].geometry.size[a]))
-            return iso_fail(err, ISO_E_RANGE, "region of interest: %g to %g along axis %d, must grow and lie in 0 to %zu", opt->lo[a],
+            return iso_fail(err, ISO_E_RANGE,
+                            "region of interest: %g to %g along axis %d, must grow and lie in 0 to %zu", opt->lo[a],
                             opt->hi[a], a, p->levels[0].geometry.size[a]);
     return ISO_OK;
 }
@@ -41,15 +43,18 @@ static void *crop(const void *from, size_t bytes, const size_t size[3], const si
     for (size_t z = 0; out && z < count[2]; ++z)
         for (size_t y = 0; y < count[1]; ++y)
             memcpy(out + (z * count[1] + y) * count[0] * bytes,
-                   (const char *)from + (((first[2] + z) * size[1] + first[1] + y) * size[0] + first[0]) * bytes, count[0] * bytes);
+                   (const char *)from + (((first[2] + z) * size[1] + first[1] + y) * size[0] + first[0]) * bytes,
+                   count[0] * bytes);
     return out;
 }
 
-static iso_status crop_level(const iso_level *from, const size_t first[3], const size_t count[3], iso_level *to, iso_error *err)
+static iso_status crop_level(const iso_level *from, const size_t first[3], const size_t count[3], iso_level *to,
+                             iso_error *err)
 {
     const size_t *size = from->geometry.size;
     *to = (iso_level){.geometry = from->geometry, .stored_type = from->stored_type, .min = from->min, .max = from->max};
-    to->geometry.origin_mm = iso_geometry_to_world(&from->geometry, iso_v3((double)first[0], (double)first[1], (double)first[2]));
+    to->geometry.origin_mm = iso_geometry_to_world(&from->geometry,
+                                                   iso_v3((double)first[0], (double)first[1], (double)first[2]));
     for (int a = 0; a < 3; ++a) {
         to->geometry.size[a] = count[a];
         to->geometry.box_index[a] = (double)count[a];
@@ -58,12 +63,13 @@ static iso_status crop_level(const iso_level *from, const size_t first[3], const
     to->codes = crop(from->codes, 3, size, first, count);
     to->directions = from->directions ? crop(from->directions, 3 * sizeof *from->directions, size, first, count) : NULL;
     if (!to->scalar || !to->codes || (from->directions && !to->directions))
-        return iso_fail(err, ISO_E_MEMORY, "region of interest: no memory for %zu x %zu x %zu voxels", count[0], count[1], count[2]);
+        return iso_fail(err, ISO_E_MEMORY, "region of interest: no memory for %zu x %zu x %zu voxels", count[0],
+                        count[1], count[2]);
     return ISO_OK;
 }
 
 iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_roi_options *opt,
-                            iso_roi *f, iso_error *err)
+                          iso_roi *f, iso_error *err)
 {
     *f = (iso_roi){.number = opt->level, .band = opt->band};
     iso_status status = check(p, around, opt, err);

@@ -28,9 +28,10 @@
 #define ISO_ROI_BAND 2.0 /* voxels of the level around it */
 
 typedef struct iso_roi {
-    iso_level level; /* owned: scalar, codes and directions of the finer level in the box and its band, and two voxels more */
-    size_t number;   /* of that level */
-    iso_tf_table tf; /* owned: of that level */
+    iso_level
+        level; /* owned: scalar, codes and directions of the finer level in the box and its band, and two voxels more */
+    size_t number;           /* of that level */
+    iso_tf_table tf;         /* owned: of that level */
     double scale, offset[3]; /* index in `level` = scale * index in the level around it - offset */
     double lo[3], hi[3];     /* the box, in the index of the level around it */
     double band;
@@ -47,7 +48,7 @@ iso_roi_options iso_roi_defaults(void);
 /* around: the level that is rendered outside. tf is copied. ISO_E_RANGE: a box that
  * is empty or outside the volume, a level that is not finer; ISO_E_MEMORY. */
 iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_table *tf, const iso_roi_options *opt,
-                            iso_roi *roi, iso_error *err);
+                          iso_roi *roi, iso_error *err);
 void iso_roi_destroy(iso_roi *roi); /* accepts empty and NULL */
 
 /* The weight of the finer level at an index of the level around it. */
@@ -55,7 +56,8 @@ double iso_roi_weight(const iso_roi *roi, iso_vec3 index);
 
 static inline iso_vec3 iso_roi_inside(const iso_roi *f, iso_vec3 index)
 {
-    return iso_v3(f->scale * index.x - f->offset[0], f->scale * index.y - f->offset[1], f->scale * index.z - f->offset[2]);
+    return iso_v3(f->scale * index.x - f->offset[0], f->scale * index.y - f->offset[1],
+                  f->scale * index.z - f->offset[2]);
 }
 
 #endif

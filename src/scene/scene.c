@@ -10,15 +10,18 @@
 #include "base/file.h"
 #include "scene/roi.h"
 
-static iso_vec3 vec3_of(const double v[3]) { return iso_v3(v[0], v[1], v[2]); }
+static iso_vec3 vec3_of(const double v[3])
+{
+    return iso_v3(v[0], v[1], v[2]);
+}
 
 static void get_direction(iso_json_reader *r, const json_t *object, const char *key, bool required, iso_vec3 *out)
 {
     double v[3] = {out->x, out->y, out->z};
     iso_json_get_numbers(r, object, key, required, 3, -1e9, 1e9, v);
     if (r->status == ISO_OK && !(iso_norm(vec3_of(v)) > 1e-12))
-        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"%s\" is [%g, %g, %g], a direction must not be zero", r->path, key,
-                             v[0], v[1], v[2]);
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"%s\" is [%g, %g, %g], a direction must not be zero", r->path,
+                             key, v[0], v[1], v[2]);
     *out = iso_normalize(vec3_of(v));
 }
 
@@ -49,7 +52,8 @@ static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
         s->camera_look_at = vec3_of(look_at);
         s->camera_direction = iso_normalize(iso_sub(s->camera_look_at, s->camera_position));
         if (r->status == ISO_OK && iso_norm(s->camera_direction) == 0)
-            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"position\" and \"look_at\" of the camera coincide", r->path);
+            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"position\" and \"look_at\" of the camera coincide",
+                                 r->path);
     }
     if (r->status == ISO_OK && iso_norm(iso_cross(s->camera_direction, s->camera_up)) < 1e-6)
         r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the camera looks along its \"up\"", r->path);
@@ -64,8 +68,8 @@ static void read_lights(iso_json_reader *r, const json_t *root, iso_scene *s)
         return;
     s->light_count = json_array_size(list);
     if (s->light_count < 1 || s->light_count > ISO_MAX_LIGHTS) {
-        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the scene has %zu lights, must have 1 to %d", r->path, s->light_count,
-                             ISO_MAX_LIGHTS);
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the scene has %zu lights, must have 1 to %d", r->path,
+                             s->light_count, ISO_MAX_LIGHTS);
         return;
     }
     for (size_t i = 0; i < s->light_count; ++i) {
@@ -87,8 +91,8 @@ static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
     json_t *list = json_object_get(root, "clip_planes") ? iso_json_get_array(r, root, "clip_planes", true) : NULL;
     s->clip_count = list ? json_array_size(list) : 0;
     if (s->clip_count > ISO_MAX_CLIP_PLANES) {
-        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the scene has %zu clip planes, at most %d", r->path, s->clip_count,
-                             ISO_MAX_CLIP_PLANES);
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: the scene has %zu clip planes, at most %d", r->path,
+                             s->clip_count, ISO_MAX_CLIP_PLANES);
         s->clip_count = 0;
     }
     for (size_t i = 0; i < s->clip_count; ++i) {
@@ -101,7 +105,8 @@ static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_get_number(r, item, "at", !has_point, -1, 2, &clip->at);
         iso_json_get_numbers(r, item, "point_mm", !has_at, 3, -1e9, 1e9, point);
         if (r->status == ISO_OK && has_at && has_point)
-            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one", r->path);
+            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one",
+                                 r->path);
         clip->point_mm = vec3_of(point);
         if (has_point)
             clip->at = NAN;
@@ -133,9 +138,12 @@ static const char *const tier_names[] = {
 #define ISO_TIER_NAME(name, text) text,
     ISO_TIER_LIST(ISO_TIER_NAME)
 #undef ISO_TIER_NAME
-    NULL};
+        NULL};
 
-const char *iso_tier_name(iso_tier tier) { return tier_names[tier]; }
+const char *iso_tier_name(iso_tier tier)
+{
+    return tier_names[tier];
+}
 
 static void read_agreement(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
@@ -169,7 +177,8 @@ static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
     if (make && !(s->suite_make = strdup(make)))
         r->status = iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
     if (r->status == ISO_OK && (s->agreement.tier == ISO_TIER_FIRST_HIT) == isnan(s->suite_isosurface))
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: the tier \"first hit\" and \"isosurface\" go together", r->path);
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: the tier \"first hit\" and \"isosurface\" go together",
+                             r->path);
 }
 
 static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
@@ -194,15 +203,21 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 
 iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err)
 {
-    static const char *const keys[] = {"schema",  "comment",    "image",       "camera", "lights",
-                                       "shading", "background", "step_voxels", "tf",     "agreement", "suite",
-                                       "clip_planes", NULL};
+    static const char *const keys[] = {"schema",  "comment",     "image",       "camera", "lights",
+                                       "shading", "background",  "step_voxels", "tf",     "agreement",
+                                       "suite",   "clip_planes", NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
-    *scene = (iso_scene){.width = 160, .height = 160, .camera_up = {0, 0, 1}, .fov_y_deg = 30, .margin = 1.05,
-                         .shading = {.power = 20}, .step_voxels = 0.5,
+    *scene = (iso_scene){.width = 160,
+                         .height = 160,
+                         .camera_up = {0, 0, 1},
+                         .fov_y_deg = 30,
+                         .margin = 1.05,
+                         .shading = {.power = 20},
+                         .step_voxels = 0.5,
                          .suite_isosurface = NAN,
-                         .agreement = {ISO_TIER_CONVERGENCE, true, "the scene states no agreement: its TF is taken for sharp"}};
+                         .agreement = {ISO_TIER_CONVERGENCE, true,
+                                       "the scene states no agreement: its TF is taken for sharp"}};
     iso_json_reader r = {.path = path, .err = err};
     int schema = 0;
     iso_json_only_keys(&r, root, "the scene", keys);
@@ -286,8 +301,11 @@ static iso_clip_plane resolve_clip(const struct iso_scene_clip *clip, const iso_
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err)
 {
-    *view = (iso_view){.width = scene->width, .height = scene->height, .shading = scene->shading,
-                       .step_voxels = scene->step_voxels, .light_count = scene->light_count,
+    *view = (iso_view){.width = scene->width,
+                       .height = scene->height,
+                       .shading = scene->shading,
+                       .step_voxels = scene->step_voxels,
+                       .light_count = scene->light_count,
                        .camera = resolve_camera(scene, level0)};
     memcpy(view->background, scene->background, sizeof view->background);
     view->clip_count = scene->clip_count;
@@ -370,7 +388,8 @@ bool iso_view_ray(const iso_view *view, const iso_ray *ray, const iso_geometry *
         return false;
     for (size_t i = 0; i < view->clip_count; ++i) {
         const iso_clip_plane *clip = &view->clips[i];
-        double above = iso_dot(clip->normal, ray->origin) - clip->offset_mm, rate = iso_dot(clip->normal, ray->direction);
+        double above = iso_dot(clip->normal, ray->origin) - clip->offset_mm,
+               rate = iso_dot(clip->normal, ray->direction);
         if (rate > 0)
             *t0 = fmax(*t0, -above / rate);
         else if (rate < 0)

@@ -59,18 +59,20 @@ typedef struct iso_shading {
 } iso_shading;
 
 /* How the true image of a scene is known, which decides what validation asks of renderers: enum, name. */
+/* clang-format off */
 #define ISO_TIER_LIST(X)                                                                                     \
     X(ISO_TIER_CLOSED_FORM, "closed form") /* a formula; for all renderers */                                \
     X(ISO_TIER_TIGHT, "tight")             /* the ray caster's own samples in double precision */            \
     X(ISO_TIER_CONVERGENCE, "convergence") /* limits of halved steps, by all renderers */                    \
     X(ISO_TIER_LIT, "lit")                 /* the same, and what a person sees of highlights: FLIP, SSIM */  \
     X(ISO_TIER_FIRST_HIT, "first hit")     /* an isosurface: no quadrature at all */
+/* clang-format on */
 
 typedef enum iso_tier {
 #define ISO_TIER_ENUM(name, text) name,
     ISO_TIER_LIST(ISO_TIER_ENUM)
 #undef ISO_TIER_ENUM
-    ISO_TIER_COUNT
+        ISO_TIER_COUNT
 } iso_tier;
 const char *iso_tier_name(iso_tier tier);
 
@@ -100,8 +102,8 @@ typedef struct iso_scene {
     double step_voxels;
     iso_tf tf;
     iso_scene_agreement agreement;
-    char *suite_make;           /* what follows `isoshade make`, without -o; NULL: no scene of a suite */
-    double suite_isosurface;    /* the surface's value, as a fraction of the volume's range; NaN: none */
+    char *suite_make;        /* what follows `isoshade make`, without -o; NULL: no scene of a suite */
+    double suite_isosurface; /* the surface's value, as a fraction of the volume's range; NaN: none */
 } iso_scene;
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);
@@ -121,8 +123,8 @@ typedef struct iso_view {
     double background[3];
     double step_voxels;
     iso_tf_table tf;
-    iso_tf_2d *tf_2d; /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
-    struct iso_roi *roi;   /* a finer level inside a box (roi.h); owned, or NULL */
+    iso_tf_2d *tf_2d;    /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
+    struct iso_roi *roi; /* a finer level inside a box (roi.h); owned, or NULL */
 } iso_view;
 
 /* value_min/max: of level 0. */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
-                                const iso_progress *progress, iso_pyramid *p, iso_error *err)
+                                    const iso_progress *progress, iso_pyramid *p, iso_error *err)
 {
     *p = (iso_pyramid){0};
     if (iso_pyramid_is_one(path))
@@ -36,7 +36,7 @@ iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t 
 }
 
 iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
-                             iso_error *err)
+                                 iso_error *err)
 {
     iso_scene scene;
     *view = (iso_view){0};

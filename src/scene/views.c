@@ -28,7 +28,8 @@ iso_vec3 iso_view_of_faces(int i, int count)
 iso_vec3 iso_view_along_diagonal(int i)
 {
     const double g = golden_ratio();
-    const iso_vec3 diagonals[ISO_DIAGONAL_VIEWS] = {{0, 1, g}, {1, g, 0}, {g, 0, 1}, {0, -1, g}, {-1, g, 0}, {-g, 0, 1}};
+    const iso_vec3 diagonals[ISO_DIAGONAL_VIEWS] = {{0, 1, g},  {1, g, 0},  {g, 0, 1},
+                                                    {0, -1, g}, {-1, g, 0}, {-g, 0, 1}};
     return iso_normalize(diagonals[i % ISO_DIAGONAL_VIEWS]);
 }
 

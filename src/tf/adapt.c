@@ -193,7 +193,8 @@ static void prepare(const iso_adapter *a, const iso_tf_table *tf, double length_
     for (size_t i = 0; i < a->z.count; ++i) {
         double rgbs[4];
         iso_tf_lookup(tf, a->z.lo + (double)i * a->z.step, rgbs);
-        double w = averaged_quantity(a->average, rgbs[3], length_mm), color_weight = a->average == ISO_AVERAGE_RGBA ? 1 : w;
+        double w = averaged_quantity(a->average, rgbs[3], length_mm),
+               color_weight = a->average == ISO_AVERAGE_RGBA ? 1 : w;
         for (int c = 0; c < 3; ++c) {
             out[i].plain[c] = rgbs[c];
             out[i].rgbw[c] = color_weight * rgbs[c];
@@ -278,7 +279,8 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
     weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
     if (!prepared || table->count != a->s.count) {
         free(prepared);
-        return prepared ? iso_fail(err, ISO_E_RANGE, "adapt: a table of %zu entries, %zu are needed", table->count, a->s.count)
+        return prepared ? iso_fail(err, ISO_E_RANGE, "adapt: a table of %zu entries, %zu are needed", table->count,
+                                   a->s.count)
                         : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     prepare(a, tf, row_length_mm, prepared);
@@ -326,8 +328,8 @@ static void blend_tf_2d_row(const row_sums *all, double count, row_sums *r)
     r->largest = fmax(r->largest, all->largest);
 }
 
-static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, const iso_tf_table *tf, double length_mm,
-                                    iso_tf_table rows[ISO_TF_2D_ROWS], iso_error *err)
+static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, const iso_tf_table *tf,
+                             double length_mm, iso_tf_table rows[ISO_TF_2D_ROWS], iso_error *err)
 {
     weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
     if (!prepared)
@@ -348,8 +350,8 @@ static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, 
 }
 
 /* The second value of each voxel of the level, in a byte. */
-static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_second_value second, int threads, uint8_t **bytes,
-                              iso_error *err)
+static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_second_value second, int threads,
+                                     uint8_t **bytes, iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
     float *planes = malloc(count * sizeof *planes);
@@ -366,7 +368,7 @@ static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_sec
 }
 
 iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
-                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
+                           const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
 {
     iso_joint joint = {0}, joint_2d = {0};
     iso_adapter *all = NULL, *by_second = NULL;
@@ -374,8 +376,8 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, 
     iso_adapt_options opt_2d = *opt; /* the second value takes a row's bulk and its tail apart */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
         opt_2d.window = ISO_TF_2D_WINDOW;
-    iso_status status =
-        iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
+                                         opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, second}, opt->threads, &joint_2d, err);
     if (status == ISO_OK)
@@ -385,7 +387,8 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, 
     for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->rows[c], err);
     if (status == ISO_OK && joint.entry_count > 0)
-        status = fill_tf_2d(all, by_second, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->rows, err);
+        status = fill_tf_2d(all, by_second, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->rows,
+                            err);
     if (status == ISO_OK)
         status = second_value_bytes(p, level, second, opt->threads, &out->bytes, err);
     if (status != ISO_OK)

@@ -35,7 +35,13 @@
 #include "tf/histogram.h"
 #include "tf/tf.h"
 
-typedef enum iso_adapt_weight { ISO_WEIGHT_GAUSS, ISO_WEIGHT_FLAT, ISO_WEIGHT_TRIANGLE, ISO_WEIGHT_MIXED, ISO_WEIGHT_COUNT } iso_adapt_weight;
+typedef enum iso_adapt_weight {
+    ISO_WEIGHT_GAUSS,
+    ISO_WEIGHT_FLAT,
+    ISO_WEIGHT_TRIANGLE,
+    ISO_WEIGHT_MIXED,
+    ISO_WEIGHT_COUNT
+} iso_adapt_weight;
 typedef enum iso_adapt_average {
     ISO_AVERAGE_RGBA,
     ISO_AVERAGE_OPACITY,
@@ -64,7 +70,8 @@ iso_adapt_options iso_adapt_defaults(void);
 typedef struct iso_adapter iso_adapter;
 
 /* Copies what it needs of joint. ISO_E_RANGE: options outside their limits; ISO_E_MEMORY. */
-iso_status iso_adapter_create(const iso_joint *joint, const iso_adapt_options *opt, iso_adapter **adapter, iso_error *err);
+iso_status iso_adapter_create(const iso_joint *joint, const iso_adapt_options *opt, iso_adapter **adapter,
+                              iso_error *err);
 void iso_adapter_destroy(iso_adapter *adapter); /* accepts NULL */
 
 /* Entries of the tables that apply() fills. */
@@ -91,8 +98,8 @@ typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted;
     bool use_original;
 } iso_adapt_judgment;
-iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
-                           iso_adapt_judgment *judgment, iso_error *err);
+iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
+                           const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);
 
 /* The whole adaptation for one level of a pyramid, as renderers and exporters call it. dir:
  * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
@@ -107,7 +114,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
 #define ISO_TF_2D_PSEUDO_COUNTS 16
 #define ISO_TF_2D_WINDOW 3.0 /* of the flat weight, where the options leave it open */
 iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
-                             const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
+                           const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that
  * tabulating it gives the same entries back within rounding. */

@@ -31,8 +31,8 @@ static double row_error(const seen *sums, double count, const seen *s)
     return fmax(sums->square - 2 * product + count * s->square, 0);
 }
 
-iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted, const iso_geometry *level0,
-                           iso_adapt_judgment *judgment, iso_error *err)
+iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso_tf_table *adapted,
+                           const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err)
 {
     const double length_mm = iso_geometry_mean_spacing_mm(level0), n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
     double original_sum = 0, adapted_sum = 0;
@@ -79,7 +79,8 @@ static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_err
 }
 
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err)
+                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
+                           iso_error *err)
 {
     const iso_geometry *level0 = &p->levels[0].geometry;
     iso_joint joint = {0};
@@ -91,8 +92,8 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
             *judgment = verdict;
         return copy_table(tf, table, err);
     }
-    iso_status status =
-        iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads, &joint, err);
+    iso_status status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
+                                         opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);
     if (status == ISO_OK)
@@ -118,7 +119,10 @@ iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *e
         largest = fmaxf(largest, table->entries[4 * i + 3]);
     /* Opacities are stated for 1 mm, or less where they would come close to the cap. */
     double unit_mm = largest > 4 ? 4 / (double)largest : 1;
-    *tf = (iso_tf){.point_count = table->count, .range = {table->lo, table->hi}, .unit_distance = unit_mm, .table_size = table->count};
+    *tf = (iso_tf){.point_count = table->count,
+                   .range = {table->lo, table->hi},
+                   .unit_distance = unit_mm,
+                   .table_size = table->count};
     tf->points = malloc(table->count * sizeof *tf->points);
     if (!tf->points) {
         *tf = (iso_tf){0};

@@ -17,13 +17,17 @@ enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 
 const iso_names iso_tf_format_names = ISO_NAMES_OF_POINTERS("transfer-function format", formats);
 
-const iso_tf_format *iso_tf_format_at(size_t row) { return row < FORMAT_COUNT ? formats[row] : NULL; }
+const iso_tf_format *iso_tf_format_at(size_t row)
+{
+    return row < FORMAT_COUNT ? formats[row] : NULL;
+}
 
 const iso_tf_format *iso_tf_format_of(const char *path)
 {
     const iso_tf_format *found = NULL;
     for (size_t i = 0; i < FORMAT_COUNT; ++i)
-        if (iso_path_ends_with(path, formats[i]->suffix) && (!found || strlen(formats[i]->suffix) > strlen(found->suffix)))
+        if (iso_path_ends_with(path, formats[i]->suffix) &&
+            (!found || strlen(formats[i]->suffix) > strlen(found->suffix)))
             found = formats[i];
     return found;
 }
@@ -37,7 +41,10 @@ char *iso_tf_format_written(char *text, size_t size)
     for (size_t i = 0; i < FORMAT_COUNT && length < size; ++i)
         if (formats[i]->save) {
             --left;
-            length += (size_t)snprintf(text + length, size - length, "%s%s", formats[i]->suffix, left > 1 ? ", " : left == 1 ? " or " : "");
+            length += (size_t)snprintf(text + length, size - length, "%s%s", formats[i]->suffix,
+                                       left > 1    ? ", "
+                                       : left == 1 ? " or "
+                                                   : "");
         }
     return text;
 }

@@ -11,9 +11,11 @@
 #include "base/names.h"
 #include "tf/tf.h"
 
+/* clang-format off */
 #define ISO_TF_FORMAT_LIST(X) \
     X(csv)                    \
     X(json)
+/* clang-format on */
 
 typedef struct iso_tf_format {
     const char *name;    /* "json" */

@@ -12,7 +12,11 @@ static void write_rows(FILE *file, const iso_tf_table *t, double unit_mm)
 {
     for (size_t i = 0; i < t->count; ++i) {
         const float *e = t->entries + 4 * i;
-        const double values[] = {t->lo + (t->hi - t->lo) * (double)i / (double)(t->count - 1), e[0], e[1], e[2], e[3],
+        const double values[] = {t->lo + (t->hi - t->lo) * (double)i / (double)(t->count - 1),
+                                 e[0],
+                                 e[1],
+                                 e[2],
+                                 e[3],
                                  -expm1(-(double)e[3] * unit_mm)};
         for (int c = 0; c < 6; ++c)
             fprintf(file, "%s%.9g", c ? "," : "", values[c]);

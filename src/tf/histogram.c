@@ -101,8 +101,8 @@ struct iso_joint_builder {
     int thread_count;
     bool dense, shared; /* shared: the threads add to `table` */
     size_t table_count; /* of a thread: 1 or 2 */
-    counter *counters; /* one a thread */
-    uint64_t *table;   /* the sums so far, or */
+    counter *counters;  /* one a thread */
+    uint64_t *table;    /* the sums so far, or */
     pair_map map;
     uint64_t voxel_count;
 };
@@ -152,8 +152,8 @@ static iso_status check_shape(const iso_joint_shape *shape, iso_error *err)
                         shape->second_count, ISO_TF_2D_ROWS);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
-            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted", level,
-                            coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
+            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted",
+                            level, coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
     return ISO_OK;
 }
 
@@ -168,8 +168,8 @@ iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_
         return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     *b = (iso_joint_builder){.shape = *shape, .thread_count = iso_threads(threads)};
     size_t pairs = pair_count(b);
-    b->dense =
-        pairs <= TWIN_PAIRS || (pairs <= DENSE_PAIRS && pairs / 8 <= shape->fine[0] * shape->fine[1] * shape->fine[2]);
+    b->dense = pairs <= TWIN_PAIRS ||
+               (pairs <= DENSE_PAIRS && pairs / 8 <= shape->fine[0] * shape->fine[1] * shape->fine[2]);
     b->table_count = pairs <= TWIN_PAIRS ? 2 : 1;
     b->shared = b->dense && pairs * b->table_count * (size_t)b->thread_count > OWN_PAIRS;
     b->counters = calloc((size_t)b->thread_count, sizeof *b->counters);
@@ -399,7 +399,8 @@ void iso_joint_destroy(iso_joint *joint)
 
 /* ---- a pyramid in memory ------------------------------------------------------------- */
 
-static iso_status count_all(const iso_pyramid *p, size_t level, const float *second, iso_joint_builder *b, iso_error *err)
+static iso_status count_all(const iso_pyramid *p, size_t level, const float *second, iso_joint_builder *b,
+                            iso_error *err)
 {
     const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
     const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
@@ -414,8 +415,8 @@ static iso_status count_all(const iso_pyramid *p, size_t level, const float *sec
     return status;
 }
 
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads, iso_joint *joint,
-                             iso_error *err)
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads,
+                             iso_joint *joint, iso_error *err)
 {
     *joint = (iso_joint){0};
     if (level < 1 || level >= p->level_count)
@@ -439,7 +440,8 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE) {
         planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
         if (!planes)
-            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the second value of %zu voxels", m[0] * m[1] * m[2]);
+            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the second value of %zu voxels",
+                              m[0] * m[1] * m[2]);
         else
             status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
     }

@@ -42,7 +42,11 @@
 
 #define ISO_JOINT_MAX_ROWS 4096
 
-typedef enum iso_second_value { ISO_SECOND_VALUE_NONE = 1, ISO_SECOND_VALUE_DEVIATION, ISO_SECOND_VALUE_GRADIENT } iso_second_value;
+typedef enum iso_second_value {
+    ISO_SECOND_VALUE_NONE = 1,
+    ISO_SECOND_VALUE_DEVIATION,
+    ISO_SECOND_VALUE_GRADIENT
+} iso_second_value;
 
 typedef struct iso_bins {
     size_t count;
@@ -52,7 +56,8 @@ typedef struct iso_bins {
 typedef struct iso_joint {
     iso_bins z, s;
     iso_second_value second;
-    size_t second_count;  /* bins of the second value: 1, or ISO_TF_2D_ROWS; row c * s.count + i is bin i of s in bin c */
+    size_t
+        second_count; /* bins of the second value: 1, or ISO_TF_2D_ROWS; row c * s.count + i is bin i of s in bin c */
     uint64_t voxel_count; /* the sum of all counts */
     size_t entry_count;
     size_t *row_start; /* rows + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
@@ -70,8 +75,8 @@ void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z
 
 /* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16; at most 12
  * with a second value). ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads, iso_joint *joint,
-                             iso_error *err);
+iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads,
+                             iso_joint *joint, iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
 /* ---- the same plane by plane, for volumes larger than memory ---------------- */
@@ -99,8 +104,8 @@ iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error
 void iso_joint_abandon(iso_joint_builder *builder);
 
 /* Bins of all voxels of a level, by either second value. ISO_E_MEMORY. */
-iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads, float *out,
-                                       iso_error *err);
+iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads,
+                                        float *out, iso_error *err);
 
 /* ---- beside the level -------------------------------------------------------- */
 

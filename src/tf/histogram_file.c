@@ -37,14 +37,16 @@ static bool sparse_is_smaller(const iso_joint *j)
 
 double iso_joint_stored_bytes(const iso_joint *j)
 {
-    double numbers = sparse_is_smaller(j) ? 3.0 * (double)j->entry_count : (double)j->z.count * (double)iso_joint_row_count(j);
+    double numbers = sparse_is_smaller(j) ? 3.0 * (double)j->entry_count
+                                          : (double)j->z.count * (double)iso_joint_row_count(j);
     return numbers * (fits_32_bits(j) ? 4 : 8);
 }
 
 /* Axis x steps through z, axis y through s; the first sample lies at (z.lo, s.lo). */
 static iso_geometry bins_geometry(const iso_joint *j, bool sparse)
 {
-    size_t size[3] = {sparse ? 3 : j->z.count, sparse ? (j->entry_count ? j->entry_count : 1) : iso_joint_row_count(j), 1};
+    size_t size[3] = {sparse ? 3 : j->z.count, sparse ? (j->entry_count ? j->entry_count : 1) : iso_joint_row_count(j),
+                      1};
     double spacing[3] = {j->z.step, j->s.step, 1};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     g.origin_mm = iso_v3(j->z.lo - j->z.step / 2, j->s.lo - j->s.step / 2, 0);
@@ -88,15 +90,16 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 }
 
 /* Fills the rows from the file's numbers; false when they are not what save writes. */
-static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s, iso_second_value second,
-                            iso_joint *j, iso_error *err)
+static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s,
+                            iso_second_value second, iso_joint *j, iso_error *err)
 {
     const size_t *n = v->geometry.size;
     bool sparse = n[0] == 3 && z->count != 3;
     size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
     size_t second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, rows = s->count * second_count;
     if (!sparse && (n[0] != z->count || n[1] != rows))
-        return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count, rows);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count,
+                        rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
     *j = (iso_joint){.z = *z, .s = *s, .second = second, .second_count = second_count, .entry_count = entries};
@@ -109,7 +112,8 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
         uint64_t count = get_number(v, sparse ? 3 * i + 2 : i);
         if (count == 0)
             continue;
-        uint64_t zi = sparse ? get_number(v, 3 * i) : i % z->count, si = sparse ? get_number(v, 3 * i + 1) : i / z->count;
+        uint64_t zi = sparse ? get_number(v, 3 * i) : i % z->count,
+                 si = sparse ? get_number(v, 3 * i + 1) : i / z->count;
         if (zi >= z->count || si >= rows || (at > 0 && si * z->count + zi <= last_key))
             return iso_fail(err, ISO_E_FORMAT, "%s: entry %zu is (%llu, %llu), out of order or of range", path, i,
                             (unsigned long long)zi, (unsigned long long)si);
@@ -130,7 +134,8 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
     *j = (iso_joint){0};
     iso_volume v = {0};
     char *path = file_path(dir, key);
-    iso_status status = path ? iso_volume_load(path, &v, err) : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
+    iso_status status = path ? iso_volume_load(path, &v, err)
+                             : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
         status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
     if (status == ISO_OK) {

@@ -35,7 +35,8 @@ ISO_SIMD void iso_blend_rows(const float *const rows[4], const float weights[4],
 
 /* The cells [0, cells) of a level whose voxels are `width` wide, a constant where this is expanded: the inner loop
  * unrolls and its stores become vectors. */
-static inline __attribute__((always_inline)) void expand_cells(const float *row, size_t width, size_t cells, uint32_t *restrict bins)
+static inline __attribute__((always_inline)) void expand_cells(const float *row, size_t width, size_t cells,
+                                                               uint32_t *restrict bins)
 {
     for (size_t c = 0; c < cells; ++c) {
         const float left = row[c], own = row[c + 1], right = row[c + 2];
@@ -72,12 +73,15 @@ void iso_expand_bins(const float *row, size_t level, size_t fine_count, uint32_t
     default: expand_cells(row, width, cells, bins); break;
     }
     for (size_t x = cells * width; x < fine_count; ++x) { /* the last cell is cut off by the edge */
-        const float offset = ((float)(2 * (x - cells * width) + 1) - (float)width) / (float)(2 * width), *own = row + cells + 1;
-        bins[x] = (uint32_t)(int32_t)(offset < 0 ? (1 + offset) * own[0] - offset * own[-1] : (1 - offset) * own[0] + offset * own[1]);
+        const float offset = ((float)(2 * (x - cells * width) + 1) - (float)width) / (float)(2 * width),
+                    *own = row + cells + 1;
+        bins[x] = (uint32_t)(int32_t)(offset < 0 ? (1 + offset) * own[0] - offset * own[-1]
+                                                 : (1 - offset) * own[0] + offset * own[1]);
     }
 }
 
-ISO_SIMD void iso_join_bins(const float *values, size_t n, iso_row_scale scale, uint32_t z_count, uint32_t *restrict keys)
+ISO_SIMD void iso_join_bins(const float *values, size_t n, iso_row_scale scale, uint32_t z_count,
+                            uint32_t *restrict keys)
 {
     for (size_t x = 0; x < n; ++x) {
         float at = (values[x] - scale.lo) * scale.per_step;

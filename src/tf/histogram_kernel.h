@@ -20,7 +20,8 @@ typedef struct iso_row_scale {
     float lo, per_step, last; /* last = count - 1 */
 } iso_row_scale;
 /* out: count + 2 floats; out[0] and out[count + 1] repeat the ends. */
-void iso_blend_rows(const float *const rows[4], const float weights[4], iso_row_scale scale, size_t count, float *restrict out);
+void iso_blend_rows(const float *const rows[4], const float weights[4], iso_row_scale scale, size_t count,
+                    float *restrict out);
 
 /* bins[x] = that row looked up at the fine voxels' centres, truncated; row: with its repeated ends. */
 void iso_expand_bins(const float *row, size_t level, size_t fine_count, uint32_t *restrict bins);

@@ -39,8 +39,8 @@ static void deviation_coordinates(const iso_level *fine, const size_t size[3], s
     for (size_t r = 0; r < rows; ++r)
         for (size_t x = 0; x < size[0]; ++x) {
             const size_t at[3] = {x, r % size[1], r / size[1]};
-            out[r * size[0] + x] =
-                (float)deviation_coordinate(fine->scalar, fine->geometry.size, level, at, half_range);
+            out[r * size[0] + x] = (float)deviation_coordinate(fine->scalar, fine->geometry.size, level, at,
+                                                               half_range);
         }
 }
 
@@ -49,8 +49,9 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
                                        iso_error *err)
 {
     const size_t *n = level->geometry.size;
-    const iso_volume v = {
-        .geometry = iso_geometry_axis_aligned(n, (const double[3]){1, 1, 1}), .type = ISO_F32, .data = level->scalar};
+    const iso_volume v = {.geometry = iso_geometry_axis_aligned(n, (const double[3]){1, 1, 1}),
+                          .type = ISO_F32,
+                          .data = level->scalar};
     iso_gradient_options opt = iso_gradient_defaults();
     size_t plane = n[0] * n[1];
     opt.threads = threads;
@@ -61,8 +62,8 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
         for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
             double magnitude = sqrt((double)g[3 * i] * g[3 * i] + (double)g[3 * i + 1] * g[3 * i + 1] +
                                     (double)g[3 * i + 2] * g[3 * i + 2]);
-            out[z * plane + i] =
-                half_range > 0 ? (float)((ISO_TF_2D_ROWS - 1) * sqrt(fmin(magnitude / half_range, 1))) : 0;
+            out[z * plane + i] = half_range > 0 ? (float)((ISO_TF_2D_ROWS - 1) * sqrt(fmin(magnitude / half_range, 1)))
+                                                : 0;
         }
     }
     free(g);

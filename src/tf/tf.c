@@ -48,8 +48,9 @@ static void read_points(iso_json_reader *r, const json_t *object, bool srgb, iso
     for (size_t i = 0; i < tf->point_count; ++i) {
         read_point(r, json_array_get(list, i), srgb, &tf->points[i]);
         if (r->status == ISO_OK && i > 0 && tf->points[i].value < tf->points[i - 1].value)
-            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: point %zu has value %g below its predecessor's %g; values must ascend",
-                                 r->path, i, tf->points[i].value, tf->points[i - 1].value);
+            r->status = iso_fail(r->err, ISO_E_RANGE,
+                                 "%s: point %zu has value %g below its predecessor's %g; values must ascend", r->path,
+                                 i, tf->points[i].value, tf->points[i - 1].value);
     }
 }
 
@@ -68,8 +69,9 @@ static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
 
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err)
 {
-    static const char *const keys[] = {"schema",      "comment",    "range",  "unit_distance_mm", "unit_distance_voxels",
-                                       "color_space", "table_size", "points", NULL};
+    static const char *const keys[] = {
+        "schema",     "comment", "range", "unit_distance_mm", "unit_distance_voxels", "color_space",
+        "table_size", "points",  NULL};
     static const char *const schemas[] = {"isoshade.tf/1", NULL};
     static const char *const spaces[] = {"linear", "srgb", NULL};
     iso_json_reader r = {.path = path, .err = err};
@@ -82,7 +84,8 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     read_range(&r, object, tf);
     tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
     if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)
-        r.status = iso_fail(err, ISO_E_FORMAT, "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\", wanted one", path);
+        r.status = iso_fail(err, ISO_E_FORMAT,
+                            "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\", wanted one", path);
     iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true, 1e-6, 1e6,
                         &tf->unit_distance);
     read_points(&r, object, space == 1, tf);
@@ -96,8 +99,8 @@ json_t *iso_tf_to_json(const iso_tf *tf)
     json_t *points = json_array();
     for (size_t i = 0; i < tf->point_count; ++i) {
         const iso_tf_point *p = &tf->points[i];
-        json_array_append_new(points, json_pack("{s:f, s:f, s:f, s:f, s:f}", "value", p->value, "r", p->rgb_linear[0], "g",
-                                                p->rgb_linear[1], "b", p->rgb_linear[2], "opacity", p->opacity));
+        json_array_append_new(points, json_pack("{s:f, s:f, s:f, s:f, s:f}", "value", p->value, "r", p->rgb_linear[0],
+                                                "g", p->rgb_linear[1], "b", p->rgb_linear[2], "opacity", p->opacity));
     }
     return json_pack("{s:s, s:o, s:f, s:s, s:I, s:o}", "schema", "isoshade.tf/1", "range",
                      tf->fit_range ? json_string("fit") : iso_json_numbers(tf->range, 2),
@@ -157,7 +160,8 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
         return iso_fail(err, ISO_E_RANGE, "the transfer function has no points");
     if (tf->fit_range) {
         if (!isfinite(value_min) || !isfinite(value_max))
-            return iso_fail(err, ISO_E_RANGE, "the transfer function cannot be fitted to the range %g to %g", value_min, value_max);
+            return iso_fail(err, ISO_E_RANGE, "the transfer function cannot be fitted to the range %g to %g", value_min,
+                            value_max);
         table->lo = value_min;
         /* A constant volume: any range that holds its value at the start serves. */
         table->hi = value_max > value_min ? value_max : value_min + fmax(1, fabs(value_min));

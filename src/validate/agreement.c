@@ -39,11 +39,14 @@ static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *render
     return (iso_tolerances){.rmse = e->rmse, .max_abs = e->max_abs};
 }
 
-double iso_validate_error_bar(const iso_scene_agreement *asked) { return asked->sharp ? sharp_bar : smooth_bar; }
+double iso_validate_error_bar(const iso_scene_agreement *asked)
+{
+    return asked->sharp ? sharp_bar : smooth_bar;
+}
 
 /* What a level is compared with, rendered once. */
 typedef struct truth {
-    const char *name;     /* "closed form", "reference" */
+    const char *name; /* "closed form", "reference" */
     char image_name[96];
     iso_image image;
 } truth;
@@ -65,7 +68,8 @@ static void name_image(const iso_validation *v, size_t level, const char *what, 
     snprintf(name, 96, "%.50slevel-%zu-%.30s", v->image_prefix, level, what);
 }
 
-static iso_status add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption, iso_error *err)
+static iso_status add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
+                            iso_error *err)
 {
     iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
     if (status == ISO_OK)
@@ -143,13 +147,19 @@ static bool is_refused(const iso_validation *v, const iso_renderer_info *rendere
     return refusal->status != ISO_OK || lacks;
 }
 
-static iso_status add_refusal(iso_validation *v, size_t level, const char *a, const iso_renderer_info *renderer, const char *tier,
-                              const char *why, iso_error *err)
+static iso_status add_refusal(iso_validation *v, size_t level, const char *a, const iso_renderer_info *renderer,
+                              const char *tier, const char *why, iso_error *err)
 {
     char b_name[128];
     snprintf(b_name, sizeof b_name, "%s%s%s", renderer->name, v->variant[0] ? ", " : "", v->variant);
-    const iso_report_agreement row = {.level = level, .order = v->order, .scene = v->scene_name, .a = a, .b = b_name,
-                                      .tier = tier, .error_bar = NAN, .refused = why};
+    const iso_report_agreement row = {.level = level,
+                                      .order = v->order,
+                                      .scene = v->scene_name,
+                                      .a = a,
+                                      .b = b_name,
+                                      .tier = tier,
+                                      .error_bar = NAN,
+                                      .refused = why};
     return iso_report_add_agreement(v->report, &row, err);
 }
 
@@ -171,8 +181,11 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
 static iso_status check_reference(iso_validation *v, size_t level, const truth *formula, iso_error *err)
 {
     iso_image image = {0};
-    iso_report_agreement row = {.b = "reference", .tier = iso_tier_name(ISO_TIER_CLOSED_FORM), .error_bar = NAN,
-                                .tolerances = {.max_abs = 5e-6}, .why = v->scene->agreement.why};
+    iso_report_agreement row = {.b = "reference",
+                                .tier = iso_tier_name(ISO_TIER_CLOSED_FORM),
+                                .error_bar = NAN,
+                                .tolerances = {.max_abs = 5e-6},
+                                .why = v->scene->agreement.why};
     iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, formula, &(compared){"reference", &image, iso_renderers_truth(), ""}, err);
@@ -184,13 +197,15 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 {
     const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
     iso_status status;
-    *t = (level_truths){.main = {.name = formula ? "closed form" : "reference"}, .exported = {.name = "reference, decoded"}};
+    *t = (level_truths){.main = {.name = formula ? "closed form" : "reference"},
+                        .exported = {.name = "reference, decoded"}};
     t->differ = !formula && exported_source(v) != ISO_FROM_CODES;
     begin_row(v, level, t->main.name);
     name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
     name_image(v, level, "reference-decoded", t->exported.image_name);
     if (formula)
-        status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image, err);
+        status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image,
+                                        err);
     else
         status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &t->main.image, err);
     if (status == ISO_OK)
@@ -206,18 +221,23 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 
 /* Where the TF is steep, a renderer that has exact lookups is compared once more without what they round otherwise: what is
  * left then is held to narrower tolerances than smooth TFs are. */
-static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt, iso_error *err)
+static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt,
+                                  iso_error *err)
 {
     const iso_renderer_info *renderer = opt.renderer;
     iso_image image = {0};
     char what[64], b[64];
-    iso_report_agreement row = {.b = b, .tier = "lock-step", .error_bar = NAN, .tolerances = exact_lock_step_tolerances(renderer),
+    iso_report_agreement row = {.b = b,
+                                .tier = "lock-step",
+                                .error_bar = NAN,
+                                .tolerances = exact_lock_step_tolerances(renderer),
                                 .why = renderer->lock_step->exact_why};
     snprintf(what, sizeof what, "%s-lockstep-exact", renderer->name);
     snprintf(b, sizeof b, "%s, exact lookups", renderer->name);
     begin_row(v, level, what);
     opt.exact_lookups = true;
-    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress,
+                                        err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups"}, err);
     iso_image_destroy(&image);
@@ -232,7 +252,10 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     char what[64], reference[80], options[64] = "", why[512];
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.b = renderer->name, .tier = "lock-step", .error_bar = NAN, .why = lock->why,
+    iso_report_agreement row = {.b = renderer->name,
+                                .tier = "lock-step",
+                                .error_bar = NAN,
+                                .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
     if (is_refused(v, renderer, why))
         return add_refusal(v, level, same.name, renderer, row.tier, why, err);
@@ -245,8 +268,8 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
         snprintf(options, sizeof options, " --intervals %zu", lock->intervals);
     snprintf(reference, sizeof reference, "reference-%s", what);
     name_image(v, level, reference, same.image_name);
-    iso_status status = render_reference(v, level, lock->quadrature, lock->intervals, exported ? exported_source(v) : v->source,
-                                         &same.image, err);
+    iso_status status = render_reference(v, level, lock->quadrature, lock->intervals,
+                                         exported ? exported_source(v) : v->source, &same.image, err);
     if (status == ISO_OK)
         status = add_image(v, same.image_name, &same.image, same.name, err);
     if (status == ISO_OK)
@@ -265,14 +288,16 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
 static json_t *limit_to_json(const iso_extrapolated *l)
 {
     json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
-                          iso_json_number(l->coarse_rmse), "rmse_at_the_step", iso_json_number(l->fine_rmse), "order", iso_json_number(l->order),
-                          "step_bar", iso_json_number(l->step_bar), "seeds", (json_int_t)l->seeds);
+                          iso_json_number(l->coarse_rmse), "rmse_at_the_step", iso_json_number(l->fine_rmse), "order",
+                          iso_json_number(l->order), "step_bar", iso_json_number(l->step_bar), "seeds",
+                          (json_int_t)l->seeds);
     if (l->seeds < 2)
         return o;
     const iso_noise_test *n = &l->noise;
-    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar", iso_json_number(l->noise_bar),
-                                        "pixels_tested", (json_int_t)n->tests, "pixels_beyond_chance",
-                                        (json_int_t)n->rejected, "smallest_p", iso_json_number(n->smallest_p), "sidak_significance",
+    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar",
+                                        iso_json_number(l->noise_bar), "pixels_tested", (json_int_t)n->tests,
+                                        "pixels_beyond_chance", (json_int_t)n->rejected, "smallest_p",
+                                        iso_json_number(n->smallest_p), "sidak_significance",
                                         iso_json_number(n->pixel_significance), "signed_bias", iso_json_number(n->bias),
                                         "standard_error_of_bias", iso_json_number(n->bias_error), "mean_local_error",
                                         iso_json_number(n->mean_abs)));
@@ -302,7 +327,8 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapol
     }
 }
 
-iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer, size_t seeds, int threads)
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
+                                             size_t seeds, int threads)
 {
     iso_limit_options o = iso_limit_defaults();
     o.seeds = seeds;
@@ -321,13 +347,16 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, c
     return o;
 }
 
-static iso_status compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer, const level_truths *t, iso_error *err)
+static iso_status compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
+                                const level_truths *t, iso_error *err)
 {
     const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
     char what[64], options[64], b[64], why[512];
     iso_extrapolated limit = {0};
-    iso_report_agreement row = {.b = b, .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE : asked->tier),
+    iso_report_agreement row = {.b = b,
+                                .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE
+                                                                                    : asked->tier),
                                 .why = asked->why};
     snprintf(b, sizeof b, "%s, limit", renderer->name);
     if (is_refused(v, renderer, why))
@@ -335,7 +364,9 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
-    iso_status status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL, v->progress}, &a->image, renderer, &opt, &limit, err);
+    iso_status status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL,
+                                                             v->progress},
+                                       &a->image, renderer, &opt, &limit, err);
     if (status == ISO_OK) {
         if (limit.intervals)
             snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
@@ -366,7 +397,8 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     opt.source = exported_source(v);
     name_image(v, level, "reference", a.image_name);
     begin_row(v, level, a.name);
-    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress, err);
+    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress,
+                                        err);
     if (status == ISO_OK)
         status = add_image(v, a.image_name, &a.image, a.name, err);
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
@@ -374,8 +406,11 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         iso_image image = {0};
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
         const iso_renderer_info *renderer = iso_renderer_at(i);
-        iso_report_agreement row = {.b = renderer->name, .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
-                                    .error_bar = NAN, .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4}, .why = v->scene->agreement.why};
+        iso_report_agreement row = {.b = renderer->name,
+                                    .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
+                                    .error_bar = NAN,
+                                    .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4},
+                                    .why = v->scene->agreement.why};
         if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
         if (v->refused[i].status != ISO_OK) {

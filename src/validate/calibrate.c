@@ -41,12 +41,16 @@ static iso_camera look(iso_vec3 forward, double half_height, bool orthographic)
     return c;
 }
 
-static iso_status set_stage(stage *s, const iso_geometry *g, double (*value)(const iso_geometry *, iso_vec3 index), iso_error *err)
+static iso_status set_stage(stage *s, const iso_geometry *g, double (*value)(const iso_geometry *, iso_vec3 index),
+                            iso_error *err)
 {
     iso_volume v;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2; /* the second is for a planted fault alone */
-    *s = (stage){.view = {.width = pixels, .height = pixels, .light_count = 1, .step_voxels = 0.25,
+    *s = (stage){.view = {.width = pixels,
+                          .height = pixels,
+                          .light_count = 1,
+                          .step_voxels = 0.25,
                           .shading = {.ambient = 1, .power = 1}}};
     s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.9, 0.3, 0.5)), .intensity = 1};
     iso_status status = iso_volume_create(&v, g, ISO_F32, "calibration", err);
@@ -82,12 +86,14 @@ static void set_entry(iso_view *view, size_t i, float r, float g, float b, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
-static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, iso_error *err)
+static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                               iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(which);
     iso_plant(planted, &s->pyramid, 0, &s->view);
     r->after = iso_planted_hook(planted);
-    iso_status status = iso_render_with(r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &opt, &s->got, NULL, NULL, err);
+    iso_status status = iso_render_with(r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &opt, &s->got, NULL,
+                                        NULL, err);
     r->after = (iso_image_hook){0};
     return status;
 }
@@ -148,8 +154,8 @@ static void expected_centroid(const stage *s, double at[2])
     at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * pixels - 0.5;
 }
 
-static iso_status check_placement(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
-                                  iso_error *err)
+static iso_status check_placement(stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                  const iso_planted *planted, double *value, iso_error *err)
 {
     iso_geometry g = turned_grid(15, 12, 18);
     double expected[2], sum[3] = {0};
@@ -178,8 +184,8 @@ static double half(const iso_geometry *g, iso_vec3 index)
     return 0.5;
 }
 
-static iso_status check_slab(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
-                             iso_error *err)
+static iso_status check_slab(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                             double *value, iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
     iso_status status = set_stage(s, &g, half, err);
@@ -203,8 +209,8 @@ static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
     return (index.x - 0.5) / (double)(g->size[0] - 1);
 }
 
-static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                                          double *value, iso_error *err)
+static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                          const iso_planted *planted, double *value, iso_error *err)
 {
     const size_t size[3] = {17, 5, 6};
     const double spacing[3] = {1, 1, 1};
@@ -214,7 +220,8 @@ static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_
         return status;
     s->view.camera = look(iso_v3(0, 1, 0), 8.5, true);
     for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, (float)(i % 5) / 4, (float)(i % 3) / 2, (float)((i * 7) % 11) / 10, 0.05f + 0.1f * (float)(i % 4));
+        set_entry(&s->view, i, (float)(i % 5) / 4, (float)(i % 3) / 2, (float)((i * 7) % 11) / 10,
+                  0.05f + 0.1f * (float)(i % 4));
     for (size_t i = 0; i < pixels * pixels; ++i) {
         iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
         iso_vec3 index = iso_geometry_to_index(&g, ray.origin);
@@ -233,8 +240,8 @@ static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, double *value,
-                              iso_error *err)
+static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                              double *value, iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
     iso_status status = set_stage(s, &g, tilted_ramp, err);
@@ -268,14 +275,26 @@ static const struct {
     iso_calibration blank;
     iso_status (*run)(stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *, double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
-    {{.check = "placement", .unit = "pixel", .limit = 0.02,
-      .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"}, check_placement},
-    {{.check = "slab", .unit = "largest difference", .limit = 2e-4,
-      .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"}, check_slab},
-    {{.check = "transfer function", .unit = "largest difference", .limit = 5e-4,
-      .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"}, check_transfer_function},
-    {{.check = "light", .unit = "largest difference", .limit = 5e-4,
-      .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"}, check_light},
+    {{.check = "placement",
+      .unit = "pixel",
+      .limit = 0.02,
+      .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"},
+     check_placement},
+    {{.check = "slab",
+      .unit = "largest difference",
+      .limit = 2e-4,
+      .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"},
+     check_slab},
+    {{.check = "transfer function",
+      .unit = "largest difference",
+      .limit = 5e-4,
+      .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"},
+     check_transfer_function},
+    {{.check = "light",
+      .unit = "largest difference",
+      .limit = 5e-4,
+      .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"},
+     check_light},
 };
 
 int iso_calibration_number(const char *check)

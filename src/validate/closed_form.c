@@ -31,7 +31,8 @@ static iso_status fit_linear(const iso_level *level, linear_field *f, iso_error 
         const double x[3] = {(double)(i % n[0]) + 0.5, (double)(i / n[0] % n[1]) + 0.5, (double)(i / step[2]) + 0.5};
         double off = fabs(value_at(f, x) - (double)level->scalar[i]);
         if (!(off <= tolerance))
-            return iso_fail(err, ISO_E_RANGE, "closed form: voxel %zu is %g off a linear field, at most %g", i, off, tolerance);
+            return iso_fail(err, ISO_E_RANGE, "closed form: voxel %zu is %g off a linear field, at most %g", i, off,
+                            tolerance);
     }
     return ISO_OK;
 }
@@ -119,7 +120,8 @@ static double optical_depth(const linear_field *f, const iso_geometry *g, const 
         }
     qsort(t, (size_t)count, sizeof *t, ascending);
     for (int i = 0; i < count; ++i) {
-        const double x[3] = {origin[0] + t[i] * direction[0], origin[1] + t[i] * direction[1], origin[2] + t[i] * direction[2]};
+        const double x[3] = {origin[0] + t[i] * direction[0], origin[1] + t[i] * direction[1],
+                             origin[2] + t[i] * direction[2]};
         double s = value_at(f, x), rgbs[4];
         if (i > 0 && fabs(s - before) > 1e-9 * (tf->hi - tf->lo))
             depth += (t[i] - t[i - 1]) * (antiderivative(tf, s) - antiderivative(tf, before)) / (s - before);
@@ -132,7 +134,8 @@ static double optical_depth(const linear_field *f, const iso_geometry *g, const 
     return depth;
 }
 
-iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image, iso_error *err)
+iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image,
+                                  iso_error *err)
 {
     linear_field f = {0};
     double color[3];

@@ -15,6 +15,7 @@
 #include "scene/scene.h"
 
 /* Creates *image. ISO_E_RANGE: the voxels are not linear, or the TF has several colours where it shows something. */
-iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image, iso_error *err);
+iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image,
+                                  iso_error *err);
 
 #endif

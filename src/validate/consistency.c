@@ -76,8 +76,8 @@ static int compare_doubles(const void *a, const void *b)
 
 /* The angle between a level's normals and level 0's, at fine voxels that the TF
  * shows and that have a direction; at most about 1e5 of them, evenly strided. */
-static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
-                                 double *mean, double *p95, iso_error *err)
+static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, size_t level,
+                                 iso_direction_source source, double *mean, double *p95, iso_error *err)
 {
     enum { wanted = 100000 };
     iso_sampler fine, coarse = {0};
@@ -85,7 +85,8 @@ static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, 
     size_t count = 0, total = iso_geometry_voxel_count(g), stride = total / wanted | 1;
     double *angles = malloc((total / stride + 1) * sizeof *angles), sum = 0;
     *mean = *p95 = NAN;
-    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES, err);
+    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES,
+                                           err);
     if (status == ISO_OK)
         status = iso_sampler_create(&coarse, &p->levels[level], p->options.code, source, err);
     if (status == ISO_OK && !angles)
@@ -159,11 +160,14 @@ static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const
     return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
 }
 
-static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m, const iso_image *finest,
-                                iso_error *err)
+static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m,
+                                const iso_image *finest, iso_error *err)
 {
     char name[64];
-    iso_report_consistency row = {.level = level, .views = v->consistency_views, .method = m->name, .image = name,
+    iso_report_consistency row = {.level = level,
+                                  .views = v->consistency_views,
+                                  .method = m->name,
+                                  .image = name,
                                   .reference_image = "consistency-level-0"};
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
     iso_status status = measure_images(v, p, m, finest, &row, err);

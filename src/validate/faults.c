@@ -6,30 +6,46 @@
 
 static const struct {
     const char *name, *check;
-} faults[] = {
-    [ISO_FAULT_NONE] = {"nothing", NULL},
+} faults[] = {[ISO_FAULT_NONE] = {"nothing", NULL},
 #define ISO_FAULT_ROW(value, text, check) [value] = {text, check},
-    ISO_FAULT_LIST(ISO_FAULT_ROW)
+              ISO_FAULT_LIST(ISO_FAULT_ROW)
 #undef ISO_FAULT_ROW
 };
 
-const char *iso_fault_name(iso_fault fault) { return faults[fault].name; }
-const char *iso_fault_check(iso_fault fault) { return faults[fault].check; }
+const char *iso_fault_name(iso_fault fault)
+{
+    return faults[fault].name;
+}
+const char *iso_fault_check(iso_fault fault)
+{
+    return faults[fault].check;
+}
 
 static const struct {
     const char *name, *unit, *check;
     double most;
-} deviations[] = {
-    [ISO_DEVIATION_NONE] = {"nothing", NULL, NULL, 0},
+} deviations[] = {[ISO_DEVIATION_NONE] = {"nothing", NULL, NULL, 0},
 #define ISO_DEVIATION_ROW(value, text, unit, most, check) [value] = {text, unit, check, most},
-    ISO_DEVIATION_LIST(ISO_DEVIATION_ROW)
+                  ISO_DEVIATION_LIST(ISO_DEVIATION_ROW)
 #undef ISO_DEVIATION_ROW
 };
 
-const char *iso_deviation_name(iso_deviation d) { return deviations[d].name; }
-const char *iso_deviation_unit(iso_deviation d) { return deviations[d].unit; }
-const char *iso_deviation_check(iso_deviation d) { return deviations[d].check; }
-double iso_deviation_most(iso_deviation d) { return deviations[d].most; }
+const char *iso_deviation_name(iso_deviation d)
+{
+    return deviations[d].name;
+}
+const char *iso_deviation_unit(iso_deviation d)
+{
+    return deviations[d].unit;
+}
+const char *iso_deviation_check(iso_deviation d)
+{
+    return deviations[d].check;
+}
+double iso_deviation_most(iso_deviation d)
+{
+    return deviations[d].most;
+}
 
 /* ---- faults of directions --------------------------------------------------- */
 
@@ -123,9 +139,15 @@ static void raise_colors(iso_tf_table *tf, double exponent)
             tf->entries[i] = (float)pow((double)tf->entries[i], exponent);
 }
 
-static void lengthen_range(iso_tf_table *tf, double entries) { tf->hi += entries * (tf->hi - tf->lo) / (double)(tf->count - 1); }
+static void lengthen_range(iso_tf_table *tf, double entries)
+{
+    tf->hi += entries * (tf->hi - tf->lo) / (double)(tf->count - 1);
+}
 
-static void shift(iso_geometry *g, double voxels) { g->origin_mm = iso_geometry_to_world(g, iso_v3(voxels, voxels, voxels)); }
+static void shift(iso_geometry *g, double voxels)
+{
+    g->origin_mm = iso_geometry_to_world(g, iso_v3(voxels, voxels, voxels));
+}
 
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t k, iso_view *view)
 {
@@ -197,7 +219,8 @@ iso_planted iso_planted_inverse(const iso_planted *planted)
 {
     iso_planted inverse = *planted;
     const char *unit = iso_deviation_unit(planted->deviation);
-    inverse.amount = unit && strcmp(unit, "percent") == 0 ? 100 * (1 / (1 + planted->amount / 100) - 1) : -planted->amount;
+    inverse.amount = unit && strcmp(unit, "percent") == 0 ? 100 * (1 / (1 + planted->amount / 100) - 1)
+                                                          : -planted->amount;
     return inverse;
 }
 
@@ -230,7 +253,8 @@ static void change_image(const void *user, iso_image *image)
     }
     if (planted->deviation == ISO_DEVIATION_PIXEL)
         for (int c = 0; c < 3; ++c)
-            image->rgba[4 * (image->height / 2 * image->width + image->width / 2) + (size_t)c] += (float)planted->amount;
+            image->rgba[4 * (image->height / 2 * image->width + image->width / 2) + (size_t)c] += (float)
+                                                                                                      planted->amount;
 }
 
 iso_image_hook iso_planted_hook(const iso_planted *planted)

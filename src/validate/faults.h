@@ -10,6 +10,7 @@
 #include "scene/scene.h"
 
 /* enum, name, the check of calibrate.h that is made for it */
+/* clang-format off */
 #define ISO_FAULT_LIST(X)                                                                    \
     X(ISO_FAULT_HALF_VOXEL, "the volume stands half a voxel off", "placement")               \
     X(ISO_FAULT_MIRRORED, "the direction matrix is mirrored along x", "placement")           \
@@ -24,13 +25,14 @@
     X(ISO_FAULT_LIGHT, "the light comes from the mirrored side", "light")                    \
     X(ISO_FAULT_ONE_SIDED, "the light is one-sided", "light")                                \
     X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")
+/* clang-format on */
 
 typedef enum iso_fault {
     ISO_FAULT_NONE,
 #define ISO_FAULT_ENUM(name, text, check) name,
     ISO_FAULT_LIST(ISO_FAULT_ENUM)
 #undef ISO_FAULT_ENUM
-    ISO_FAULT_COUNT
+        ISO_FAULT_COUNT
 } iso_fault;
 
 const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
@@ -38,6 +40,7 @@ const char *iso_fault_check(iso_fault fault); /* NULL for it */
 
 /* Faults of any amount, to find the smallest amount that is rejected: enum, name, unit of the amount, an amount that is
  * obvious, the check. An amount of 1 percent makes a length, an exponent ... 1.01 times what it was. */
+/* clang-format off */
 #define ISO_DEVIATION_LIST(X)                                                                      \
     X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
     X(ISO_DEVIATION_SPACING, "voxels are longer along x", "percent", 20.0, "placement")            \
@@ -50,13 +53,14 @@ const char *iso_fault_check(iso_fault fault); /* NULL for it */
     X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")              \
     X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                       \
     X(ISO_DEVIATION_EXPONENT, "the highlight's exponent is larger", "percent", 100.0, "light")
+/* clang-format on */
 
 typedef enum iso_deviation {
     ISO_DEVIATION_NONE,
 #define ISO_DEVIATION_ENUM(name, text, unit, most, check) name,
     ISO_DEVIATION_LIST(ISO_DEVIATION_ENUM)
 #undef ISO_DEVIATION_ENUM
-    ISO_DEVIATION_COUNT
+        ISO_DEVIATION_COUNT
 } iso_deviation;
 
 const char *iso_deviation_name(iso_deviation d);  /* "nothing" for ISO_DEVIATION_NONE */

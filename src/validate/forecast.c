@@ -12,7 +12,10 @@
 /* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
 static const double REFERENCE_SAMPLE_SECONDS = 4e-7, SAMPLE_SECONDS = 2e-8;
 
-static double start_seconds(const iso_renderer_info *r) { return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.1; }
+static double start_seconds(const iso_renderer_info *r)
+{
+    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.1;
+}
 
 /* Voxels along the longest axis of a level. */
 static double voxels_across(const iso_validation *v, size_t level)
@@ -27,11 +30,15 @@ static double image_seconds(const iso_renderer_info *r, double pixels, double ac
 }
 
 /* Without a step: 13.7 s of level 0 and 8.6 s of level 2. */
-static double truth_seconds(double pixels, double across) { return pixels * (7.2e-4 + 3.4e-6 * across); }
+static double truth_seconds(double pixels, double across)
+{
+    return pixels * (7.2e-4 + 3.4e-6 * across);
+}
 
 static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, double pixels, double across)
 {
-    return pixels * across / v->view->step_voxels * REFERENCE_SAMPLE_SECONDS + image_seconds(r, pixels, across, v->view->step_voxels);
+    return pixels * across / v->view->step_voxels * REFERENCE_SAMPLE_SECONDS +
+           image_seconds(r, pixels, across, v->view->step_voxels);
 }
 
 /* The step is halved until its error is small, which the coarser levels, less smooth from voxel to voxel, want once more;
@@ -55,14 +62,16 @@ static void add_row(iso_job *job, const char *variant, size_t level, const char 
 }
 
 /* Rows of a renderer and what they are of, as agreement.c calls them. */
-static void add_lock_step(const iso_validation *v, iso_job *job, const char *variant, size_t level, const iso_renderer_info *r, double pixels)
+static void add_lock_step(const iso_validation *v, iso_job *job, const char *variant, size_t level,
+                          const iso_renderer_info *r, double pixels)
 {
     char what[64];
     snprintf(what, sizeof what, "%s-lockstep", r->name);
     add_row(job, variant, level, what, what, lock_step_seconds(v, r, pixels, voxels_across(v, level)));
 }
 
-static void add_limit(const iso_validation *v, iso_job *job, const char *variant, size_t level, const iso_renderer_info *r, double pixels)
+static void add_limit(const iso_validation *v, iso_job *job, const char *variant, size_t level,
+                      const iso_renderer_info *r, double pixels)
 {
     char what[64];
     snprintf(what, sizeof what, "%s-limit", r->name);
@@ -120,7 +129,8 @@ static void add_variant(const iso_validation *v, iso_job *job, const char *varia
     }
     for (size_t i = 0; i < iso_renderer_count(); ++i) {
         const iso_renderer_info *r = iso_renderer_at(i);
-        if (!v->wanted[i] || r->lock_step || !iso_renderer_has(r, ISO_HAS_LIMIT) || (!programs && iso_renderer_has(r, ISO_IS_PROGRAM)))
+        if (!v->wanted[i] || r->lock_step || !iso_renderer_has(r, ISO_HAS_LIMIT) ||
+            (!programs && iso_renderer_has(r, ISO_IS_PROGRAM)))
             continue;
         if (!has_truth)
             add_row(job, variant, level, "reference", "truth", truth_seconds(pixels, voxels_across(v, level)));

@@ -7,8 +7,13 @@
 
 iso_limit_options iso_limit_defaults(void)
 {
-    return (iso_limit_options){.step_voxels = 0.25, .finest_voxels = 1.0 / 64, .wanted_bar = 1.0 / 2550,
-                               .factor = ISO_EXTRAPOLATION_FACTOR_SMOOTH, .wanted_left = 0.354, .hopeless = INFINITY, .seeds = 4};
+    return (iso_limit_options){.step_voxels = 0.25,
+                               .finest_voxels = 1.0 / 64,
+                               .wanted_bar = 1.0 / 2550,
+                               .factor = ISO_EXTRAPOLATION_FACTOR_SMOOTH,
+                               .wanted_left = 0.354,
+                               .hopeless = INFINITY,
+                               .seeds = 4};
 }
 
 /* What is extrapolated: `seeds` images at the double step, then `seeds` at the step. */
@@ -59,7 +64,8 @@ static void halve(step_pair *pair, const iso_level *level, double step, double f
     *first = stays ? n : 0;
 }
 
-static void first_pair(step_pair *pair, const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt)
+static void first_pair(step_pair *pair, const iso_level *level, const iso_renderer_info *which,
+                       const iso_limit_options *opt)
 {
     *pair = (step_pair){.seeds = iso_renderer_has(which, ISO_IS_RANDOM) ? opt->seeds : 1};
     for (size_t i = 0; i < 2 * pair->seeds; ++i) {
@@ -77,12 +83,13 @@ static void first_pair(step_pair *pair, const iso_level *level, const iso_render
 static iso_status check_seeds(const iso_limit_options *opt, iso_error *err)
 {
     if (opt->seeds < 2 || opt->seeds > ISO_EXTRAPOLATION_MAX_SEEDS)
-        return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds, ISO_EXTRAPOLATION_MAX_SEEDS);
+        return iso_fail(err, ISO_E_RANGE, "limits: %zu seeds, must be 2 to %d", opt->seeds,
+                        ISO_EXTRAPOLATION_MAX_SEEDS);
     return ISO_OK;
 }
 
-iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
-                            iso_image *image, iso_error *err)
+iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which,
+                            const iso_limit_options *opt, iso_image *image, iso_error *err)
 {
     iso_render_request q = *what;
     step_pair pair;
@@ -126,8 +133,10 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
     size_t first = 0;
     for (double step = opt->step_voxels; status == ISO_OK;) {
         iso_extrapolated_destroy(out);
-        *out = (iso_extrapolated){.step_voxels = step, .seeds = pair.seeds, .planes = pair.frames[pair.seeds].planes,
-                           .intervals = pair.frames[pair.seeds].intervals};
+        *out = (iso_extrapolated){.step_voxels = step,
+                                  .seeds = pair.seeds,
+                                  .planes = pair.frames[pair.seeds].planes,
+                                  .intervals = pair.frames[pair.seeds].intervals};
         q.options = pair.frames + first;
         status = iso_render_several(&q, 2 * pair.seeds - first, pair.images + first, err);
         if (status == ISO_OK)

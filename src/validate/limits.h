@@ -20,10 +20,11 @@ typedef struct iso_limit_options {
     double wanted_bar;    /* RMSE, factor included */
     double factor;        /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
     double wanted_left;   /* part of the error that halving may leave: iso_extrapolated_error_left() */
-    double hopeless;      /* give up when the limit is so many bars off and halving hardly changes it; INFINITY: never */
+    double hopeless; /* give up when the limit is so many bars off and halving hardly changes it; INFINITY: never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not checked */
-    size_t seeds;         /* of random renderers, at least 2 */
-    size_t planes, intervals; /* of renderers with intervals, at step_voxels; at its double half of them; 0 intervals: chosen by the step */
+    size_t seeds;                                  /* of random renderers, at least 2 */
+    size_t planes,
+        intervals; /* of renderers with intervals, at step_voxels; at its double half of them; 0 intervals: chosen by the step */
     int first_seed, threads;
 } iso_limit_options;
 /* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
@@ -37,7 +38,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
 
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals
  * of a limit that iso_limit_find() gave, it is the same image. */
-iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
-                            iso_image *image, iso_error *err);
+iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which,
+                            const iso_limit_options *opt, iso_image *image, iso_error *err);
 
 #endif

@@ -31,7 +31,8 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
     opt.fall_back = true;
     v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
     if (!v->level_tfs)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels", v->pyramid->level_count);
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels",
+                        v->pyramid->level_count);
     for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
         status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
@@ -76,8 +77,8 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
 }
 
 /* The same of a 2D transfer function. */
-static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
-                                iso_second_value second, iso_error *err)
+static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level,
+                                iso_view *view, iso_second_value second, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d tf_2d, *own = view->tf_2d;
@@ -111,7 +112,8 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     view.tf = v->level_tfs[level].table;
     if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
-    for (int second = ISO_SECOND_VALUE_DEVIATION; second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++second)
+    for (int second = ISO_SECOND_VALUE_DEVIATION;
+         second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++second)
         status = compare_tf_2d(v, p, m, level, &view, (iso_second_value)second, err);
     return status;
 }

@@ -45,16 +45,23 @@ static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *
     snprintf(refusal->why, sizeof refusal->why, "%s", f->missing);
     for (size_t i = 0; i < f->check_count && status == ISO_OK; ++i) {
         const iso_calibration *c = &f->checks[i];
-        const iso_report_calibration row = {.renderer = f->which->name, .check = c->check, .value = c->value,
-                                            .limit = c->limit, .unit = c->unit, .detail = c->why};
+        const iso_report_calibration row = {.renderer = f->which->name,
+                                            .check = c->check,
+                                            .value = c->value,
+                                            .limit = c->limit,
+                                            .unit = c->unit,
+                                            .detail = c->why};
         if (!c->passed && refusal->status == ISO_OK) {
             refusal->status = ISO_E_UNTRUSTED;
-            snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s is %.3g %s, at most %g", c->check, c->value,
-                     c->unit, c->limit);
+            snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s is %.3g %s, at most %g", c->check,
+                     c->value, c->unit, c->limit);
         }
         status = iso_report_add_calibration(v->report, &row, err);
     }
-    const iso_report_calibration absent = {.renderer = f->which->name, .check = "answers", .value = NAN, .detail = f->missing};
+    const iso_report_calibration absent = {.renderer = f->which->name,
+                                           .check = "answers",
+                                           .value = NAN,
+                                           .detail = f->missing};
     if (status == ISO_OK && f->missing[0])
         status = iso_report_add_calibration(v->report, &absent, err);
     iso_report_put(v->report, "versions", f->which->title, json_string(f->version));

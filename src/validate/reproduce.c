@@ -10,11 +10,12 @@
 
 static void put_tolerances(FILE *f, const iso_tolerances *l)
 {
-    const struct { const char *option; double value; } all[] = {
-        {"--max-rmse", l->rmse},
-        {"--max-abs", l->max_abs},
-        {"--max-p99", l->p99_abs},
-        {"--max-dissimilarity", l->ssim_dissimilarity},
+    const struct {
+        const char *option;
+        double value;
+    } all[] = {
+        {"--max-rmse", l->rmse},      {"--max-abs", l->max_abs},
+        {"--max-p99", l->p99_abs},    {"--max-dissimilarity", l->ssim_dissimilarity},
         {"--max-flip", l->flip_mean},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
@@ -22,7 +23,8 @@ static void put_tolerances(FILE *f, const iso_tolerances *l)
             fprintf(f, " %s %.6g", all[i].option, all[i].value);
 }
 
-static void put_render(FILE *f, const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options, const char *image)
+static void put_render(FILE *f, const iso_validation *v, size_t level, const iso_renderer_info *renderer,
+                       const char *options, const char *image)
 {
     const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
     if (v->make) {
@@ -37,12 +39,12 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
     iso_words_put_quoted(f, v->scene_path);
-    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", renderer->name, level, v->view->width, v->view->height,
-            v->render_options, options, image);
+    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", renderer->name, level, v->view->width,
+            v->view->height, v->render_options, options, image);
 }
 
-char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
-                             const char *image_a, const iso_tolerances *tolerances)
+char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,
+                             const char *options, const char *image_a, const iso_tolerances *tolerances)
 {
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
     if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))

@@ -50,7 +50,8 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, pyramid.levels[0].min, pyramid.levels[0].max, &view, err);
+        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, pyramid.levels[0].min, pyramid.levels[0].max,
+                                   &view, err);
     if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
@@ -118,7 +119,7 @@ void iso_validate_suite_forecast(const iso_validation *v, const char *folder)
     const int count = scandir(folder, &entries, is_scene, alphasort);
     if (count < 0)
         return; /* said by the run */
-    char (*stages)[100] = calloc((size_t)count + 1, sizeof *stages);
+    char(*stages)[100] = calloc((size_t)count + 1, sizeof *stages);
     for (int i = 0; i < count; ++i) {
         if (stages)
             name_stage(stages[i], entries[i]);

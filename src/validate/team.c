@@ -14,14 +14,14 @@ typedef struct team {
 static bool may_begin(const team *t)
 {
     bool good;
-    #pragma omp critical (iso_validate_progress)
+#pragma omp critical(iso_validate_progress)
     good = t->status == ISO_OK;
     return good;
 }
 
 static void end_part(team *t, iso_status status, const iso_error *err)
 {
-    #pragma omp critical (iso_validate_progress)
+#pragma omp critical(iso_validate_progress)
     {
         if (status != ISO_OK && t->status == ISO_OK)
             t->status = status, t->error = *err;
@@ -47,7 +47,7 @@ static void work(team *t, const iso_validation *v, int threads, iso_validation_p
     iso_validation mine = *v;
     mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir};
     mine.threads = threads;
-    #pragma omp for schedule(dynamic, 1)
+#pragma omp for schedule(dynamic, 1)
     for (size_t i = 0; i < t->count; ++i)
         run_part(t, &mine, v->order, i, part, user);
     iso_renderers_end(&mine.renderers);
@@ -71,7 +71,7 @@ iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_par
     if (workers > 1 && !iso_is_in_parallel()) {
         /* When one worker is left, its programs are not held to a single core. */
         const int threads = (int)(4 * cores / workers < cores ? 4 * cores / workers : cores);
-        #pragma omp parallel num_threads((int)workers)
+#pragma omp parallel num_threads((int)workers)
         work(&t, v, threads, part, user);
     } else {
         for (size_t i = 0; i < count; ++i)

@@ -20,7 +20,7 @@
 
 /* The adapted TF of a level. Pyramids that differ only in their directions share it. */
 typedef struct iso_level_tf {
-    iso_tf_table table;            /* adapted to the level, or a copy of the original */
+    iso_tf_table table;          /* adapted to the level, or a copy of the original */
     iso_adapt_judgment judgment; /* use_original: the original is kept, as always at level 0 */
 } iso_level_tf;
 
@@ -42,13 +42,13 @@ typedef struct iso_validation {
     const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
     bool quick;
-    size_t seeds;             /* of random renderers */
-    size_t order;             /* in which the report lists the rows of this part */
-    double row_start;         /* when what a row compares began */
+    size_t seeds;     /* of random renderers */
+    size_t order;     /* in which the report lists the rows of this part */
+    double row_start; /* when what a row compares began */
     bool wanted[ISO_MAX_RENDERERS];
     iso_refusal refused[ISO_MAX_RENDERERS];
     size_t consistency_size, consistency_views;
-    iso_level_tf *level_tfs;  /* one a level; by iso_validate_adapt() */
+    iso_level_tf *level_tfs; /* one a level; by iso_validate_adapt() */
     int threads;
     iso_renderers renderers;
     iso_report *report;
@@ -81,7 +81,8 @@ typedef struct iso_method {
 extern const iso_method iso_methods[];
 extern const size_t iso_method_count;
 /* Level 0's scalar, built again with another direction filter. */
-iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err);
+iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p,
+                                   iso_error *err);
 
 /* Adapts the view's TF to each level and sets level_tfs. iso_validate_forget_tfs() releases them; it accepts none. */
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
@@ -96,8 +97,8 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
 /* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL where
  * there is no such command. options: of `isoshade render`, besides v's own. */
-char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer, const char *options,
-                             const char *image_a, const iso_tolerances *tolerances);
+char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,
+                             const char *options, const char *image_a, const iso_tolerances *tolerances);
 
 /* Tolerances and gates of validation, which benchmarks and tests use too.
  *
@@ -106,7 +107,8 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
  * steep (sharp) TF multiplies them. */
 iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp);
 /* The options for iso_limit_find(): the first step, and what ends the halving. */
-iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer, size_t seeds, int threads);
+iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
+                                             size_t seeds, int threads);
 /* The error bar that the scene asks of a limit, RMSE. */
 double iso_validate_error_bar(const iso_scene_agreement *asked);
 

@@ -24,7 +24,8 @@ const iso_volume_format *iso_volume_format_at(size_t row)
 iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err)
 {
     if (added_count == ADDED_MAX)
-        return iso_fail(err, ISO_E_RANGE, "volume format %s: %d formats are added already, no more can be", format->name, ADDED_MAX);
+        return iso_fail(err, ISO_E_RANGE, "volume format %s: %d formats are added already, no more can be",
+                        format->name, ADDED_MAX);
     added[added_count++] = format;
     return ISO_OK;
 }

@@ -10,19 +10,24 @@
 #include "base/names.h"
 #include "volume/stream.h"
 
+/* clang-format off */
 #define ISO_VOLUME_FORMAT_LIST(X) \
     X(nrrd)                       \
     X(nifti)                      \
     X(raw)
+/* clang-format on */
 
-enum { ISO_VOLUME_HEAD_BYTES = 348 }; /* of a file, that probe() sees: the longest header that needs them is NIfTI-1's */
+enum {
+    ISO_VOLUME_HEAD_BYTES = 348
+}; /* of a file, that probe() sees: the longest header that needs them is NIfTI-1's */
 
 typedef struct iso_volume_format {
-    const char *name;    /* "nrrd" */
-    const char *title;   /* "NRRD" */
-    const char *summary; /* what of the format is read */
+    const char *name;     /* "nrrd" */
+    const char *title;    /* "NRRD" */
+    const char *summary;  /* what of the format is read */
     const char *suffixes; /* of its files' names, such as ".nrrd .nhdr": what a pyramid's name leaves out */
-    const char *starts;   /* how its files start, for the message about a file that is of no format; NULL where probe is */
+    const char
+        *starts; /* how its files start, for the message about a file that is of no format; NULL where probe is */
     /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
      * to say so, as for raw. */
     bool (*probe)(const unsigned char *head, size_t size);

@@ -11,7 +11,8 @@ iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacin
         g.box_index[a] = (double)size[a];
     }
     g.origin_mm = iso_scale(iso_v3(g.box_index[0] * spacing_mm[0], g.box_index[1] * spacing_mm[1],
-                                   g.box_index[2] * spacing_mm[2]), -0.5);
+                                   g.box_index[2] * spacing_mm[2]),
+                            -0.5);
     return g;
 }
 

@@ -13,8 +13,9 @@ void iso_volume_input_defaults(iso_volume_input *input)
 
 char *iso_volume_input_line(const iso_volume_input *in)
 {
-    const struct { const char *option, *value; } words[] = {
-        {"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing}};
+    const struct {
+        const char *option, *value;
+    } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -67,7 +68,8 @@ static iso_status open_stored(const char *path, const iso_volume_input *in, iso_
     return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
 }
 
-iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, iso_volume_source **source, iso_error *err)
+iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, iso_volume_source **source,
+                                 iso_error *err)
 {
     *source = NULL;
     iso_status status = open_stored(path, in, source, err);

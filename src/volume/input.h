@@ -18,6 +18,7 @@ char *iso_volume_input_line(const iso_volume_input *input);
 
 /* ISO_E_USAGE for raw options that miss or contradict; else as iso_volume_load. */
 iso_status iso_volume_input_load(const char *path, const iso_volume_input *input, iso_volume *v, iso_error *err);
-iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source, iso_error *err);
+iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source,
+                                 iso_error *err);
 
 #endif

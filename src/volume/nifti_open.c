@@ -35,11 +35,18 @@ static bool starts_like_nifti(const unsigned char *head, size_t size)
 
 static nifti_header from_nifti_1(const nifti_1_header *h)
 {
-    nifti_header out = {.version = "NIfTI-1", .one_file = memcmp(h->magic, "n+1", 4) == 0, .datatype = h->datatype,
-                        .qform_code = h->qform_code, .sform_code = h->sform_code, .units = h->xyzt_units,
-                        .vox_offset = h->vox_offset, .slope = h->scl_slope, .intercept = h->scl_inter,
+    nifti_header out = {.version = "NIfTI-1",
+                        .one_file = memcmp(h->magic, "n+1", 4) == 0,
+                        .datatype = h->datatype,
+                        .qform_code = h->qform_code,
+                        .sform_code = h->sform_code,
+                        .units = h->xyzt_units,
+                        .vox_offset = h->vox_offset,
+                        .slope = h->scl_slope,
+                        .intercept = h->scl_inter,
                         .quatern = {h->quatern_b, h->quatern_c, h->quatern_d},
-                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z}, .least_offset = 352};
+                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z},
+                        .least_offset = 352};
     out.known = out.one_file || memcmp(h->magic, "ni1", 4) == 0;
     memcpy(out.magic, h->magic, 3);
     for (int i = 0; i < 8; ++i) {
@@ -72,19 +79,26 @@ static void swap_nifti_2(nifti_2_header *h)
     swap_each(&h->datatype, 2, 1);
     swap_each(h->dim, 8, 8);
     swap_each(h->pixdim, 8, 8);
-    swap_each(&h->vox_offset, 8, 3);  /* and scl_slope, scl_inter */
-    swap_each(&h->qform_code, 4, 2);  /* and sform_code */
-    swap_each(&h->quatern_b, 8, 18);  /* to the end of srow_z */
+    swap_each(&h->vox_offset, 8, 3); /* and scl_slope, scl_inter */
+    swap_each(&h->qform_code, 4, 2); /* and sform_code */
+    swap_each(&h->quatern_b, 8, 18); /* to the end of srow_z */
     swap_each(&h->xyzt_units, 4, 1);
 }
 
 static nifti_header from_nifti_2(const nifti_2_header *h)
 {
-    nifti_header out = {.version = "NIfTI-2", .one_file = memcmp(h->magic, "n+2\0\r\n\032\n", 8) == 0, .datatype = h->datatype,
-                        .qform_code = h->qform_code, .sform_code = h->sform_code, .units = h->xyzt_units,
-                        .vox_offset = (double)h->vox_offset, .slope = h->scl_slope, .intercept = h->scl_inter,
+    nifti_header out = {.version = "NIfTI-2",
+                        .one_file = memcmp(h->magic, "n+2\0\r\n\032\n", 8) == 0,
+                        .datatype = h->datatype,
+                        .qform_code = h->qform_code,
+                        .sform_code = h->sform_code,
+                        .units = h->xyzt_units,
+                        .vox_offset = (double)h->vox_offset,
+                        .slope = h->scl_slope,
+                        .intercept = h->scl_inter,
                         .quatern = {h->quatern_b, h->quatern_c, h->quatern_d},
-                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z}, .least_offset = 544};
+                        .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z},
+                        .least_offset = 544};
     out.known = out.one_file || memcmp(h->magic, "ni2\0\r\n\032\n", 8) == 0;
     memcpy(out.magic, h->magic, 3);
     for (int i = 0; i < 8; ++i) {
@@ -132,9 +146,10 @@ static bool center_affine(const nifti_header *h, double m[3][4])
     }
     if (h->qform_code <= 0)
         return false;
-    mat44 q = nifti_quatern_to_mat44((float)h->quatern[0], (float)h->quatern[1], (float)h->quatern[2], (float)h->qoffset[0],
-                                     (float)h->qoffset[1], (float)h->qoffset[2], (float)h->pixdim[1], (float)h->pixdim[2],
-                                     (float)h->pixdim[3], h->pixdim[0] < 0 ? -1.0f : 1.0f);
+    mat44 q = nifti_quatern_to_mat44((float)h->quatern[0], (float)h->quatern[1], (float)h->quatern[2],
+                                     (float)h->qoffset[0], (float)h->qoffset[1], (float)h->qoffset[2],
+                                     (float)h->pixdim[1], (float)h->pixdim[2], (float)h->pixdim[3],
+                                     h->pixdim[0] < 0 ? -1.0f : 1.0f);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             m[r][c] = q.m[r][c];
@@ -162,21 +177,23 @@ static iso_status check_header(const nifti_header *h, const char *path, iso_erro
 {
     const int digit = h->version[6];
     if (!h->known)
-        return iso_fail(err, ISO_E_FORMAT, "%s: the magic is \"%.3s\", %s has \"n+%c\" or \"ni%c\"", path, h->magic, h->version, digit,
-                        digit);
+        return iso_fail(err, ISO_E_FORMAT, "%s: the magic is \"%.3s\", %s has \"n+%c\" or \"ni%c\"", path, h->magic,
+                        h->version, digit, digit);
     int64_t dim = h->dim[0];
     if (dim < 1 || dim > 7)
         return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, must be 1 to 7", path, (long long)dim);
     for (int a = 1; a <= dim; ++a)
         if (h->dim[a] < 1)
-            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size %lld, must be at least 1", path, a, (long long)h->dim[a]);
+            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size %lld, must be at least 1", path, a,
+                            (long long)h->dim[a]);
     while (dim > 3 && h->dim[dim] == 1)
         --dim;
     if (dim != 3)
         return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, a scalar volume has 3", path, (long long)dim);
     const double least = h->one_file ? h->least_offset : 0;
     if (!(h->vox_offset >= least && h->vox_offset <= 1e9))
-        return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be %g to 1e9", path, h->vox_offset, least);
+        return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be %g to 1e9", path, h->vox_offset,
+                        least);
     return ISO_OK;
 }
 
@@ -197,7 +214,8 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
 {
     char *image = h->one_file ? strdup(source->path) : image_path(source->path);
     if (!image)
-        return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img", source->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img",
+                        source->path);
     struct stat st;
     iso_status status = ISO_OK;
     source->gz = stat(image, &st) == 0 ? gzopen(image, "rb") : NULL;
@@ -205,7 +223,8 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
     if (source->gz)
         gzbuffer(source->gz, 1 << 18); /* before the first look into it */
     if (!source->gz) {
-        status = iso_fail(err, ISO_E_IO, "%s: its samples, %s, cannot be opened: %s", source->path, image, strerror(errno));
+        status = iso_fail(err, ISO_E_IO, "%s: its samples, %s, cannot be opened: %s", source->path, image,
+                          strerror(errno));
     } else if (gzdirect(source->gz)) {
         gzclose(source->gz);
         source->gz = NULL;
@@ -215,8 +234,9 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
         else
             status = iso_source_check_bytes(source, (double)st.st_size - (double)offset, err);
     } else if ((double)iso_source_bytes(source) > 1032.0 * (double)st.st_size) {
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need",
-                          image, (long long)st.st_size, iso_source_bytes(source));
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need", image,
+                          (long long)st.st_size, iso_source_bytes(source));
     } else if (gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0) {
         status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
     }
@@ -241,8 +261,8 @@ static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_
     const bool second = h.size == 540 || swapped == 540;
     const int need = second ? (int)sizeof h.two : (int)sizeof h.one;
     if (n < need)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %d bytes, a NIfTI-%d header has %d", source->path, n > 0 ? n : 0,
-                        second ? 2 : 1, need);
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %d bytes, a NIfTI-%d header has %d", source->path,
+                        n > 0 ? n : 0, second ? 2 : 1, need);
     source->swap_bytes = swapped == need;
     if (source->swap_bytes && second)
         swap_nifti_2(&h.two);
@@ -259,8 +279,9 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
     if (status != ISO_OK)
         return status;
     if (!our_type(h.datatype, &source->header.type))
-        return iso_fail(err, ISO_E_FORMAT, "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float or double",
-                        source->path, h.datatype, nifti_datatype_string(h.datatype));
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float or double", source->path,
+                        h.datatype, nifti_datatype_string(h.datatype));
     read_geometry(&h, &source->header);
     if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {
         source->header.notes.scale_slope = h.slope;

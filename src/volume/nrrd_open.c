@@ -24,8 +24,8 @@ static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err
     free(text);
     /* "[nrrd] function: cause" */
     if (strstr(cause, "too large"))
-        return iso_fail(err, ISO_E_RANGE, "%s: sizes %zu x %zu x %zu ... overflow, at most %zu bytes can be addressed", path,
-                        nrrd->axis[0].size, nrrd->axis[1].size, nrrd->axis[2].size, SIZE_MAX);
+        return iso_fail(err, ISO_E_RANGE, "%s: sizes %zu x %zu x %zu ... overflow, at most %zu bytes can be addressed",
+                        path, nrrd->axis[0].size, nrrd->axis[1].size, nrrd->axis[2].size, SIZE_MAX);
     const char *colon = strncmp(cause, "[nrrd] ", 7) == 0 ? strstr(cause, ": ") : NULL;
     return iso_fail(err, ISO_E_FORMAT, "%s: not a good NRRD file: %s", path, colon ? colon + 2 : cause);
 }
@@ -56,8 +56,8 @@ static iso_status check_axes(const Nrrd *nrrd, const char *path, iso_error *err)
     for (unsigned a = 0; a < 3; ++a) {
         int kind = nrrd->axis[a].kind;
         if (kind != nrrdKindUnknown && kind != nrrdKindDomain && kind != nrrdKindSpace)
-            return iso_fail(err, ISO_E_FORMAT, "%s: axis %u is of kind %s, a scalar volume has 3 axes of space", path, a,
-                            airEnumStr(nrrdKind, kind));
+            return iso_fail(err, ISO_E_FORMAT, "%s: axis %u is of kind %s, a scalar volume has 3 axes of space", path,
+                            a, airEnumStr(nrrdKind, kind));
     }
     return ISO_OK;
 }
@@ -67,8 +67,8 @@ static double millimetres(const char *unit)
     static const struct {
         const char *name;
         double mm;
-    } units[] = {{"um", 1e-3}, {"micron", 1e-3}, {"microns", 1e-3}, {"\xc2\xb5m", 1e-3}, {"micrometer", 1e-3},
-                 {"nm", 1e-6}, {"cm", 10}, {"m", 1000}};
+    } units[] = {{"um", 1e-3},         {"micron", 1e-3}, {"microns", 1e-3}, {"\xc2\xb5m", 1e-3},
+                 {"micrometer", 1e-3}, {"nm", 1e-6},     {"cm", 10},        {"m", 1000}};
     for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; ++i)
         if (strcmp(units[i].name, unit) == 0)
             return units[i].mm;
@@ -174,7 +174,8 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     struct stat st;
     if (at < 0 || fstat(fileno(io->dataFile), &st) != 0)
         return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
-    source->swap_bytes = iso_type_bytes(source->header.type) > 1 && io->endian != airEndianUnknown && io->endian != airMyEndian();
+    source->swap_bytes = iso_type_bytes(source->header.type) > 1 && io->endian != airEndianUnknown &&
+                         io->endian != airMyEndian();
     if (io->encoding == nrrdEncodingRaw) {
         source->file = io->dataFile;
         io->dataFile = NULL;
@@ -182,8 +183,9 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     }
     /* deflate cannot shrink by more than 1032 */
     if ((double)iso_source_bytes(source) > 1032.0 * (double)(st.st_size - at))
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need",
-                        source->path, (long long)(st.st_size - at), iso_source_bytes(source));
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need", source->path,
+                        (long long)(st.st_size - at), iso_source_bytes(source));
     int fd = dup(fileno(io->dataFile));
     source->gz = fd >= 0 && lseek(fd, at, SEEK_SET) == at ? gzdopen(fd, "rb") : NULL;
     if (!source->gz)
@@ -192,7 +194,8 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     if (gzdirect(source->gz))
         return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, as the header says", source->path);
     if (io->byteSkip > 0 && gzseek(source->gz, io->byteSkip, SEEK_SET) < 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path, io->byteSkip);
+        return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path,
+                        io->byteSkip);
     return ISO_OK;
 }
 
@@ -202,8 +205,10 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     struct stat st;
     bool text = io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex;
     /* the shortest text is a digit and a space for a double: refuse before the memory is taken */
-    if (text && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 && (double)iso_source_bytes(source) > 4.0 * (double)st.st_size + 8)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %lld bytes of text cannot hold the %zu bytes of samples that the sizes need",
+    if (text && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 &&
+        (double)iso_source_bytes(source) > 4.0 * (double)st.st_size + 8)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated: %lld bytes of text cannot hold the %zu bytes of samples that the sizes need",
                         source->path, (long long)st.st_size, iso_source_bytes(source));
     Nrrd *nrrd = nrrdNew();
     iso_status status = ISO_OK;

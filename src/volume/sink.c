@@ -123,8 +123,8 @@ iso_status iso_sink_commit(iso_volume_sink *s, iso_error *err)
 {
     iso_status status = ISO_OK;
     if (s->planes_done != s->like.geometry.size[2])
-        status = iso_fail(err, ISO_E_RANGE, "%s: %zu planes written, there are %zu", s->output.final_path, s->planes_done,
-                          s->like.geometry.size[2]);
+        status = iso_fail(err, ISO_E_RANGE, "%s: %zu planes written, there are %zu", s->output.final_path,
+                          s->planes_done, s->like.geometry.size[2]);
     else if (!close_files(s))
         status = write_failed(s, err);
     else

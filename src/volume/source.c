@@ -95,8 +95,10 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     char known[512] = "";
     for (size_t i = 0, length = 0; (f = iso_volume_format_at(i)) && length < sizeof known; ++i)
         if (f->probe)
-            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s (%s)", length ? ", " : "", f->title, f->starts);
-    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s", s->path, shown, known);
+            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s (%s)", length ? ", " : "", f->title,
+                                       f->starts);
+    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s",
+                    s->path, shown, known);
 }
 
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err)
@@ -128,7 +130,8 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
     return status;
 }
 
-iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err)
+iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
+                               iso_error *err)
 {
     iso_status status = new_source(path, source, err);
     if (status == ISO_OK)
@@ -208,8 +211,9 @@ static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
     int n = gzread(s->gz, &extra, 1), code;
     const char *text = gzerror(s->gz, &code);
     if (n > 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: too long: compressed samples go on after the %zu bytes that the sizes need",
-                        s->path, iso_source_bytes(s));
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: too long: compressed samples go on after the %zu bytes that the sizes need", s->path,
+                        iso_source_bytes(s));
     const bool end_is_missing = s->gz_end_is_missing || code == Z_BUF_ERROR;
     if (n < 0 || code != Z_OK || end_is_missing)
         return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
@@ -239,7 +243,8 @@ static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *ou
     const size_t *n = s->header.geometry.size;
     size_t sample = iso_type_bytes(stored_type(s)), plane = n[0] * n[1] * sample;
     if (plane_count > n[2] - s->planes_done)
-        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
+        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path,
+                        s->planes_done + plane_count, n[2]);
     size_t bytes = plane * plane_count;
     iso_status status = ISO_OK;
     if (s->preloaded)
@@ -276,11 +281,13 @@ void iso_source_apply_scale(iso_volume_source *s)
 static void scale_row(const iso_volume *row, double slope, double intercept, float *restrict out)
 {
     const size_t n = row->geometry.size[0];
+/* clang-format off */
 #define ISO_SCALE_CASE(name, text, ctype)                                    \
     case name:                                                               \
         for (size_t x = 0; x < n; ++x)                                       \
             out[x] = (float)(slope * (double)((const ctype *)row->data)[x] + intercept); \
         break;
+    /* clang-format on */
     switch (row->type) {
         ISO_TYPE_LIST(ISO_SCALE_CASE)
     }
@@ -292,7 +299,9 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
     if (!s->scaled)
         return read_stored(s, plane_count, out, err);
     const size_t *n = s->header.geometry.size, plane = n[0] * n[1];
-    iso_volume row = {.geometry = {.size = {plane, 1, 1}}, .type = s->stored, .data = malloc(plane * iso_type_bytes(s->stored))};
+    iso_volume row = {.geometry = {.size = {plane, 1, 1}},
+                      .type = s->stored,
+                      .data = malloc(plane * iso_type_bytes(s->stored))};
     iso_status status = row.data ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
     for (size_t z = 0; z < plane_count && status == ISO_OK; ++z) {
         status = read_stored(s, 1, row.data, err);
@@ -307,7 +316,8 @@ iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *
 {
     const size_t *n = s->header.geometry.size, plane = n[0] * n[1] * iso_type_bytes(stored_type(s));
     if (plane_count > n[2] - s->planes_done)
-        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path, s->planes_done + plane_count, n[2]);
+        return iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path,
+                        s->planes_done + plane_count, n[2]);
     if (s->file && fseeko(s->file, (off_t)(plane * plane_count), SEEK_CUR) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", s->path, strerror(errno));
     if (!s->gz && !s->read_planes) {

@@ -28,7 +28,8 @@ typedef struct iso_volume_source iso_volume_source;
 /* Reads the header and checks it against the size of the file. Statuses as
  * iso_volume_load. *source stays NULL on failure. */
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err);
-iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err);
+iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
+                               iso_error *err);
 
 /* What the header says; data is NULL. Valid until close. */
 const iso_volume *iso_source_volume(const iso_volume_source *source);

@@ -9,14 +9,14 @@
 #include "volume/format.h"
 
 struct iso_volume_source {
-    char *path;       /* for error messages */
+    char *path; /* for error messages */
     iso_volume header;
-    FILE *file;       /* plain samples, or */
-    gzFile gz;        /* compressed ones, or */
+    FILE *file; /* plain samples, or */
+    gzFile gz;  /* compressed ones, or */
     bool gz_end_is_missing;
-    char *preloaded;  /* all of them, of encodings that are read at once */
+    char *preloaded; /* all of them, of encodings that are read at once */
     bool swap_bytes;
-    iso_type stored;  /* the type in the file; header.type is another one where the scale is applied */
+    iso_type stored; /* the type in the file; header.type is another one where the scale is applied */
     bool scaled;
     double slope, intercept;
     size_t planes_done;

@@ -166,7 +166,7 @@ static void noise_row(const noise_wave waves[NOISE_WAVES], iso_vec3 p, iso_vec3 
 
 /* What overlapping parts show together, 1 - product of (1 - s_i): in [0, 1], and as smooth as each. */
 typedef struct overlap {
-    double rest;   /* the product */
+    double rest;        /* the product */
     iso_vec3 log_slope; /* sum of ds_i / (1 - s_i) */
 } overlap;
 
@@ -247,7 +247,8 @@ static void grow_vessels(uint64_t seed, vessel tree[VESSEL_COUNT])
         const double side = i % 2 ? 1 : -1;
         iso_vec3 away = iso_add(iso_scale(u, side * cos(0.3 * turn)), iso_scale(v, side * sin(0.3 * turn)));
         tree[i] = (vessel){iso_madd(parent->from, parent->along, parent->length),
-                           iso_normalize(iso_madd(parent->along, away, tan(spread))), 0.78 * parent->length, 0.75 * parent->radius};
+                           iso_normalize(iso_madd(parent->along, away, tan(spread))), 0.78 * parent->length,
+                           0.75 * parent->radius};
     }
 }
 
@@ -270,8 +271,8 @@ static double vessels(iso_vec3 p, const vessel tree[VESSEL_COUNT], iso_vec3 *d)
 typedef struct field_frame {
     double half_edge; /* mm */
     iso_vec3 center;
-    double extent;    /* of the box, in half edges */
-    double flank;     /* one voxel along z, in half edges */
+    double extent;             /* of the box, in half edges */
+    double flank;              /* one voxel along z, in half edges */
     vessel tree[VESSEL_COUNT]; /* of vessels alone */
 } field_frame;
 
@@ -280,8 +281,10 @@ static field_frame frame_of(const iso_field *f)
     const iso_geometry *g = &f->geometry;
     double spacing[3], half_edge = half_shortest_edge_mm(g);
     iso_geometry_spacing_mm(g, spacing);
-    field_frame frame = {.half_edge = half_edge, .center = iso_geometry_box_center_mm(g),
-                         .extent = iso_geometry_box_radius_mm(g) / half_edge, .flank = spacing[2] / half_edge};
+    field_frame frame = {.half_edge = half_edge,
+                         .center = iso_geometry_box_center_mm(g),
+                         .extent = iso_geometry_box_radius_mm(g) / half_edge,
+                         .flank = spacing[2] / half_edge};
     if (f->kind == ISO_FIELD_VESSELS)
         grow_vessels(f->seed, frame.tree);
     return frame;
@@ -348,7 +351,8 @@ static void store_sample(void *data, iso_type type, size_t at, double value)
     }
 }
 
-static void sample_row(const iso_field *f, const field_frame *frame, const noise_wave *waves, size_t y, size_t z, double *row)
+static void sample_row(const iso_field *f, const field_frame *frame, const noise_wave *waves, size_t y, size_t z,
+                       double *row)
 {
     const iso_geometry *g = &f->geometry;
     iso_vec3 world = iso_geometry_to_world(g, iso_v3(0.5, (double)y + 0.5, (double)z + 0.5)), unused;
@@ -362,7 +366,8 @@ static void sample_row(const iso_field *f, const field_frame *frame, const noise
         row[x] = evaluate(f, frame, iso_madd(p, step, (double)x), &unused);
 }
 
-iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out, iso_error *err)
+iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out,
+                                   iso_error *err)
 {
     const size_t *n = f->geometry.size;
     field_frame frame = frame_of(f);

@@ -14,6 +14,7 @@
 #include "volume/volume.h"
 
 /* enum, name, what it is */
+/* clang-format off */
 #define ISO_FIELD_LIST(X)                                                                     \
     X(ISO_FIELD_RAMP, "ramp", "linear in x, y and z")                                         \
     X(ISO_FIELD_SLAB, "slab", "1 inside |z| < 1/2, linear flanks one voxel wide")             \
@@ -26,12 +27,13 @@
     X(ISO_FIELD_VESSELS, "vessels", "a branching tree of vessels, ever thinner")               \
     X(ISO_FIELD_BALLS, "balls", "two balls that nearly touch: surfaces that face each other")  \
     X(ISO_FIELD_CONSTANT, "constant", "1/2 everywhere: no gradient at all")
+/* clang-format on */
 
 typedef enum iso_field_kind {
 #define ISO_FIELD_ENUM(name, text, help) name,
     ISO_FIELD_LIST(ISO_FIELD_ENUM)
 #undef ISO_FIELD_ENUM
-    ISO_FIELD_COUNT
+        ISO_FIELD_COUNT
 } iso_field_kind;
 
 typedef struct iso_field {

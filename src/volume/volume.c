@@ -64,6 +64,7 @@ void iso_volume_destroy(iso_volume *v)
 static void to_floats(const iso_volume *v, size_t first, size_t count, float *restrict out)
 {
     switch (v->type) {
+/* clang-format off */
 #define ISO_TYPE_CASE(name, text, ctype)                      \
     case name: {                                              \
         const ctype *restrict in = (const ctype *)v->data + first; \
@@ -71,6 +72,7 @@ static void to_floats(const iso_volume *v, size_t first, size_t count, float *re
             out[i] = (float)in[i];                            \
         break;                                                \
     }
+        /* clang-format on */
         ISO_TYPE_LIST(ISO_TYPE_CASE)
 #undef ISO_TYPE_CASE
     }
@@ -104,6 +106,7 @@ static run_stats measure_samples(const iso_volume *v, size_t first, size_t count
 {
     run_stats s = {.min = INFINITY, .max = -INFINITY};
     switch (v->type) {
+/* clang-format off */
 #define ISO_TYPE_CASE(name, text, ctype)                      \
     case name: {                                              \
         const ctype *in = (const ctype *)v->data + first;     \
@@ -120,6 +123,7 @@ static run_stats measure_samples(const iso_volume *v, size_t first, size_t count
         }                                                     \
         break;                                                \
     }
+        /* clang-format on */
         ISO_TYPE_LIST(ISO_TYPE_CASE)
 #undef ISO_TYPE_CASE
     }
@@ -166,7 +170,8 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
     if (status == ISO_OK && (v->type == ISO_F32 || v->type == ISO_F64)) {
         iso_volume_stats s = iso_volume_measure(v);
         if (s.nonfinite_count > 0)
-            status = iso_fail(err, ISO_E_RANGE, "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
+            status = iso_fail(err, ISO_E_RANGE,
+                              "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
                               path, s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0],
                               s.first_nonfinite[1], s.first_nonfinite[2]);
     }

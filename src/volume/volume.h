@@ -14,6 +14,7 @@
 #include "volume/geometry.h"
 
 /* enum, name, C type */
+/* clang-format off */
 #define ISO_TYPE_LIST(X)              \
     X(ISO_U8, "uint8", uint8_t)       \
     X(ISO_I8, "int8", int8_t)         \
@@ -23,6 +24,7 @@
     X(ISO_I32, "int32", int32_t)      \
     X(ISO_F32, "float", float)        \
     X(ISO_F64, "double", double)
+/* clang-format on */
 
 typedef enum iso_type {
 #define ISO_TYPE_ENUM(name, text, ctype) name,

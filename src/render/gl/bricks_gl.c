@@ -16,8 +16,14 @@ enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_
 enum { MORE_PAGES = ISO_BRICK_MAX_PAGES - 1 };
 
 /* Of page k: the first has the units of an unpaged cache. */
-static GLenum unit_of_scalar(size_t k) { return (GLenum)(k == 0 ? UNIT_SCALAR : UNIT_PAGES + k - 1); }
-static GLenum unit_of_directions(size_t k) { return (GLenum)(k == 0 ? UNIT_DIRECTIONS : UNIT_PAGES + MORE_PAGES + k - 1); }
+static GLenum unit_of_scalar(size_t k)
+{
+    return (GLenum)(k == 0 ? UNIT_SCALAR : UNIT_PAGES + k - 1);
+}
+static GLenum unit_of_directions(size_t k)
+{
+    return (GLenum)(k == 0 ? UNIT_DIRECTIONS : UNIT_PAGES + MORE_PAGES + k - 1);
+}
 
 typedef struct brick_textures {
     GLuint scalar[ISO_BRICK_MAX_PAGES], directions[ISO_BRICK_MAX_PAGES], tf, occupancy, layout;
@@ -42,7 +48,8 @@ static double bytes_of(const brick_textures *t)
     double bytes = iso_gl_texture_bytes(GL_TEXTURE_2D, t->tf) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->occupancy) +
                    iso_gl_texture_bytes(GL_TEXTURE_3D, t->layout);
     for (size_t k = 0; k < ISO_BRICK_MAX_PAGES; ++k)
-        bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, t->scalar[k]) + iso_gl_texture_bytes(GL_TEXTURE_3D, t->directions[k]);
+        bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, t->scalar[k]) +
+                 iso_gl_texture_bytes(GL_TEXTURE_3D, t->directions[k]);
     return bytes;
 }
 
@@ -82,8 +89,8 @@ static void convert(const iso_node_levels *n, int bits, size_t count, staging *s
     }
 }
 
-static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i, const iso_gl_brick_options *opt,
-                         staging *s)
+static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i,
+                         const iso_gl_brick_options *opt, staging *s)
 {
     const iso_node_levels *n = f->nodes;
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
@@ -119,7 +126,8 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
     for (size_t k = 0; k < pack->page_count; ++k) {
         glActiveTexture(GL_TEXTURE0 + unit_of_scalar(k));
         if (status == ISO_OK)
-            status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k], err);
+            status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k],
+                                              err);
         glActiveTexture(GL_TEXTURE0 + unit_of_directions(k));
         if (status == ISO_OK && opt->shaded)
             status = iso_gl_create_texture_3d(gl, small ? GL_RGBA16_SNORM : GL_RGB32F, pack->size,
@@ -159,7 +167,8 @@ static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, cons
 static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, uint8_t *visible, double shown,
                                    const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
 {
-    t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
+    t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface ||
+                    (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
     if (!t->skip_empty)
         return ISO_OK;
     for (size_t i = 0; i < iso_brick_count(n); ++i)
@@ -176,7 +185,8 @@ static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
     double lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {
         lo[a] = (double)(brick[a] * n->brick_voxels) + (brick[a] > 0 ? 0.5 : 0);
-        hi[a] = brick[a] + 1 < n->count[a] ? (double)((brick[a] + 1) * n->brick_voxels) + 0.5 : n->geometry.box_index[a];
+        hi[a] = brick[a] + 1 < n->count[a] ? (double)((brick[a] + 1) * n->brick_voxels) + 0.5
+                                           : n->geometry.box_index[a];
     }
     return iso_view_keeps(view, &n->geometry, lo, hi);
 }
@@ -223,8 +233,10 @@ static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *e
         status = upload_layout(gl, n, pack, t, err);
     if (status == ISO_OK)
         status = upload_occupancy(gl, n, visible, shown, opt, t, err);
-    *stats = (iso_gl_brick_stats){.brick_count = count, .shown_count = pack->brick_count,
-                                  .slot_count = pack->slot_count, .slot_side = pack->slot_side,
+    *stats = (iso_gl_brick_stats){.brick_count = count,
+                                  .shown_count = pack->brick_count,
+                                  .slot_count = pack->slot_count,
+                                  .slot_side = pack->slot_side,
                                   .texel_count = pack->page_count * pack->size[0] * pack->size[1] * pack->size[2],
                                   .page_count = pack->page_count,
                                   .node_count = pack->node_count};
@@ -243,7 +255,8 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
     const iso_geometry *g = &n->geometry;
     double side = (double)n->brick_voxels;
     iso_gl_set_camera(program, g, view, step_voxels * iso_geometry_min_spacing_mm(g));
-    iso_gl_set_coordinates(program, iso_v3(1 / side, 1 / side, 1 / side), iso_v3(-0.5 / side, -0.5 / side, -0.5 / side));
+    iso_gl_set_coordinates(program, iso_v3(1 / side, 1 / side, 1 / side),
+                           iso_v3(-0.5 / side, -0.5 / side, -0.5 / side));
     iso_gl_set_int(program, "scalar", UNIT_SCALAR);
     iso_gl_set_int(program, "tf", UNIT_TF);
     iso_gl_set_int(program, "directions", UNIT_DIRECTIONS);
@@ -257,10 +270,11 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
         iso_gl_set_int(program, name, (int)unit_of_directions(k));
     }
     iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));
-    iso_gl_set_vec3(program, "brick_in_cache", iso_v3(side / (double)pack->size[0], side / (double)pack->size[1],
-                                                      side / (double)pack->size[2]));
-    iso_gl_set_vec3(program, "last_node", iso_v3((double)(g->size[0] - 1) / side, (double)(g->size[1] - 1) / side,
-                                                 (double)(g->size[2] - 1) / side));
+    iso_gl_set_vec3(program, "brick_in_cache",
+                    iso_v3(side / (double)pack->size[0], side / (double)pack->size[1], side / (double)pack->size[2]));
+    iso_gl_set_vec3(program, "last_node",
+                    iso_v3((double)(g->size[0] - 1) / side, (double)(g->size[1] - 1) / side,
+                           (double)(g->size[2] - 1) / side));
     iso_gl_set_tf(program, &view->tf, n->min, n->max - n->min);
     if (surface)
         iso_gl_set_surface(program, surface, iso_v3(side, side, side), 0, n->min, n->max - n->min);

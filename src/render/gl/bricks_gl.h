@@ -11,28 +11,28 @@
 #include "render/gl/raycaster.h"
 
 typedef struct iso_gl_brick_options {
-    bool shaded;          /* else directions are not uploaded and the light is ambient alone */
-    int cache_bits;       /* 16 (unorm scalar, snorm directions) or 32 (floats) */
-    size_t max_slots;     /* what the cache may hold; 0: as much as its pages */
-    size_t page_side;     /* texels along an axis of a page at most; 0: as many as GL takes */
-    bool keep_hidden;     /* also bricks that the TF does not show */
-    const uint8_t *wanted; /* one byte a brick, 0 leaves it out; NULL: all */
-    double step_voxels;   /* 0: the view's */
-    iso_gl_skip skip;     /* of hidden bricks */
+    bool shaded;                /* else directions are not uploaded and the light is ambient alone */
+    int cache_bits;             /* 16 (unorm scalar, snorm directions) or 32 (floats) */
+    size_t max_slots;           /* what the cache may hold; 0: as much as its pages */
+    size_t page_side;           /* texels along an axis of a page at most; 0: as many as GL takes */
+    bool keep_hidden;           /* also bricks that the TF does not show */
+    const uint8_t *wanted;      /* one byte a brick, 0 leaves it out; NULL: all */
+    double step_voxels;         /* 0: the view's */
+    iso_gl_skip skip;           /* of hidden bricks */
     const iso_surface *surface; /* its first hit instead of the integral, or NULL */
-    size_t repeats;       /* draws; the time is that of the fastest */
-    double repeat_seconds; /* as in iso_gl_options */
+    size_t repeats;             /* draws; the time is that of the fastest */
+    double repeat_seconds;      /* as in iso_gl_options */
 } iso_gl_brick_options;
 iso_gl_brick_options iso_gl_brick_defaults(void);
 
 typedef struct iso_gl_brick_stats {
-    double seconds;              /* the drawing alone */
-    double bake_seconds;         /* culling, baking, packing and uploading */
+    double seconds;      /* the drawing alone */
+    double bake_seconds; /* culling, baking, packing and uploading */
     size_t brick_count, shown_count, slot_count, slot_side;
-    size_t texel_count;          /* of the cache, all pages */
+    size_t texel_count; /* of the cache, all pages */
     size_t page_count;
-    size_t node_count;           /* that the shown bricks hold */
-    iso_gl_stats gl;             /* bytes of the textures, and the draws */
+    size_t node_count; /* that the shown bricks hold */
+    iso_gl_stats gl;   /* bytes of the textures, and the draws */
 } iso_gl_brick_stats;
 
 /* Bakes, packs, uploads and renders. With 16 bits the nodes must have been rounded

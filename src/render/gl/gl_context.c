@@ -47,9 +47,9 @@ static const char *egl_error_text(void)
 /* A current core 4.3 context on this display, or false with the reason noted. */
 static bool open_display(iso_gl *gl, EGLDisplay display, const char *name, char *tried, size_t tried_size)
 {
-    static const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 3,
-                                        EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                        EGL_NONE};
+    static const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL) || !eglBindAPI(EGL_OPENGL_API)) {
         note_trial(tried, tried_size, name, display == EGL_NO_DISPLAY ? "no display" : egl_error_text());
         return false;
@@ -209,9 +209,15 @@ void iso_gl_destroy(iso_gl *gl)
     free(gl);
 }
 
-iso_gl_info iso_gl_describe(const iso_gl *gl) { return gl->info; }
+iso_gl_info iso_gl_describe(const iso_gl *gl)
+{
+    return gl->info;
+}
 
-void iso_gl_time_processor(iso_gl *gl, bool processor) { gl->times_processor = processor; }
+void iso_gl_time_processor(iso_gl *gl, bool processor)
+{
+    gl->times_processor = processor;
+}
 
 iso_status iso_gl_bind(iso_gl *gl, iso_error *err)
 {

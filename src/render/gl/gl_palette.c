@@ -9,8 +9,7 @@ iso_status iso_gl_upload_indices(const iso_gl *gl, const iso_level *level, GLuin
     if (!level->palette || !level->palette_index)
         return iso_fail(err, ISO_E_RANGE, "gl: the level holds no palette, and directions from one are asked for");
     bool bytes = level->palette->count <= 256;
-    iso_status status =
-        iso_gl_create_texture_3d(gl, bytes ? GL_R8UI : GL_R16UI, size, "palette indices", texture, err);
+    iso_status status = iso_gl_create_texture_3d(gl, bytes ? GL_R8UI : GL_R16UI, size, "palette indices", texture, err);
     if (status != ISO_OK)
         return status;
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

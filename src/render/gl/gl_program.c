@@ -163,11 +163,11 @@ static iso_status build_program(iso_gl *gl, const char *fragment, const char *de
     if (status == ISO_OK)
         status = expand(gl, fragment, 0, &body, err);
     if (status == ISO_OK)
-        status =
-            compile(GL_VERTEX_SHADER, (const char *[]){version, vertex.text}, 2, "fullscreen.glsl", &shaders[0], err);
+        status = compile(GL_VERTEX_SHADER, (const char *[]){version, vertex.text}, 2, "fullscreen.glsl", &shaders[0],
+                         err);
     if (status == ISO_OK)
-        status =
-            compile(GL_FRAGMENT_SHADER, (const char *[]){version, defines, body.text}, 3, fragment, &shaders[1], err);
+        status = compile(GL_FRAGMENT_SHADER, (const char *[]){version, defines, body.text}, 3, fragment, &shaders[1],
+                         err);
     if (status == ISO_OK)
         status = link_program(shaders[0], shaders[1], fragment, program, err);
     for (int i = 0; i < 2; ++i)
@@ -191,10 +191,10 @@ iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defi
             free(key);
             return ISO_OK;
         }
-    iso_status status =
-        gl->program_count < ISO_GL_MAX_PROGRAMS
-            ? build_program(gl, fragment, defines, program, err)
-            : iso_fail(err, ISO_E_RANGE, "gl: more than %d programs in one context", ISO_GL_MAX_PROGRAMS);
+    iso_status status = gl->program_count < ISO_GL_MAX_PROGRAMS
+                            ? build_program(gl, fragment, defines, program, err)
+                            : iso_fail(err, ISO_E_RANGE, "gl: more than %d programs in one context",
+                                       ISO_GL_MAX_PROGRAMS);
     if (status == ISO_OK)
         gl->programs[gl->program_count++] = (struct iso_gl_program){key, *program};
     else

@@ -62,7 +62,8 @@ void iso_gl_set_coordinates(GLuint program, iso_vec3 scale, iso_vec3 offset)
 
 void iso_gl_set_tf(GLuint program, const iso_tf_table *tf, double zero, double per_texel)
 {
-    const double entries = (double)(tf->count - 1) / (tf->hi - tf->lo), scale = per_texel * entries, offset = (zero - tf->lo) * entries;
+    const double entries = (double)(tf->count - 1) / (tf->hi - tf->lo), scale = per_texel * entries,
+                 offset = (zero - tf->lo) * entries;
     iso_gl_set_float(program, "tf_scale", scale);
     iso_gl_set_float(program, "tf_offset", offset);
     glUniform2d(glGetUniformLocation(program, "tf_exact"), scale, offset);

@@ -15,7 +15,18 @@
 #include "render/sampler.h"
 #include "tf/integral.h"
 
-enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_PALETTE, UNIT_SECOND_VALUE, UNIT_TF_SUMS, UNIT_ROI_SCALAR, UNIT_ROI_TF, UNIT_ROI_DIRECTIONS };
+enum {
+    UNIT_SCALAR,
+    UNIT_TF,
+    UNIT_DIRECTIONS,
+    UNIT_OCCUPANCY,
+    UNIT_PALETTE,
+    UNIT_SECOND_VALUE,
+    UNIT_TF_SUMS,
+    UNIT_ROI_SCALAR,
+    UNIT_ROI_TF,
+    UNIT_ROI_DIRECTIONS
+};
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
@@ -48,8 +59,8 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
     bool integers = is_small_integer(level->stored_type) && range <= 65535 &&
                     gl->info.filter_bits_unorm16 >= gl->info.filter_bits_float - 1;
     double multiple = range > 0 ? floor(65535 / range) : 1;
-    iso_status status =
-        iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar, err);
+    iso_status status = iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar,
+                                                 err);
     if (status != ISO_OK)
         return status;
     void *plane = malloc(plane_count * (integers ? sizeof(uint16_t) : sizeof(float)));
@@ -195,7 +206,8 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
 }
 
 /* Bytes where they are filtered as finely as floats, else the same in 16 bits. */
-static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t, iso_error *err)
+static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t,
+                                      iso_error *err)
 {
     const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
     bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
@@ -208,7 +220,8 @@ static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, 
         for (size_t i = 0; wide && i < plane_count; ++i)
             plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
-                        wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE, wide ? (const void *)plane : bytes + z * plane_count);
+                        wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE,
+                        wide ? (const void *)plane : bytes + z * plane_count);
     }
     free(plane);
     return status;
@@ -216,14 +229,15 @@ static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, 
 
 /* The rows of a 2D transfer function as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
-                                 const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
+                               const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
 {
     const iso_tf_table *tables = tf_2d->rows;
     size_t row = 4 * tables[0].count;
     iso_tf_table envelope = {0};
     float *rows = malloc(ISO_TF_2D_ROWS * row * sizeof *rows);
     iso_status status = rows ? iso_tf_2d_envelope(tf_2d, &envelope, err)
-                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_TF_2D_ROWS, tables[0].count);
+                             : iso_fail(err, ISO_E_MEMORY, "gl: no memory for %d tables of %zu entries", ISO_TF_2D_ROWS,
+                                        tables[0].count);
     for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
@@ -246,8 +260,8 @@ static bool is_from_palette(iso_direction_source source)
 }
 
 /* The finer level of a region of interest. */
-static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, iso_direction_source source, level_textures *t,
-                               iso_error *err)
+static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, iso_direction_source source,
+                             level_textures *t, iso_error *err)
 {
     *t = (level_textures){0};
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_SCALAR);
@@ -318,12 +332,12 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
     double n = (double)opt->brick_voxels;
     iso_gl_set_vec3(program, "bricks_per_volume",
-             iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
+                    iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
     double min_spacing_mm = iso_geometry_min_spacing_mm(g);
     iso_gl_set_tf(program, tf, level->min, t->value_per_texel);
     if (opt->surface)
-        iso_gl_set_surface(program, opt->surface, iso_v3((double)g->size[0], (double)g->size[1], (double)g->size[2]), 0.5,
-                           level->min, t->value_per_texel);
+        iso_gl_set_surface(program, opt->surface, iso_v3((double)g->size[0], (double)g->size[1], (double)g->size[2]),
+                           0.5, level->min, t->value_per_texel);
     iso_gl_set_float(program, "direction_scale", t->direction_scale);
     iso_gl_set_float(program, "direction_offset", t->direction_offset);
     /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */

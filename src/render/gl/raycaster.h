@@ -19,7 +19,7 @@ typedef struct iso_gl iso_gl; /* a context with its programs */
 
 typedef struct iso_gl_info {
     char vendor[128], renderer[128], version[128];
-    int filter_bits_unorm8;  /* bits that linear filtering of the format keeps, as probed */
+    int filter_bits_unorm8; /* bits that linear filtering of the format keeps, as probed */
     int filter_bits_unorm16;
     int filter_bits_float;
 } iso_gl_info;
@@ -56,19 +56,19 @@ typedef struct iso_gl_options {
     iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
     double step_voxels;          /* 0: the view's */
     iso_gl_skip skip;
-    size_t brick_voxels;         /* of the skipped bricks */
-    size_t repeats;              /* draws; the time is that of the fastest */
-    double repeat_seconds;       /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
+    size_t brick_voxels;   /* of the skipped bricks */
+    size_t repeats;        /* draws; the time is that of the fastest */
+    double repeat_seconds; /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
                                   * them, because drivers compile in the first one */
-    iso_gl_stats *stats;         /* filled; or NULL */
-    bool shade_table;            /* palettes: shading by a table of the entries, made anew for each view and its
+    iso_gl_stats *stats;   /* filled; or NULL */
+    bool shade_table;      /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
-    bool preintegrated;          /* not with a 2D transfer function */
-    bool exact_lookups;          /* the shader filters textures and finds the table's entry itself, at positions in double
+    bool preintegrated;    /* not with a 2D transfer function */
+    bool exact_lookups;    /* the shader filters textures and finds the table's entry itself, at positions in double
                                   * precision; texture units take float coordinates. Slow, for validation; not with a
                                   * surface, pre-integration or a region of interest */
-    const iso_surface *surface;  /* its first hit instead of the integral, or NULL; exact in each cell: no step */
+    const iso_surface *surface; /* its first hit instead of the integral, or NULL; exact in each cell: no step */
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 

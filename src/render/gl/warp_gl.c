@@ -25,7 +25,10 @@ typedef struct warp_cache {
     double zero, per_texel; /* value = zero + texel * per_texel */
 } warp_cache;
 
-static size_t all_bricks(const warp_cache *c) { return c->count[0] * c->count[1] * c->count[2]; }
+static size_t all_bricks(const warp_cache *c)
+{
+    return c->count[0] * c->count[1] * c->count[2];
+}
 
 static void brick_at(const warp_cache *c, size_t i, size_t brick[3])
 {
@@ -167,8 +170,8 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
         status = upload_table(gl, c, (texel_format){GL_RGBA32F, GL_RGBA, GL_FLOAT}, texels, &c->layout, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_NEIGHBORS);
     if (status == ISO_OK)
-        status =
-            upload_table(gl, c, (texel_format){GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, bits, &c->neighbors, err);
+        status = upload_table(gl, c, (texel_format){GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT}, bits, &c->neighbors,
+                              err);
     free(texels);
     free(bits);
     return status;
@@ -226,7 +229,8 @@ static iso_status create_cache(warp_cache *c, const iso_tf_table *tf, iso_gl_bri
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK && c->skip_empty)
         status = iso_gl_create_occupancy(gl, c->count, distance, &c->occupancy, err);
-    *stats = (iso_gl_brick_stats){.brick_count = count, .slot_side = f->brick_voxels + 2,
+    *stats = (iso_gl_brick_stats){.brick_count = count,
+                                  .slot_side = f->brick_voxels + 2,
                                   .texel_count = c->size[0] * c->size[1] * c->size[2]};
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         stats->shown_count += held[i] != 0;
@@ -253,9 +257,10 @@ static void set_field(GLuint program, const warp_cache *c)
     iso_gl_set_int(program, "points", UNIT_POINTS);
     iso_gl_set_float(program, "brick_side", side);
     iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));
-    iso_gl_set_vec3(program, "brick_in_cache", iso_v3(side / (double)c->size[0], side / (double)c->size[1],
-                                                      side / (double)c->size[2]));
-    iso_gl_set_vec3(program, "last_node", iso_v3((double)size[0] / side, (double)size[1] / side, (double)size[2] / side));
+    iso_gl_set_vec3(program, "brick_in_cache",
+                    iso_v3(side / (double)c->size[0], side / (double)c->size[1], side / (double)c->size[2]));
+    iso_gl_set_vec3(program, "last_node",
+                    iso_v3((double)size[0] / side, (double)size[1] / side, (double)size[2] / side));
 }
 
 /* Without a view: the field at points. */
@@ -307,7 +312,8 @@ static iso_status draw(const warp_cache *c, const iso_view *view, double step_vo
 }
 
 iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const iso_view *view,
-                              const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats, iso_error *err)
+                              const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
+                              iso_error *err)
 {
     const double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
     iso_gl_brick_stats own;
@@ -315,8 +321,9 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso
     stats = stats ? stats : &own;
     *image = (iso_image){0};
     if (!(step_voxels > 0 && isfinite(step_voxels)) || (opt->cache_bits != 16 && opt->cache_bits != 32) || opt->surface)
-        return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels must be above 0, cache of %d bits 16 or 32; no isosurfaces",
-                        step_voxels, opt->cache_bits);
+        return iso_fail(err, ISO_E_RANGE,
+                        "gl: step %g voxels must be above 0, cache of %d bits 16 or 32; no isosurfaces", step_voxels,
+                        opt->cache_bits);
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = create_cache(&cache, &view->tf, stats, err);
