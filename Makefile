@@ -14,7 +14,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev 
 	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin \
-	groff-base blender povray gnuplot-nox poppler-utils groff-base python3-openvdb python3-numpy mricron-data chromium
+	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
