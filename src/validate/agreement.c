@@ -6,23 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/json.h"
 #include "base/parallel.h"
 #include "validate/closed_form.h"
 #include "validate/limits.h"
 #include "validate/validate.h"
-
-/* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
-static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
-/* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
- * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
- * little worse. */
-static const double smooth_left = 0.354, sharp_left = 0.6;
-/* Of all pixels and channels: none of fewer than 70 x 70 pixels, 5 values of 160 x 160. */
-static const double grazing_part = 5e-5;
-
-/* Of lit scenes: below what a person sees when the images alternate. */
-static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 
 iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp)
 {
@@ -37,11 +24,6 @@ static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *render
 {
     const iso_sample_error *e = &renderer->lock_step->exact;
     return (iso_tolerances){.rmse = e->rmse, .max_abs = e->max_abs};
-}
-
-double iso_validate_error_bar(const iso_scene_agreement *asked)
-{
-    return asked->sharp ? sharp_bar : smooth_bar;
 }
 
 /* What a level is compared with, rendered once. */
@@ -285,68 +267,6 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
 
 /* ---- extrapolated limits ---- */
 
-static json_t *limit_to_json(const iso_extrapolated *l)
-{
-    json_t *o = json_pack("{s:f, s:o, s:o, s:o, s:o, s:I}", "step_voxels", l->step_voxels, "rmse_at_twice_the_step",
-                          iso_json_number(l->coarse_rmse), "rmse_at_the_step", iso_json_number(l->fine_rmse), "order",
-                          iso_json_number(l->order), "step_bar", iso_json_number(l->step_bar), "seeds",
-                          (json_int_t)l->seeds);
-    if (l->seeds < 2)
-        return o;
-    const iso_noise_test *n = &l->noise;
-    json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar",
-                                        iso_json_number(l->noise_bar), "pixels_tested", (json_int_t)n->tests,
-                                        "pixels_beyond_chance", (json_int_t)n->rejected, "smallest_p",
-                                        iso_json_number(n->smallest_p), "sidak_significance",
-                                        iso_json_number(n->pixel_significance), "signed_bias", iso_json_number(n->bias),
-                                        "standard_error_of_bias", iso_json_number(n->bias_error), "mean_local_error",
-                                        iso_json_number(n->mean_abs)));
-    return o;
-}
-
-static void add_gate(iso_report_agreement *row, iso_gate gate, double value, double limit)
-{
-    row->gates[row->gate_count++] = (iso_report_gate){gate, value, limit};
-}
-
-void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *l, iso_report_agreement *row)
-{
-    row->error_bar = l->bar;
-    row->tolerances = (iso_tolerances){.rmse = l->allowed};
-    add_gate(row, ISO_GATE_ERROR_BAR, l->bar, iso_validate_error_bar(asked));
-    add_gate(row, ISO_GATE_HALVING, iso_extrapolated_error_left(l), asked->sharp ? sharp_left : smooth_left);
-    if (l->seeds > 1) {
-        /* A ray along an edge of an opaque box changes its pixel by 3.6e-4 when it is put 1e-5 mm aside, which is one bit of
-         * single precision at the eye's distance: few values may. The RMSE is held to its bar all the same. */
-        add_gate(row, ISO_GATE_PIXELS, (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
-        add_gate(row, ISO_GATE_BIAS, l->noise.biased, 0);
-    }
-    if (asked->tier == ISO_TIER_LIT) {
-        row->tolerances.flip_mean = lit_flip;
-        row->tolerances.ssim_dissimilarity = lit_ssim_dissimilarity;
-    }
-}
-
-iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
-                                             size_t seeds, int threads)
-{
-    iso_limit_options o = iso_limit_defaults();
-    o.seeds = seeds;
-    o.threads = threads;
-    o.wanted_left = asked->sharp ? sharp_left : smooth_left;
-    o.factor = asked->sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
-    o.wanted_bar = iso_validate_error_bar(asked);
-    if (asked->tier == ISO_TIER_LIT) { /* SSIM sees a shell's last bends before RMSE does */
-        o.wanted_flip = lit_flip;
-        o.wanted_ssim_dissimilarity = lit_ssim_dissimilarity;
-    }
-    if (asked->sharp) /* the first pair would seldom do */
-        o.step_voxels = 1.0 / 8;
-    if (renderer->first_step_voxels > 0)
-        o.step_voxels = renderer->first_step_voxels;
-    return o;
-}
-
 static iso_status compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
                                 const level_truths *t, iso_error *err)
 {
@@ -375,7 +295,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
         else
             snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
         iso_validate_limit_row(asked, &limit, &row);
-        row.statistics = limit_to_json(&limit);
+        row.statistics = iso_validate_limit_to_json(&limit);
         status = add_row(v, level, &row, a, &(compared){what, &limit.image, renderer, options}, err);
     }
     json_decref(row.statistics);

@@ -115,6 +115,8 @@ double iso_validate_error_bar(const iso_scene_agreement *asked);
 /* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
  * falls at its order, that no pixel and no bias is beyond chance. Fills tolerances, gates and error_bar of *row. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *limit, iso_report_agreement *row);
+/* The statistics of a limit, for its row of the report. */
+json_t *iso_validate_limit_to_json(const iso_extrapolated *limit);
 
 /* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
 void iso_validate_forecast(const iso_validation *v);
