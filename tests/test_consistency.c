@@ -151,10 +151,12 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
         scene.camera_direction = iso_view_along_diagonal(i);
         scene.camera_up = iso_view_up(scene.camera_direction);
         assert_ok(iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, &err));
-        assert_ok(iso_render_with(&renderers, &s->pyramid, 0, &view, &opt, &fine, NULL, NULL, &err));
+        assert_ok(
+            iso_render_with(&(iso_render_request){&renderers, &s->pyramid, 0, &view, &opt, NULL}, &fine, NULL, &err));
         iso_view adapted = view; /* lent */
         adapted.tf = *table;
-        assert_ok(iso_render_with(&renderers, &s->pyramid, level, &adapted, &opt, &coarse, NULL, NULL, &err));
+        assert_ok(iso_render_with(&(iso_render_request){&renderers, &s->pyramid, level, &adapted, &opt, NULL}, &coarse,
+                                  NULL, &err));
         assert_ok(iso_metrics_measure(&fine, &coarse, &m, &err));
         sum += (1 - m.ssim) / views;
         iso_image_destroy(&fine);

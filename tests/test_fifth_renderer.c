@@ -150,7 +150,8 @@ static void what_it_does_not_have_is_refused_by_name(void **state)
     iso_image image;
     iso_error why = {""};
     opt.isosurface = true;
-    assert_int_equal(iso_render_with(&renderers, &p, 0, &view, &opt, &image, NULL, NULL, &why), ISO_E_USAGE);
+    assert_int_equal(iso_render_with(&(iso_render_request){&renderers, &p, 0, &view, &opt, NULL}, &image, NULL, &why),
+                     ISO_E_USAGE);
     assert_string_equal(why.text, "isosurfaces are rendered by reference, gl and povray, not by shifted");
 }
 

@@ -71,7 +71,8 @@ static iso_image reference(const subject *s)
 {
     iso_image image;
     iso_render_options opt = iso_render_defaults(&iso_renderer_reference);
-    assert_ok(iso_render_with(&renderers, &s->pyramid, 0, &s->view, &opt, &image, NULL, NULL, &err));
+    assert_ok(
+        iso_render_with(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, &opt, NULL}, &image, NULL, &err));
     return image;
 }
 

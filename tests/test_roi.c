@@ -213,7 +213,7 @@ static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own,
     iso_image image;
     view.tf = *tf;
     view.roi = roi;
-    assert_ok(iso_render_with(&renderers, p, level, &view, opt, &image, NULL, NULL, &err));
+    assert_ok(iso_render_with(&(iso_render_request){&renderers, p, level, &view, opt, NULL}, &image, NULL, &err));
     return image;
 }
 

@@ -126,7 +126,7 @@ static iso_image render(const iso_pyramid *p, const iso_view *own, iso_tf_2d *tf
     iso_view view = *own; /* lent */
     iso_image image;
     view.tf_2d = tf_2d;
-    assert_ok(iso_render_with(&renderers, p, 1, &view, opt, &image, NULL, NULL, &err));
+    assert_ok(iso_render_with(&(iso_render_request){&renderers, p, 1, &view, opt, NULL}, &image, NULL, &err));
     return image;
 }
 

@@ -173,7 +173,8 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     opt.threads = run->cli->threads;
     view->tf = *by.table;
     view->tf_2d = by.tf_2d;
-    iso_status status = iso_render_with(&run->renderers, p, level, view, &opt, image, NULL, &progress, err);
+    iso_status status = iso_render_with(&(iso_render_request){&run->renderers, p, level, view, &opt, &progress}, image,
+                                        NULL, err);
     view->tf = own;
     view->tf_2d = NULL;
     return status;

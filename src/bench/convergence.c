@@ -68,8 +68,9 @@ static iso_status descend(const iso_render_request *q, const convergence_options
         iso_image_destroy(&coarser);
         coarser = image;
         image = (iso_image){0};
-        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &image, NULL, q->progress,
-                                 err);
+        status = iso_render_with(&(iso_render_request){q->renderers, q->pyramid, q->level, q->view, &frames[i],
+                                                       q->progress},
+                                 &image, NULL, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&image, reference, &m, err);
         d->rmse[i] = m.rmse;
@@ -196,7 +197,8 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     if (status == ISO_OK)
         status = iso_subject_load_view(o->scene, &p, o->size, &view, err);
     if (status == ISO_OK)
-        status = iso_render_with(&renderers, &p, (size_t)o->level, &view, &exact, &reference, NULL, &progress, err);
+        status = iso_render_with(&(iso_render_request){&renderers, &p, (size_t)o->level, &view, &exact, &progress},
+                                 &reference, NULL, err);
     for (size_t r = 0; r < count && status == ISO_OK; ++r) {
         status = descend(&(iso_render_request){&renderers, &p, (size_t)o->level, &view, NULL, &progress}, o, &reference,
                          cli->threads, &d[r], err);

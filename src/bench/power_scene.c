@@ -179,15 +179,18 @@ iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err)
                                      .why = "random"};
     iso_status status = make_scene(c, &s, err);
     if (status == ISO_OK)
-        status = iso_render_with(r, &s.pyramid, 0, &s.view, &converged, &c->converged, NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){r, &s.pyramid, 0, &s.view, &converged, NULL}, &c->converged,
+                                 NULL, err);
     if (status == ISO_OK)
-        status = iso_render_with(r, &s.pyramid, 0, &s.view, &midpoint, &c->midpoint, NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){r, &s.pyramid, 0, &s.view, &midpoint, NULL}, &c->midpoint, NULL,
+                                 err);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         const iso_renderer_info *renderer = iso_renderer_at(i);
         if (!renderer->lock_step)
             continue;
         const iso_render_options opt = truth_options(c, ISO_POWER_LOCK_STEP, renderer);
-        status = iso_render_with(r, &s.pyramid, 0, &s.view, &opt, &c->same_samples[i], NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){r, &s.pyramid, 0, &s.view, &opt, NULL}, &c->same_samples[i],
+                                 NULL, err);
         c->lock_step[i] = iso_validate_lock_step(renderer, &s.view, c->asked.sharp);
     }
     c->brightest = status == ISO_OK ? largest(&c->converged) : NAN;
@@ -220,7 +223,9 @@ static iso_status render_faulty(iso_renderers *r, const iso_power_case *c, const
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)
-        status = iso_render_with(r, &s.pyramid, iso_planted_level(planted, 0), &s.view, opt, image, NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){r, &s.pyramid, iso_planted_level(planted, 0), &s.view, opt,
+                                                       NULL},
+                                 image, NULL, err);
     r->after = (iso_image_hook){0};
     clear_scene(&s);
     return status;

@@ -279,7 +279,8 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     opt.processor_time = b->processor_time;
     opt.stats = &c->took;
     if (status == ISO_OK)
-        status = iso_render_with(&b->renderers, &p, c->level, &view, &opt, image, NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){&b->renderers, &p, c->level, &view, &opt, NULL}, image, NULL,
+                                 err);
     if (!is_kept)
         free(bytes);
     return status;

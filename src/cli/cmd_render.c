@@ -393,7 +393,8 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     else if (status == ISO_OK && a->limit)
         status = render_limit(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK)
-        status = iso_render_with(&renderers, &pyramid, (size_t)a->level, &view, &opt, &image, &seconds, &progress, err);
+        status = iso_render_with(&(iso_render_request){&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress},
+                                 &image, &seconds, err);
     if (status == ISO_OK)
         status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
     if (status == ISO_OK)

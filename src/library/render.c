@@ -70,7 +70,8 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
     if (status == ISO_OK)
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
     if (status == ISO_OK)
-        status = iso_render_with(&renderers, pyramid, given.level, &view, &o, image, NULL, &progress, err);
+        status = iso_render_with(&(iso_render_request){&renderers, pyramid, given.level, &view, &o, &progress}, image,
+                                 NULL, err);
     iso_renderers_end(&renderers);
     iso_view_destroy(&view);
     return status;

@@ -121,26 +121,24 @@ static void apply_hook(const iso_renderers *r, iso_image *image)
         r->after.change(r->after.user, image);
 }
 
-iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                           const iso_render_options *opt, iso_image *image, double *seconds,
-                           const iso_progress *progress, iso_error *err)
+iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
 {
-    const iso_render_request q = {r, p, level, view, opt, progress};
+    const iso_render_options *opt = frame->options;
     const bool is_program = iso_renderer_has(opt->renderer, ISO_IS_PROGRAM);
     iso_render_stats stats = {0};
     *image = (iso_image){0};
-    iso_status status = check(&q, err);
+    iso_status status = check(frame, err);
     if (status != ISO_OK)
         return status;
     const double start = iso_clock_seconds();
-    status = opt->renderer->render(&q, image, &stats, err);
+    status = opt->renderer->render(frame, image, &stats, err);
     const double all = iso_clock_seconds() - start;
     if (stats.count == 0)
         iso_render_stats_sum_up(&stats, &all, 1);
     if (is_program)
         stats.setup_seconds = fmax(all - stats.seconds, 0);
     if (status == ISO_OK)
-        apply_hook(r, image);
+        apply_hook(frame->renderers, image);
     if (seconds) /* where a frame is told apart from its textures, the frame: it is what is drawn again and again */
         *seconds = !is_program && stats.setup_seconds > 0 ? stats.seconds : all;
     if (opt->stats)
@@ -164,9 +162,11 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
             apply_hook(r, &images[i]);
         return status;
     }
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = iso_render_with(q->renderers, q->pyramid, q->level, q->view, &frames[i], &images[i], NULL, q->progress,
-                                 err);
+    iso_render_request one = *q;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        one.options = &frames[i];
+        status = iso_render_with(&one, &images[i], NULL, err);
+    }
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     return status;

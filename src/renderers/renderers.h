@@ -232,11 +232,9 @@ double iso_render_step_voxels(const iso_level *level, const iso_render_options *
 /* The longest ray through a level, in its smallest spacing. */
 double iso_level_chord_voxels(const iso_level *level);
 
-/* ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the view or
- * the options ask for. *seconds may be NULL. */
-iso_status iso_render_with(iso_renderers *r, const iso_pyramid *p, size_t level, const iso_view *view,
-                           const iso_render_options *opt, iso_image *image, double *seconds,
-                           const iso_progress *progress, iso_error *err);
+/* One image. ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the
+ * view or the options ask for. *seconds may be NULL. */
+iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err);
 
 /* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of
  * frames->options[i]. All or none are created. */

@@ -156,7 +156,8 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
     opt.source = source;
     opt.intervals = intervals;
     opt.threads = v->threads;
-    return iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, image, NULL, v->progress, err);
+    return iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress}, image,
+                           NULL, err);
 }
 
 /* The reference itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
@@ -218,8 +219,9 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *
     snprintf(b, sizeof b, "%s, exact lookups", renderer->name);
     begin_row(v, level, what);
     opt.exact_lookups = true;
-    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress,
-                                        err);
+    iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
+                                                              v->progress},
+                                        &image, NULL, err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups"}, err);
     iso_image_destroy(&image);
@@ -255,7 +257,8 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     if (status == ISO_OK)
         status = add_image(v, same.image_name, &same.image, same.name, err);
     if (status == ISO_OK)
-        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+        status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
+                                 &image, NULL, err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, &same, &(compared){what, &image, renderer, options}, err);
     if (status == ISO_OK && lock->exact.max_abs > 0 && v->scene->agreement.sharp)
@@ -317,8 +320,9 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     opt.source = exported_source(v);
     name_image(v, level, "reference", a.image_name);
     begin_row(v, level, a.name);
-    iso_status status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &a.image, NULL, v->progress,
-                                        err);
+    iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
+                                                              v->progress},
+                                        &a.image, NULL, err);
     if (status == ISO_OK)
         status = add_image(v, a.image_name, &a.image, a.name, err);
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
@@ -339,7 +343,8 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         }
         opt.renderer = renderer;
         begin_row(v, level, row.b);
-        status = iso_render_with(&v->renderers, v->pyramid, level, v->view, &opt, &image, NULL, v->progress, err);
+        status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
+                                 &image, NULL, err);
         if (status == ISO_OK)
             status = add_row(v, level, &row, &a, &(compared){row.b, &image, renderer, options}, err);
         iso_image_destroy(&image);

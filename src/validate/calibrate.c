@@ -92,8 +92,9 @@ static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_in
     iso_render_options opt = iso_render_defaults(which);
     iso_plant(planted, &s->pyramid, 0, &s->view);
     r->after = iso_planted_hook(planted);
-    iso_status status = iso_render_with(r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &opt, &s->got, NULL,
-                                        NULL, err);
+    iso_status status = iso_render_with(&(iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view,
+                                                              &opt, NULL},
+                                        &s->got, NULL, err);
     r->after = (iso_image_hook){0};
     return status;
 }

@@ -48,7 +48,8 @@ static iso_status render_view(iso_validation *v, const level_shown *s, size_t i,
     if (s->adapted)
         shown.tf = v->level_tfs[s->level].table;
     if (status == ISO_OK)
-        status = iso_render_with(&v->renderers, s->pyramid, s->level, &shown, &opt, image, NULL, NULL, err);
+        status = iso_render_with(&(iso_render_request){&v->renderers, s->pyramid, s->level, &shown, &opt, NULL}, image,
+                                 NULL, err);
     iso_view_destroy(&view);
     return status;
 }
