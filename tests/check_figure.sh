@@ -118,6 +118,12 @@ check a_limit_keeps_its_comma words_are_all_there renderers/figure.pdf "gl gl, l
 expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers --variant adapted -o variant
 check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
 check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
+# Rows that name their renderer are read by that, whatever they are called.
+mkdir -p named && cp -r methods/images named && sed 's/"b": "gl, naive, adapted TF"/"b": "x", "renderer": "gl", "comparison": "limit", "variant": "naive"/; s/"b": "gl"/"b": "y, z", "renderer": "gl", "comparison": "lock-step", "variant": ""/' methods/report.json >named/report.json
+expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --kind renderers -o named_renderers
+check are_shown_by_it test "$(cut -d, -f9 named_renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
+expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --kind renderers --variant naive -o named_variant
+check is_found_by_it test "$(cut -d, -f9 named_variant/figure.csv | grep gl)" = "gl; limit; naive"
 refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
 sed '0,/"scene": "s", "level"/s//"scene": "other", "level"/' four/report.json >r.json && cp -r four suite && mv r.json suite/report.json
 refuse a_suite_has_many_scenes 5 'has 2 scenes, --scene chooses one: ' "$ISOSHADE" figure suite --kind renderers -o f

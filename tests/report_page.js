@@ -102,7 +102,7 @@
 
         const filter = name => $(`#agreement select[data-filter=${name}]`), search = $('#agreement input[type=search]');
         await choose(filter('renderer'), 'povray', 'change');
-        const povray = data.agreement.filter(r => r.b.startsWith('povray')).length;
+        const povray = data.agreement.filter(r => r.renderer === 'povray').length;
         say('filter', povray > 0 && listed().length === povray && texts(4).every(t => t.startsWith('povray')) && $('#agreement .count').textContent.startsWith(`${povray} of`));
         await choose(search, 'LIMIT povray', 'input');
         say('words', listed().length > 0 && texts(4).every(t => t.startsWith('povray, limit')));

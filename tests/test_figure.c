@@ -71,7 +71,7 @@ static char *make_report(const char *name, double mm_per_pixel)
     iso_report_agreement row = {.level = 1,
                                 .scene = "s",
                                 .a = "reference",
-                                .b = "gl",
+                                .renderer = "gl",
                                 .image_a = "fine",
                                 .image_b = "m0-1",
                                 .tolerances = {.rmse = 1},

@@ -84,13 +84,13 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 }
 
 /* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
-static const char *judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp,
+static iso_verdict judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp,
                          char gate[64])
 {
     iso_extrapolated limit;
     iso_limit_options opt = iso_limit_defaults();
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
-    iso_report_agreement row = {.a = "a", .b = "b"};
+    iso_report_agreement row = {.a = "a", .renderer = "b"};
     opt.step_voxels = 1.0 / 16;
     opt.factor = sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth, which,
@@ -169,7 +169,7 @@ static void the_ray_caster_has_the_reference_for_its_limit(void **state)
     for (int sharp = 0; sharp < 2; ++sharp) {
         subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
         iso_image truth = reference(&s);
-        assert_string_equal(judge(&s, &truth, &iso_renderer_gl, sharp, gate), "agree");
+        assert_int_equal(judge(&s, &truth, &iso_renderer_gl, sharp, gate), ISO_VERDICT_AGREE);
         iso_image_destroy(&truth);
         close_subject(&s);
     }
@@ -188,7 +188,7 @@ static void planted_faults_move_the_limit_out_of_its_bars(void **state)
         subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
         char gate[64];
         iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
-        if (strcmp(judge(&wrong, &truth, &iso_renderer_gl, false, gate), "differ") != 0)
+        if (judge(&wrong, &truth, &iso_renderer_gl, false, gate) != ISO_VERDICT_DIFFER)
             fail_msg("not caught: %s", iso_fault_name(faults[i]));
         assert_string_equal(gate, "left of the error by halving the step");
         close_subject(&wrong);
@@ -198,12 +198,12 @@ static void planted_faults_move_the_limit_out_of_its_bars(void **state)
 }
 
 /* The verdict at a coarse start, and where the halving ended. */
-static const char *judge_from_afar(const subject *s, const iso_image *truth, bool sharp, double hopeless, double *step)
+static iso_verdict judge_from_afar(const subject *s, const iso_image *truth, bool sharp, double hopeless, double *step)
 {
     iso_extrapolated limit;
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_limit_options opt = iso_validate_limit_options(&asked, &iso_renderer_gl, 2, 0);
-    iso_report_agreement row = {.a = "a", .b = "b"};
+    iso_report_agreement row = {.a = "a", .renderer = "b"};
     opt.step_voxels = 0.25;
     opt.hopeless = hopeless;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s->pyramid, 0, &s->view, NULL, NULL}, truth,
@@ -228,10 +228,10 @@ static void what_is_hopeless_would_be_rejected_in_the_end(void **state)
             subject wrong = open_subject(ISO_FIELD_NOISE, true, sharp);
             double step, last;
             iso_plant(&planted, &wrong.pyramid, 0, &wrong.view);
-            const char *verdict = judge_from_afar(&wrong, &truth, sharp, 5, &step);
-            assert_string_equal(verdict, judge_from_afar(&wrong, &truth, sharp, INFINITY, &last));
+            const iso_verdict verdict = judge_from_afar(&wrong, &truth, sharp, 5, &step);
+            assert_int_equal(verdict, judge_from_afar(&wrong, &truth, sharp, INFINITY, &last));
             sooner += step > last;
-            agreed += strcmp(verdict, "agree") == 0;
+            agreed += verdict == ISO_VERDICT_AGREE;
             close_subject(&wrong);
         }
         iso_image_destroy(&truth);
@@ -253,10 +253,10 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     opt.step_voxels = opt.finest_voxels = 0.5;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
                              &iso_renderer_gl, &opt, &limit, &err));
-    iso_report_agreement row = {.a = "a", .b = "b"};
+    iso_report_agreement row = {.a = "a", .renderer = "b"};
     assert_ok(iso_metrics_measure(&truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
-    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     assert_more_than(limit.bar, opt.wanted_bar);
     iso_extrapolated_destroy(&limit);
     iso_image_destroy(&truth);

@@ -91,7 +91,8 @@ static void add_consistency(iso_report *r)
 static void add_agreement(iso_report *r)
 {
     const double biases[] = {2e-7, 3e-6, 4e-5, 2e-3};
-    const char *const renderers[] = {"gl, codes", "povray, lock-step", "cycles, h/16", "gl, on the fly"};
+    const char *const renderers[] = {"gl", "povray", "cycles", "gl"}, *const variants[] = {"codes", "", "h/16",
+                                                                                           "on the fly"};
     iso_image reference = ball(example_size, 0, 0, 0);
     add_image(r, "reference-0", &reference);
     for (size_t level = 0; level < 2; ++level)
@@ -101,7 +102,8 @@ static void add_agreement(iso_report *r)
             snprintf(name, sizeof name, "image%d-level%zu", k, level);
             add_image(r, name, &image);
             iso_report_agreement row = compare(&reference, &image);
-            row.level = level, row.scene = "smooth <head> & \"neck\"", row.a = "reference", row.b = renderers[k];
+            row.level = level, row.scene = "smooth <head> & \"neck\"", row.a = "reference", row.renderer = renderers[k],
+            row.variant = variants[k];
             row.image_a = "reference-0", row.image_b = name, row.tier = "tight";
             row.error_bar = biases[k] / 2, row.tolerances = (iso_tolerances){.rmse = 1e-4, .max_abs = 1e-3};
             row.why = "same sampling in single precision: rounding of 1e-7 a sample over 300 samples.";
@@ -113,7 +115,8 @@ static void add_agreement(iso_report *r)
     iso_report_agreement refused = {.level = 1,
                                     .scene = "thin shells",
                                     .a = "reference",
-                                    .b = "cycles, h/16",
+                                    .renderer = "cycles",
+                                    .variant = "h/16",
                                     .error_bar = NAN,
                                     .refused = "Cycles failed its slab calibration: 0.02, limit 0.001",
                                     .tolerances = {.rmse = 1e-3}};
@@ -284,7 +287,7 @@ static void the_sentence_tells_each_outcome(void **state)
     const iso_report_about about = {.title = "nothing"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_false(iso_report_summarise(r).good); /* nothing compared is not agreement */
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
+    iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_true(iso_report_summarise(r).good);
     assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL}, &err));
@@ -309,7 +312,7 @@ static void a_refusal_is_told_as_what_it_is(void **state)
     char *dir = inside("refusal");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
+    iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_ok(iso_report_add_agreement(r, &row, &err));
     row.refused = "missing: povray";
@@ -359,7 +362,7 @@ static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
     char *dir = inside("nothing"), *path = inside("nothing.xml"), *xml;
     iso_report *r;
     const iso_report_about about = {.title = "t"};
-    iso_report_agreement row = {.scene = "dark", .a = "a", .b = "b", .error_bar = NAN, .informative = true};
+    iso_report_agreement row = {.scene = "dark", .a = "a", .renderer = "b", .error_bar = NAN, .informative = true};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
@@ -368,7 +371,8 @@ static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     row.refused = "no such program";
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    row = (iso_report_agreement){.scene = "bright", .a = "a", .b = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
+    row = (iso_report_agreement){
+        .scene = "bright", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
@@ -391,26 +395,26 @@ static void gates_decide_too(void **state)
     assert_ok(iso_report_create(&r, dir, &about, &err));
     iso_report_agreement row = {.scene = "s",
                                 .a = "a",
-                                .b = "b",
+                                .renderer = "b",
                                 .error_bar = 1e-4,
                                 .tolerances = {.rmse = 1},
                                 .gate_count = 2,
                                 .gates = {{ISO_GATE_ERROR_BAR, 1e-4, 4e-4}, {ISO_GATE_PIXELS, 0, 0}}};
-    assert_string_equal(iso_report_verdict(&row), "agree");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_AGREE);
     row.tolerances = (iso_tolerances){0}; /* gates alone are enough */
-    assert_string_equal(iso_report_verdict(&row), "agree");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_AGREE);
     row.metrics.nonfinite_count = 1;
-    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     row.metrics.nonfinite_count = 0;
     row.gates[0].value = NAN;
-    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     row.gates[0].value = 1e-4;
     row.tolerances.rmse = 1;
     row.metrics.rmse = 2; /* nor do gates make up for a metric */
-    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     row.metrics.rmse = 0.5;
     row.gates[1].value = 3;
-    assert_string_equal(iso_report_verdict(&row), "differ");
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     json_t *facts = json_pack("{s:f}", "order", 1.5);
     row.statistics = facts;
     assert_ok(iso_report_add_agreement(r, &row, &err));
@@ -507,7 +511,7 @@ static void bad_names_are_refused(void **state)
     assert_ok(iso_report_add_image(r, "a", &image, NULL, NULL, &err));
     assert_ok(iso_report_add_image(r, "small", &small, NULL, NULL, &err));
     assert_status(iso_report_add_image(r, "a", &image, NULL, NULL, &err), ISO_E_RANGE);
-    iso_report_agreement row = {.scene = "s", .a = "a", .b = "b", .image_a = "a", .image_b = "none"};
+    iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .image_a = "a", .image_b = "none"};
     assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);
     row.image_b = "small";
     assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);

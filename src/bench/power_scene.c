@@ -249,7 +249,7 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
 
 static bool is_rejected(const iso_report_agreement *row)
 {
-    return strcmp(iso_report_verdict(row), "agree") != 0;
+    return iso_report_verdict(row) != ISO_VERDICT_AGREE;
 }
 
 static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,

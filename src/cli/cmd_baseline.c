@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "options/cli.h"
 #include "report/baseline.h"
+#include "report/rows.h"
 
 typedef struct baseline_arguments {
     double factor, floor;
@@ -82,8 +83,8 @@ static iso_status accept(const iso_cli *cli, const char *path, const json_t *now
     iso_status status = iso_json_save(path, now, err);
     json_object_foreach(json_object_get(now, "rows"), name, row)
     {
-        const char *verdict = json_string_value(json_object_get(row, "verdict"));
-        bad += verdict && (strcmp(verdict, "differ") == 0 || strcmp(verdict, "refused") == 0);
+        const iso_verdict verdict = iso_row_verdict(row);
+        bad += verdict == ISO_VERDICT_DIFFER || verdict == ISO_VERDICT_REFUSED;
     }
     if (status == ISO_OK && !cli->quiet)
         fprintf(stderr, "%s: %zu rows accepted, %zu of which do not agree\n", path,

@@ -121,8 +121,10 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
     iso_status status = ISO_OK;
     json_array_foreach(json_object_get(report, "agreement"), i, row)
     {
+        char of[ISO_ROW_NAME_BYTES];
+        iso_row_name_of(row, of);
         snprintf(name, sizeof name, "agreement/%s/level %lld/%s/%s/%s", string_of(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), string_of(row, "b"),
+                 (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), of,
                  string_of(row, "tier"));
         if (status == ISO_OK)
             status = take_row(rows, row, name, agreement_keys, &figures, err);
@@ -169,18 +171,6 @@ static void note(iso_baseline_result *r, const char *row, const char *key, const
         json_array_append_new(r->changes, o);
 }
 
-/* How little a verdict says for a row: less certain is worse, also where nothing is known to be wrong. */
-static int badness(const json_t *verdict)
-{
-    static const char *const words[] = {"agree", "pass", "reported", "refused", "differ", "fail"};
-    static const int how_bad[] = {0, 0, 1, 2, 3, 3};
-    const char *word = json_string_value(verdict);
-    for (size_t i = 0; word && i < sizeof words / sizeof *words; ++i)
-        if (strcmp(word, words[i]) == 0)
-            return how_bad[i];
-    return 4;
-}
-
 static bool ends_with(const char *text, const char *end)
 {
     const size_t length = strlen(text), tail = strlen(end);
@@ -192,7 +182,8 @@ static void compare_figure(const char *row, const char *key, const json_t *befor
 {
     int step; /* above 0: worse */
     if (json_is_string(before)) {
-        step = badness(after) - badness(before);
+        /* How little it says: less certain is worse, also where nothing is known to be wrong. */
+        step = iso_verdict_doubt(iso_verdict_from(after)) - iso_verdict_doubt(iso_verdict_from(before));
     } else {
         double old = json_number_value(before), new = json_number_value(after);
         if (ends_with(key, part_suffix))

@@ -250,7 +250,9 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
     panel middle = {.row = 1, .column = column, .image = b},
           bottom = {.row = 2, .column = column, .image = b, .against = a};
-    snprintf(top.title, sizeof top.title, "%.60s%s", string_of(row, "b"),
+    char name[ISO_ROW_NAME_BYTES];
+    iso_row_name_of(row, name);
+    snprintf(top.title, sizeof top.title, "%.60s%s", name,
              strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
     if (column == 0) {
         snprintf(top.side, sizeof top.side, "reference");
@@ -266,30 +268,35 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
         return status;
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.2g|max %.2g", added->metrics.rmse, added->metrics.max_abs);
-    fprintf(f->caption, " %s against %s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", string_of(row, "b"),
+    fprintf(f->caption, " %s against %s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", name,
             string_of(row, "a"), added->metrics.rmse, added->metrics.max_abs, added->metrics.flip_mean,
             string_of(row, "verdict"));
     return ISO_OK;
 }
 
-/* The renderers themselves, or those whose name says the variant. Names are "gl", "gl, limit", "gl, naive, adapted TF". */
+/* The renderers themselves under the scene's own TF, or those whose variant has the wanted words. */
 static bool is_shown(const json_t *row, const iso_figure_options *opt)
 {
-    const char *name = string_of(row, "b"), *rest = strchr(name, ',');
+    const iso_row_identity id = iso_row_identify(row);
     if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level ||
-        strcmp(string_of(row, "verdict"), "refused") == 0)
+        iso_row_verdict(row) == ISO_VERDICT_REFUSED)
         return false;
     if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] ||
         (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
         return false;
-    return opt->variant ? strstr(name, opt->variant) != NULL : !rest || strcmp(rest, ", limit") == 0;
+    if (opt->variant)
+        return strstr(id.variant, opt->variant) || strstr(iso_comparison_word(id.comparison), opt->variant);
+    return !id.variant[0] && id.comparison != ISO_COMPARISON_EXACT;
 }
 
 /* Renderers stand together, whatever order the report has. */
 static int by_renderer(const void *a, const void *b)
 {
     const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
-    int order = strcmp(string_of(x, "b"), string_of(y, "b"));
+    char of_x[ISO_ROW_NAME_BYTES], of_y[ISO_ROW_NAME_BYTES];
+    iso_row_name_of(x, of_x);
+    iso_row_name_of(y, of_y);
+    int order = strcmp(of_x, of_y);
     return order ? order : strcmp(string_of(x, "tier"), string_of(y, "tier"));
 }
 

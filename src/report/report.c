@@ -193,16 +193,16 @@ static bool has_tolerances(const iso_tolerances *l)
     return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
 }
 
-const char *iso_report_verdict(const iso_report_agreement *row)
+iso_verdict iso_report_verdict(const iso_report_agreement *row)
 {
     if (row->refused)
-        return "refused";
+        return ISO_VERDICT_REFUSED;
     if (row->informative && row->metrics.nonfinite_count == 0)
-        return "reported";
+        return ISO_VERDICT_REPORTED;
     bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances)
                        ? row->metrics.nonfinite_count == 0
                        : iso_metrics_within(&row->metrics, &row->tolerances);
-    return metrics && gates_hold(row) ? "agree" : "differ";
+    return metrics && gates_hold(row) ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER;
 }
 
 static const struct {
@@ -283,8 +283,12 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     if (status != ISO_OK)
         return status;
     double worst = severity(row);
-    json_t *o = json_pack("{s:I, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level, "scene", text(row->scene), "a",
-                          text(row->a), "b", text(row->b), "tier", text(row->tier));
+    char name[ISO_ROW_NAME_BYTES];
+    const char *renderer = row->renderer ? row->renderer : "", *variant = row->variant ? row->variant : "";
+    iso_row_name(renderer, row->comparison, variant, name);
+    json_t *o = json_pack("{s:I, s:o, s:o, s:s, s:s, s:s, s:s, s:o}", "level", (json_int_t)row->level, "scene",
+                          text(row->scene), "a", text(row->a), "b", name, "renderer", renderer, "comparison",
+                          iso_comparison_word(row->comparison), "variant", variant, "tier", text(row->tier));
     if (row->refused) {
         const iso_metrics none = {
             .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
@@ -293,7 +297,7 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));
     }
     json_object_set_new(o, "error_bar", iso_json_number(row->error_bar));
-    json_object_set_new(o, "verdict", json_string(iso_report_verdict(row)));
+    json_object_set_new(o, "verdict", json_string(iso_verdict_word(iso_report_verdict(row))));
     json_object_set_new(o, "severity", iso_json_number(worst));
     json_object_set_new(o, "limits", tolerances_json(&row->tolerances));
     json_object_set_new(o, "gates", gates_json(row));
@@ -345,28 +349,28 @@ iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibratio
     bool pass = fabs(row->value) <= row->limit; /* NaN fails */
     json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
                           text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit),
-                          "unit", text(row->unit), "verdict", pass ? "pass" : "fail", "detail", text(row->detail));
+                          "unit", text(row->unit), "verdict",
+                          iso_verdict_word(pass ? ISO_VERDICT_PASS : ISO_VERDICT_FAIL), "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
-static size_t count_verdicts(const iso_report *r, const char *list, const char *verdict)
+static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict verdict)
 {
     size_t i, count = 0;
     json_t *row;
-    json_array_foreach(json_object_get(r->root, list), i, row)
-        count += strcmp(json_string_value(json_object_get(row, "verdict")), verdict) == 0;
+    json_array_foreach(json_object_get(r->root, list), i, row) count += iso_row_verdict(row) == verdict;
     return count;
 }
 
 iso_report_summary iso_report_summarise(const iso_report *r)
 {
     iso_report_summary s = {
-        .agreed = count_verdicts(r, "agreement", "agree"),
-        .differed = count_verdicts(r, "agreement", "differ"),
-        .refused = count_verdicts(r, "agreement", "refused"),
-        .reported = count_verdicts(r, "agreement", "reported"),
-        .calibrations_passed = count_verdicts(r, "calibration", "pass"),
-        .calibrations_failed = count_verdicts(r, "calibration", "fail"),
+        .agreed = count_verdicts(r, "agreement", ISO_VERDICT_AGREE),
+        .differed = count_verdicts(r, "agreement", ISO_VERDICT_DIFFER),
+        .refused = count_verdicts(r, "agreement", ISO_VERDICT_REFUSED),
+        .reported = count_verdicts(r, "agreement", ISO_VERDICT_REPORTED),
+        .calibrations_passed = count_verdicts(r, "calibration", ISO_VERDICT_PASS),
+        .calibrations_failed = count_verdicts(r, "calibration", ISO_VERDICT_FAIL),
     };
     size_t judged = s.agreed + s.differed + s.refused;
     s.good = s.agreed > 0 && s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0;
@@ -396,14 +400,11 @@ iso_report_summary iso_report_summarise(const iso_report *r)
 
 static double sort_key(const json_t *row)
 {
-    const char *verdict = json_string_value(json_object_get(row, "verdict"));
+    static const int groups[] = {
+        [ISO_VERDICT_DIFFER] = 3, [ISO_VERDICT_REFUSED] = 2, [ISO_VERDICT_AGREE] = 1, [ISO_VERDICT_UNKNOWN] = 0};
     const json_t *value = json_object_get(row, "severity");
     double worst = json_is_number(value) ? fmin(json_number_value(value), 1e300) : 1e300;
-    int group = strcmp(verdict, "differ") == 0    ? 3
-                : strcmp(verdict, "refused") == 0 ? 2
-                : strcmp(verdict, "agree") == 0   ? 1
-                                                  : 0;
-    return group * 1000 + log10(fmax(worst, 1e-300));
+    return groups[iso_row_verdict(row)] * 1000 + log10(fmax(worst, 1e-300));
 }
 
 static int worst_first(const void *a, const void *b)
@@ -445,7 +446,8 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     if (status != ISO_OK)
         return status;
     iso_report_summary summary = iso_report_summarise(r);
-    json_object_set_new(r->root, "verdict", json_string(summary.good ? "agree" : "differ"));
+    json_object_set_new(r->root, "verdict",
+                        json_string(iso_verdict_word(summary.good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
     json_object_set_new(r->root, "sentence", json_string(summary.sentence));
     if (!json_object_get(json_object_get(r->root, "seconds"), "total"))
         iso_report_put(r, "seconds", "total", json_real(iso_clock_seconds() - r->start_seconds));

@@ -16,6 +16,7 @@
 
 #include "base/json.h"
 #include "compare/metrics.h"
+#include "report/rows.h"
 
 typedef struct iso_report iso_report;
 
@@ -74,8 +75,12 @@ enum { ISO_REPORT_MAX_GATES = 6 };
 
 /* Two images that should agree. */
 typedef struct iso_report_agreement {
-    size_t level, order;           /* rows stand in ascending order, those of one order as they came */
-    const char *scene, *a, *b;     /* renderers, with what sets them apart: "gl, codes" */
+    size_t level, order; /* rows stand in ascending order, those of one order as they came */
+    const char *scene;
+    const char *a;                 /* what it is compared with: "reference", "closed form" ... */
+    const char *renderer;          /* of image b: its name in the table of renderers */
+    iso_comparison comparison;     /* how b was made */
+    const char *variant;           /* directions and TF of b: "naive, adapted TF"; NULL or "": the scene's own */
     const char *image_a, *image_b; /* names given to iso_report_add_image(), or NULL */
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
     iso_metrics metrics;
@@ -90,8 +95,8 @@ typedef struct iso_report_agreement {
     const char *refused; /* the calibration that failed, with its value; NULL: compared */
     bool informative;    /* reported, without a gate */
 } iso_report_agreement;
-/* "agree", "differ", "refused" or "reported". */
-const char *iso_report_verdict(const iso_report_agreement *row);
+/* Agree, differ, refused or reported. */
+iso_verdict iso_report_verdict(const iso_report_agreement *row);
 /* Keeps the row with its verdict. */
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 

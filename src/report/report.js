@@ -204,7 +204,7 @@ function statisticsText(row) {
 }
 
 // ---- the table of agreement: sorted and filtered by its reader --------------------
-const renderer = row => row.b.split(',')[0];
+const renderer = row => row.renderer;
 const severityOf = row => row.verdict === 'reported' ? -1 : row.severity ?? Infinity;
 const verdicts = ['reported', 'agree', 'refused', 'differ'];
 // heading, what it sorts by (numbers: the largest first), numeric

@@ -144,18 +144,6 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     return status;
 }
 
-const char *iso_row_text(const json_t *row, const char *key)
-{
-    const char *s = json_string_value(json_object_get(row, key));
-    return s ? s : "";
-}
-
-double iso_row_number(const json_t *row, const char *key)
-{
-    const json_t *value = json_object_get(row, key);
-    return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
 /* A comma becomes a semicolon and a quote an apostrophe: gnuplot's strcol() reads no quoted commas. */
 static void put_field(FILE *f, const char *s)
 {
@@ -171,10 +159,10 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
     json_array_foreach(rows, i, row)
     {
         const json_t *limits = json_object_get(row, "limits");
-        char label[256];
+        char label[400], name[ISO_ROW_NAME_BYTES];
+        iso_row_name_of(row, name);
         snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"),
-                 iso_row_text(row, "b"));
+                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"), name);
         put_field(f, label);
         fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", iso_row_number(row, "rmse"), iso_row_number(limits, "rmse"),
                 iso_row_number(row, "max_abs"), iso_row_number(limits, "max_abs"), iso_row_number(row, "error_bar"),

@@ -5,10 +5,7 @@
 
 #include "base/json.h"
 #include "image/image.h"
-
-/* Of a row: "" and NaN where there is none; gnuplot leaves NaN out. */
-const char *iso_row_text(const json_t *row, const char *key);
-double iso_row_number(const json_t *row, const char *key);
+#include "report/rows.h"
 
 /* images/ and charts/. */
 iso_status iso_report_files_begin(const char *dir, iso_error *err);

@@ -28,9 +28,9 @@ static void put_xml(FILE *f, const char *s)
     }
 }
 
-static bool has_verdict(const json_t *row, const char *verdict)
+static bool has_verdict(const json_t *row, iso_verdict verdict)
 {
-    return strcmp(iso_row_text(row, "verdict"), verdict) == 0;
+    return iso_row_verdict(row) == verdict;
 }
 
 /* name="..." and time="..."; the element is left open. */
@@ -77,20 +77,22 @@ static void put_why_it_differs(FILE *f, const json_t *row)
 
 static void put_agreement_case(FILE *f, const json_t *row)
 {
+    char name[ISO_ROW_NAME_BYTES];
+    iso_row_name_of(row, name);
     put_case(f, "agreement", iso_row_text(row, "scene"), row);
     fprintf(f, "level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
     put_xml(f, iso_row_text(row, "a"));
     fputs(" against ", f);
-    put_xml(f, iso_row_text(row, "b"));
+    put_xml(f, name);
     if (iso_row_text(row, "tier")[0]) {
         fputs(", ", f);
         put_xml(f, iso_row_text(row, "tier"));
     }
-    if (has_verdict(row, "agree")) {
+    if (has_verdict(row, ISO_VERDICT_AGREE)) {
         fputs("\"/>\n", f);
         return;
     }
-    if (has_verdict(row, "differ")) {
+    if (has_verdict(row, ISO_VERDICT_DIFFER)) {
         fputs("\">\n      <failure type=\"differ\" message=\"", f);
         put_why_it_differs(f, row);
         fputs("\">", f);
@@ -109,7 +111,7 @@ static void put_calibration_case(FILE *f, const json_t *row)
     const bool measured = json_is_number(json_object_get(row, "value"));
     put_case(f, "calibration", iso_row_text(row, "renderer"), row);
     put_xml(f, iso_row_text(row, "check"));
-    if (has_verdict(row, "pass")) {
+    if (has_verdict(row, ISO_VERDICT_PASS)) {
         fputs("\"/>\n", f);
         return;
     }
@@ -163,7 +165,7 @@ static json_t *scenes_not_compared(const json_t *rows)
     if (json_array_size(rows) == 0)
         json_object_set_new(open, "", json_true());
     json_array_foreach(rows, i, row) json_object_set_new(open, iso_row_text(row, "scene"), json_true());
-    json_array_foreach(rows, i, row) if (has_verdict(row, "agree") || has_verdict(row, "differ"))
+    json_array_foreach(rows, i, row) if (has_verdict(row, ISO_VERDICT_AGREE) || has_verdict(row, ISO_VERDICT_DIFFER))
         json_object_del(open, iso_row_text(row, "scene"));
     return open;
 }
@@ -194,11 +196,11 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     failures = json_object_size(open);
     json_array_foreach(rows, i, row)
     {
-        const bool failed = has_verdict(row, "differ") || has_verdict(row, "fail"),
+        const bool failed = has_verdict(row, ISO_VERDICT_DIFFER) || has_verdict(row, ISO_VERDICT_FAIL),
                    nothing = json_is_null(json_object_get(row, "value"));
         failures += failed && !nothing;
         errors += failed && nothing;
-        skipped += has_verdict(row, "refused") || has_verdict(row, "reported");
+        skipped += has_verdict(row, ISO_VERDICT_REFUSED) || has_verdict(row, ISO_VERDICT_REPORTED);
         seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
     }
     gethostname(host, sizeof host - 1);

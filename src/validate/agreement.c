@@ -84,22 +84,23 @@ typedef struct compared {
     const char *options; /* of the command that makes it again */
 } compared;
 
-/* A row, its image b and what they have in common; *row has names, tolerances and gates. */
+/* A row, its image b and what they have in common; *row has its comparison, tier, tolerances and gates. */
 static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a,
                           const compared *with, iso_error *err)
 {
     const iso_image *b = with->image;
-    char name[96], b_name[128];
+    char name[96], caption[ISO_ROW_NAME_BYTES];
     name_image(v, level, with->what, name);
-    snprintf(b_name, sizeof b_name, "%s%s%s", row->b, v->variant[0] ? ", " : "", v->variant);
-    row->b = b_name;
+    row->renderer = with->renderer->name;
+    row->variant = v->variant;
+    iso_row_name(row->renderer, row->comparison, row->variant, caption);
     row->level = level;
     row->order = v->order;
     row->scene = v->scene_name;
     row->a = row->a ? row->a : a->name;
     row->image_a = a->image_name;
     row->image_b = name;
-    iso_status status = add_image(v, name, b, row->b, err);
+    iso_status status = add_image(v, name, b, caption, err);
     if (status == ISO_OK)
         status = iso_metrics_measure(&a->image, b, &row->metrics, err);
     /* Two empty images prove nothing, unless emptiness is the scene's point. */
@@ -129,19 +130,19 @@ static bool is_refused(const iso_validation *v, const iso_renderer_info *rendere
     return refusal->status != ISO_OK || lacks;
 }
 
-static iso_status add_refusal(iso_validation *v, size_t level, const char *a, const iso_renderer_info *renderer,
-                              const char *tier, const char *why, iso_error *err)
+/* The same of a row that is refused: *row has its comparison and tier. */
+static iso_status add_refusal(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
+                              const iso_renderer_info *renderer, const char *why, iso_error *err)
 {
-    char b_name[128];
-    snprintf(b_name, sizeof b_name, "%s%s%s", renderer->name, v->variant[0] ? ", " : "", v->variant);
-    const iso_report_agreement row = {.level = level,
-                                      .order = v->order,
-                                      .scene = v->scene_name,
-                                      .a = a,
-                                      .b = b_name,
-                                      .tier = tier,
-                                      .error_bar = NAN,
-                                      .refused = why};
+    row.level = level;
+    row.order = v->order;
+    row.scene = v->scene_name;
+    row.a = a;
+    row.renderer = renderer->name;
+    row.variant = v->variant;
+    row.error_bar = NAN;
+    row.tolerances = (iso_tolerances){0};
+    row.refused = why;
     return iso_report_add_agreement(v->report, &row, err);
 }
 
@@ -164,7 +165,7 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
 static iso_status check_reference(iso_validation *v, size_t level, const truth *formula, iso_error *err)
 {
     iso_image image = {0};
-    iso_report_agreement row = {.b = "reference",
+    iso_report_agreement row = {.comparison = ISO_COMPARISON_CLOSED_FORM,
                                 .tier = iso_tier_name(ISO_TIER_CLOSED_FORM),
                                 .error_bar = NAN,
                                 .tolerances = {.max_abs = 5e-6},
@@ -209,14 +210,13 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *
 {
     const iso_renderer_info *renderer = opt.renderer;
     iso_image image = {0};
-    char what[64], b[64];
-    iso_report_agreement row = {.b = b,
+    char what[64];
+    iso_report_agreement row = {.comparison = ISO_COMPARISON_EXACT,
                                 .tier = "lock-step",
                                 .error_bar = NAN,
                                 .tolerances = exact_lock_step_tolerances(renderer),
                                 .why = renderer->lock_step->exact_why};
     snprintf(what, sizeof what, "%s-lockstep-exact", renderer->name);
-    snprintf(b, sizeof b, "%s, exact lookups", renderer->name);
     begin_row(v, level, what);
     opt.exact_lookups = true;
     iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
@@ -236,13 +236,13 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     char what[64], reference[80], options[64] = "", why[512];
     iso_image image = {0};
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.b = renderer->name,
+    iso_report_agreement row = {.comparison = ISO_COMPARISON_LOCK_STEP,
                                 .tier = "lock-step",
                                 .error_bar = NAN,
                                 .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
     if (is_refused(v, renderer, why))
-        return add_refusal(v, level, same.name, renderer, row.tier, why, err);
+        return add_refusal(v, level, row, same.name, renderer, why, err);
     snprintf(what, sizeof what, "%s-lockstep", renderer->name);
     begin_row(v, level, what);
     opt.threads = v->threads;
@@ -275,15 +275,14 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
 {
     const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
-    char what[64], options[64], b[64], why[512];
+    char what[64], options[64], why[512];
     iso_extrapolated limit = {0};
-    iso_report_agreement row = {.b = b,
+    iso_report_agreement row = {.comparison = ISO_COMPARISON_LIMIT,
                                 .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE
                                                                                     : asked->tier),
                                 .why = asked->why};
-    snprintf(b, sizeof b, "%s, limit", renderer->name);
     if (is_refused(v, renderer, why))
-        return add_refusal(v, level, a->name, renderer, row.tier, why, err);
+        return add_refusal(v, level, row, a->name, renderer, why, err);
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
@@ -330,7 +329,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         iso_image image = {0};
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
         const iso_renderer_info *renderer = iso_renderer_at(i);
-        iso_report_agreement row = {.b = renderer->name,
+        iso_report_agreement row = {.comparison = ISO_COMPARISON_FIRST_HIT,
                                     .tier = iso_tier_name(ISO_TIER_FIRST_HIT),
                                     .error_bar = NAN,
                                     .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4},
@@ -338,15 +337,15 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
         if (v->refused[i].status != ISO_OK) {
-            status = add_refusal(v, level, a.name, renderer, row.tier, v->refused[i].why, err);
+            status = add_refusal(v, level, row, a.name, renderer, v->refused[i].why, err);
             continue;
         }
         opt.renderer = renderer;
-        begin_row(v, level, row.b);
+        begin_row(v, level, renderer->name);
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
                                  &image, NULL, err);
         if (status == ISO_OK)
-            status = add_row(v, level, &row, &a, &(compared){row.b, &image, renderer, options}, err);
+            status = add_row(v, level, &row, &a, &(compared){renderer->name, &image, renderer, options}, err);
         iso_image_destroy(&image);
     }
     iso_image_destroy(&a.image);
