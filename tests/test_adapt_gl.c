@@ -65,7 +65,7 @@ static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own,
     lent.tf_2d = tf_2d;
     opt.skip = skip;
     opt.brick_voxels = 4;
-    assert_ok(iso_gl_render(gl, &p->levels[level], p->options.code, view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, &p->levels[level], p->options.code, view, &opt, &image, &err));
     return image;
 }
 

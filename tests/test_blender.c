@@ -253,7 +253,7 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
     frames[1].step_voxels = frames[2].step_voxels = 1.0 / 2;
     frames[1].seed = 7;
     iso_image pictures[3], alone;
-    assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, 3, pictures, NULL, &err));
+    assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, &(iso_blender_frames){frames, 3, pictures}, NULL, &err));
     assert_ok(iso_cycles_render(&s.pyramid, 0, &s.view, &frames[1], &alone, NULL, &err));
     assert_at_most(rmse(&pictures[1], &alone), 1e-7);         /* threads may differ in the last bit */
     assert_more_than(rmse(&pictures[1], &pictures[0]), 1e-4); /* another step */
@@ -261,7 +261,9 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
     frames[2].step_voxels = -1;
     for (int i = 0; i < 3; ++i)
         iso_image_destroy(&pictures[i]);
-    assert_status(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, 3, pictures, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_cycles_render_frames(&s.pyramid, 0, &s.view, &(iso_blender_frames){frames, 3, pictures}, NULL,
+                                           &err),
+                  ISO_E_RANGE);
     assert_null(pictures[0].rgba); /* all or none */
     iso_image_destroy(&alone);
     close_subject(&s);
@@ -345,7 +347,7 @@ static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
     views[0].tf = tables[0], views[1].tf = tables[1];
     assert_int_equal(mkdir(made, 0777), 0);
     iso_blender_options opt = iso_blender_defaults();
-    assert_ok(iso_blender_export_levels(&s.pyramid, 0, 2, views, first, &opt, NULL, &err));
+    assert_ok(iso_blender_export_levels(&s.pyramid, &(iso_blender_levels){0, 2, views}, first, &opt, NULL, &err));
     assert_int_equal(rename(made, moved), 0);
     run_script(blend, user_script);
 

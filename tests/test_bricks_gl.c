@@ -146,7 +146,7 @@ static void bricks_all_at_the_finest_level_are_the_volume(void **state)
     opt.shaded = false;
     whole.source = ISO_FROM_ON_THE_FLY;
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
-    assert_ok(iso_gl_render(gl, &s.level, ISO_CODE_SNORM, &s.view, &whole, &b, NULL, &err));
+    assert_ok(iso_gl_render(gl, &s.level, ISO_CODE_SNORM, &s.view, &whole, &b, &err));
     assert_at_most(max_difference(&a, &b, &rmse), MAX_ABS);
     iso_image_destroy(&a);
     iso_image_destroy(&b);

@@ -84,7 +84,7 @@ static void cut_images_agree_with_the_reference_and_with_no_other_plane(void **s
     for (int skip = ISO_GL_SKIP_NEVER; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
         iso_gl_options opt = iso_gl_defaults();
         opt.skip = (iso_gl_skip)skip;
-        assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &s.view, &opt, &a, NULL, &err));
+        assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &s.view, &opt, &a, &err));
         assert_at_most(max_difference(&a, &b), MAX_ABS);
         iso_image_destroy(&a);
     }
@@ -92,10 +92,10 @@ static void cut_images_agree_with_the_reference_and_with_no_other_plane(void **s
     iso_view moved = s.view;
     moved.clips[0].offset_mm += 0.01;
     iso_gl_options opt = iso_gl_defaults();
-    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &a, NULL, &err));
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &a, &err));
     assert_more_than(max_difference(&a, &b), 5 * MAX_ABS);
     moved.clip_count = 0;
-    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &whole, NULL, &err));
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &whole, &err));
     assert_more_than(max_difference(&whole, &b), 0.1);
     iso_image_destroy(&whole);
     iso_image_destroy(&a);
@@ -165,7 +165,7 @@ static void a_slab_cut_at_an_angle_has_its_closed_form(void **state)
     iso_gl_options opt = iso_gl_defaults();
     iso_image images[2];
     assert_ok(iso_reference_render(&level, ISO_CODE_SNORM, &view, &exact, &images[0], NULL, &err));
-    assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &images[1], NULL, &err));
+    assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &images[1], &err));
     for (size_t i = 0; i < 256; ++i) {
         const double x = 3 * (2 * ((double)(i % 16) + 0.5) / 16 - 1), alpha = 1 - exp(-(double)0.3f * (4 + x / 2));
         assert_within((double)images[0].rgba[4 * i + 3], alpha, 1e-7); /* the image is of floats */

@@ -126,7 +126,7 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
     } else {
         iso_gl_options opt = iso_gl_defaults();
         opt.surface = &surface;
-        assert_ok(iso_gl_render(gl, &s->pyramid.levels[level], ISO_CODE_SNORM, &s->view, &opt, &a, NULL, &err));
+        assert_ok(iso_gl_render(gl, &s->pyramid.levels[level], ISO_CODE_SNORM, &s->view, &opt, &a, &err));
         assert_ok(iso_reference_render(&s->pyramid.levels[level], ISO_CODE_SNORM, &s->view, &exact, &b, NULL, &err));
     }
     difference d = compare(&a, &b);
@@ -200,7 +200,7 @@ static void a_sheet_of_one_voxel_has_no_holes(void **state)
     iso_gl_options opt = iso_gl_defaults();
     iso_image image;
     opt.surface = &surface;
-    assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err));
     for (size_t i = 0; i < image.width * image.height; ++i)
         assert_within((double)image.rgba[4 * i + 3], 1, 0);
     iso_image_destroy(&image);

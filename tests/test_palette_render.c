@@ -77,7 +77,7 @@ static iso_image by_gl(const subject *s, iso_direction_source source, bool shade
     iso_image image;
     opt.source = source;
     opt.shade_table = shade_table;
-    assert_ok(iso_gl_render(gl, &s->pyramid.levels[0], s->pyramid.options.code, &s->view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, &s->pyramid.levels[0], s->pyramid.options.code, &s->view, &opt, &image, &err));
     return image;
 }
 
@@ -199,7 +199,7 @@ static void a_level_without_palette_is_refused(void **state)
     iso_reference_options reference = iso_reference_defaults();
     iso_image image;
     opt.source = reference.source = ISO_FROM_PALETTE;
-    assert_status(iso_gl_render(gl, &s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, NULL, &err),
+    assert_status(iso_gl_render(gl, &s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, &err),
                   ISO_E_RANGE);
     assert_status(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &reference, &image, NULL,
                                        &err),

@@ -184,8 +184,7 @@ static iso_image render_gl(iso_gl *gl, const scene_of_field *s, size_t level, bo
     opt.preintegrated = preintegrated;
     opt.skip = skip;
     opt.step_voxels = step;
-    assert_ok(
-        iso_gl_render(gl, &s->pyramid.levels[level], s->pyramid.options.code, &s->view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, &s->pyramid.levels[level], s->pyramid.options.code, &s->view, &opt, &image, &err));
     return image;
 }
 

@@ -143,7 +143,7 @@ static iso_image render_gl(const iso_level *level, iso_code code, const iso_view
     iso_image image;
     iso_gl_options opt = iso_gl_defaults();
     opt.source = source;
-    assert_ok(iso_gl_render(gl, level, code, view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, level, code, view, &opt, &image, &err));
     return image;
 }
 
@@ -212,7 +212,7 @@ static iso_image render_exactly(const iso_level *level, const iso_view *view, is
     iso_gl_options opt = iso_gl_defaults();
     opt.source = source;
     opt.exact_lookups = true;
-    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, view, &opt, &image, NULL, &err));
+    assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, view, &opt, &image, &err));
     return image;
 }
 
@@ -249,7 +249,7 @@ static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
     iso_gl_options opt = iso_gl_defaults();
     iso_image none;
     opt.exact_lookups = opt.preintegrated = true;
-    assert_status(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &none, NULL, &err), ISO_E_USAGE);
+    assert_status(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &none, &err), ISO_E_USAGE);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -382,10 +382,10 @@ static void leaving_out_empty_bricks_changes_nothing(void **state)
             iso_gl_options opt = iso_gl_defaults();
             iso_image plain, skipping;
             opt.skip = ISO_GL_SKIP_NEVER;
-            assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &plain, NULL, &err));
+            assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &plain, &err));
             opt.skip = ISO_GL_SKIP_ALWAYS;
             for (opt.brick_voxels = 1; opt.brick_voxels <= 16; opt.brick_voxels += 5) {
-                assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &skipping, NULL, &err));
+                assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &skipping, &err));
                 assert_at_most(compare(&plain, &skipping).max_abs, 1e-6);
                 iso_image_destroy(&skipping);
             }
@@ -467,7 +467,7 @@ static void volume_beyond_the_texture_limit_is_refused_with_both_sizes(void **st
     iso_gl_options opt = iso_gl_defaults();
     iso_image image;
     iso_error err = {""};
-    assert_int_equal(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    assert_int_equal(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err), ISO_E_RANGE);
     assert_non_null(strstr(err.text, "100000 x 1 x 1"));
     assert_non_null(strstr(err.text, "at most"));
     iso_view_destroy(&view);
@@ -482,7 +482,7 @@ static void missing_float_directions_are_refused(void **state)
     iso_view view = make_view(PERSPECTIVE, &level);
     iso_gl_options opt = {.source = ISO_FROM_FLOAT};
     iso_image image;
-    assert_status(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err), ISO_E_RANGE);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -506,7 +506,7 @@ static void shader_folder_of_the_sources_gives_the_same_image(void **state)
     iso_gl_options opt = iso_gl_defaults();
     iso_gl *other;
     assert_ok(iso_gl_create(&other, "src/render/gl/shaders", &err));
-    assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, NULL, &err));
+    assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, &err));
     assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
     iso_gl_destroy(other);
     iso_image_destroy(&a);

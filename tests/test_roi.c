@@ -349,7 +349,8 @@ static void cycles_blends_as_the_reference(void **state)
         frames[i].step_voxels = 0.25;
         frames[i].seed = i;
     }
-    assert_ok(iso_cycles_render_frames(&s.pyramid, 1, &view, frames, seeds, pictures, NULL, &err));
+    assert_ok(
+        iso_cycles_render_frames(&s.pyramid, 1, &view, &(iso_blender_frames){frames, seeds, pictures}, NULL, &err));
     for (size_t i = 0; i < 4 * view.width * view.height; ++i) {
         double sum = 0;
         for (int k = 0; k < seeds; ++k)

@@ -79,7 +79,7 @@ static double worst_jump(const noise *n, double *apart)
         }
     }
     first[POINTS] = used;
-    assert_ok(iso_gl_sample_warp(gl, f, &n->level, &places[0][0], used, &values[0][0], &err));
+    assert_ok(iso_gl_sample_warp(gl, &(iso_gl_warp){f, &n->level}, &places[0][0], used, &values[0][0], &err));
     double worst = 0;
     for (size_t i = 0; i < POINTS; ++i) {
         double min = INFINITY, max = -INFINITY;
@@ -211,7 +211,7 @@ static void images_agree_with_the_reference_in_every_mode(void **state)
         exact.quadrature = ISO_QUADRATURE_MIDPOINT;
         opt.cache_bits = 32;
         f.mode = (iso_warp_mode)mode;
-        assert_ok(iso_gl_render_warp(gl, &f, level, &view, &opt, &a, NULL, &err));
+        assert_ok(iso_gl_render_warp(gl, &(iso_gl_warp){&f, level}, &view, &opt, &a, NULL, &err));
         assert_ok(iso_reference_render_warp(&f, level, &view, &exact, &b, NULL, &err));
         rmse = difference(&a, &b, &max);
         printf("mode %d: RMSE %.1e, max %.1e\n", mode, rmse, max);

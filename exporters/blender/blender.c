@@ -64,9 +64,11 @@ static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, double units,
 /* ---- pictures ---- */
 
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
-                                    const iso_blender_options *frames, size_t count, iso_image *pictures,
-                                    const iso_progress *progress, iso_error *err)
+                                    const iso_blender_frames *wanted, const iso_progress *progress, iso_error *err)
 {
+    const iso_blender_options *frames = wanted->options;
+    const size_t count = wanted->count;
+    iso_image *pictures = wanted->pictures;
     iso_pyramid scaled = {0};
     iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture is asked for");
     memset(pictures, 0, count * sizeof *pictures);
@@ -114,7 +116,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
-    return iso_cycles_render_frames(p, level, view, opt, 1, image, progress, err);
+    return iso_cycles_render_frames(p, level, view, &(iso_blender_frames){opt, 1, image}, progress, err);
 }
 
 /* ---- export ---- */
@@ -226,10 +228,10 @@ static iso_status write_files(const export_job *e, const char *folder, iso_outpu
     return status;
 }
 
-iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *views,
-                                     const char *blend_path, const iso_blender_options *opt,
-                                     const iso_progress *progress, iso_error *err)
+iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
+                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
+    const size_t first = levels->first, count = levels->count;
     iso_status status = iso_blender_check(p, first, count, opt, err);
     if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
         status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
@@ -247,7 +249,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
         status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     if (status == ISO_OK)
         status = in_units(p, units, &scaled, err);
-    const export_job job = {p, &scaled, units, first, count, views, blend_path, opt};
+    const export_job job = {p, &scaled, units, first, count, levels->views, blend_path, opt};
     size_t files = 0;
     if (status == ISO_OK)
         status = write_files(&job, folder, outs, &files, progress, err);
@@ -266,5 +268,5 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t 
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    return iso_blender_export_levels(p, level, 1, view, blend_path, opt, progress, err);
+    return iso_blender_export_levels(p, &(iso_blender_levels){level, 1, view}, blend_path, opt, progress, err);
 }

@@ -55,23 +55,33 @@ iso_status iso_cycles_version(char *version, size_t size, iso_error *err);
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
                               const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
-/* Levels [first, first + count) in one NAME.blend, with a NAME_level_K.vdb each.
+/* Levels [first, first + count), each with its view. */
+typedef struct iso_blender_levels {
+    size_t first, count;
+    const iso_view *views; /* count; they differ in their transfer functions alone */
+} iso_blender_levels;
+
+/* Levels in one NAME.blend, with a NAME_level_K.vdb each.
  * A property "level" of the object NAME chooses the one that is seen; material,
- * shading and lights are shared, and the colour map has the rows of each level: views
- * holds `count`, which differ in their transfer functions alone. */
-iso_status iso_blender_export_levels(const iso_pyramid *p, size_t first, size_t count, const iso_view *views,
-                                     const char *blend_path, const iso_blender_options *opt,
-                                     const iso_progress *progress, iso_error *err);
+ * shading and lights are shared, and the colour map has the rows of each level. */
+iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
+                                     const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
+/* Pictures of one scene that differ in their options. */
+typedef struct iso_blender_frames {
+    const iso_blender_options *options; /* count; threads: of the first */
+    size_t count;
+    iso_image *pictures; /* count, to be created */
+} iso_blender_frames;
+
 /* Several pictures of one scene by one run of Blender, which is started, calibrated and given its grids once:
- * pictures[i] is what iso_cycles_render() gives with frames[i]. threads: of frames[0]. All or none are created. */
+ * pictures[i] is what iso_cycles_render() gives with options[i]. All or none are created. */
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
-                                    const iso_blender_options *frames, size_t count, iso_image *pictures,
-                                    const iso_progress *progress, iso_error *err);
+                                    const iso_blender_frames *frames, const iso_progress *progress, iso_error *err);
 
 /* A planned volume (brick/lattice.h): a volume object for each lattice, with grids of its own, and one material that
  * decides by the brick of a point which object shows it. The objects meet at the faces of bricks without a seam,

@@ -57,7 +57,8 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
     for (size_t k = 0; k < count && status == ISO_OK; ++k)
         status = job->view_of_level(job, job->level + k, &views[k], err);
     if (status == ISO_OK)
-        status = iso_blender_export_levels(job->pyramid, job->level, count, views, job->output, &o, job->progress, err);
+        status = iso_blender_export_levels(job->pyramid, &(iso_blender_levels){job->level, count, views}, job->output,
+                                           &o, job->progress, err);
     if (status == ISO_OK)
         tell_ramp(job, &views[0].tf);
     for (size_t k = 0; views && k < count; ++k)

@@ -92,18 +92,19 @@ void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key
         *value = (size_t)number;
 }
 
-void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t count,
-                          double lo, double hi, double *values)
+void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required,
+                          const iso_json_list *list)
 {
     json_t *item = find(r, object, key, required);
     if (!item)
         return;
-    if (!json_is_array(item) || json_array_size(item) != count) {
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\": is not a list of %zu numbers", r->path, key, count);
+    if (!json_is_array(item) || json_array_size(item) != list->count) {
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\": is not a list of %zu numbers", r->path, key,
+                             list->count);
         return;
     }
-    for (size_t i = 0; i < count && r->status == ISO_OK; ++i)
-        take_number(r, key, json_array_get(item, i), lo, hi, &values[i]);
+    for (size_t i = 0; i < list->count && r->status == ISO_OK; ++i)
+        take_number(r, key, json_array_get(item, i), list->lo, list->hi, &list->values[i]);
 }
 
 void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value)

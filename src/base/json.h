@@ -32,8 +32,14 @@ void iso_json_get_number(iso_json_reader *r, const json_t *object, const char *k
                          double *value);
 void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t lo, size_t hi,
                        size_t *value);
-void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t count,
-                          double lo, double hi, double *values);
+/* So many numbers, each in [lo, hi]. */
+typedef struct iso_json_list {
+    double *values;
+    size_t count;
+    double lo, hi;
+} iso_json_list;
+void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required,
+                          const iso_json_list *list);
 void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value);
 /* The string is borrowed from the object. */
 void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *key, bool required, const char **value);

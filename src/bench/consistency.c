@@ -590,7 +590,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     }
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held &&
                            !b.analytic_size;
     b.cli = &cli;
@@ -605,6 +605,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_consistency = {
     .name = "bench consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
+    .max_arguments = 64,
     .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
     .details =
         "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"

@@ -260,7 +260,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&cli, &o, err);
     iso_cli_end(&cli);
@@ -270,6 +270,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_convergence = {
     .name = "bench convergence",
     .summary = "the error of each renderer by its ray step, its order and its limit",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
     .details =
         "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"

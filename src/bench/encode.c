@@ -245,7 +245,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 64, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--count", count, 100, 1e8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -271,6 +271,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_encode = {
     .name = "bench encode",
     .summary = "direction codes: speed, holes, errors at voxels and between them",
+    .max_arguments = 64,
     .usage = "[options] [VOLUME... --scene FILE.scene.json]",
     .details =
         "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"

@@ -372,7 +372,7 @@ iso_status iso_bench_filters(int argc, const char **argv, iso_error *err)
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, 0, 0, &next, err);
+    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, &next, err);
     char *given = run.format, svg[] = "svg";
     run.format = given ? given : svg;
     run.cli = &cli;

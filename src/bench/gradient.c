@@ -173,7 +173,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     gradient_result results[ISO_GRADIENT_COUNT];
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--size", size, 32, 512, err);
     if (status == ISO_OK)

@@ -440,7 +440,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         POPT_TABLEEND,
     };
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1000, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
         if (status == ISO_OK)
@@ -466,6 +466,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_palette = {
     .name = "bench palette",
     .summary = "palettes of directions: error and time of each method, assigning, images",
+    .max_arguments = 1000,
     .usage = "[VOLUME ...] [options]",
     .details =
         "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"

@@ -83,7 +83,8 @@ static iso_status render(stage *s, const iso_level *level, directions_by by, iso
     opt.source = by.source;
     opt.shade_table = by.shade_table;
     opt.repeats = 4; /* the first one compiles */
-    return iso_gl_render(s->gl, level, by.code, &s->view, &opt, image, seconds, err);
+    opt.seconds = seconds;
+    return iso_gl_render(s->gl, level, by.code, &s->view, &opt, image, err);
 }
 
 static iso_status add_row(stage *s, const iso_level *level, directions_by by, const method *m, iso_error *err)

@@ -342,7 +342,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     b.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&b, err);
     iso_cli_end(&cli);
@@ -353,6 +353,8 @@ const iso_command iso_bench_plan = {
     .name = "bench plan",
     .summary =
         "a plan against the full model: bytes, memory and load times in each program, and the pictures' difference",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
     .details =
         "The same volume as a full level and as a plan leaves it: OpenVDB as one merged grid and as a grid a level, DF3 files\n"

@@ -406,7 +406,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_renderers renderers = {0};
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 0, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && (status = check(&o, err)) == ISO_OK) {
         o.threads = cli.threads;
         iso_sensitivity_options s = {.scenes = o.repetitions,

@@ -55,12 +55,13 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
     options.source = what.gradients == GRADIENTS_ON_THE_FLY ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES;
     options.skip = loop_skips[what.loop];
     options.repeats = (size_t)opt->runs + 1; /* the first one compiles */
+    options.seconds = seconds;
     iso_view view;
     iso_image image;
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
     if (status != ISO_OK)
         return status;
-    status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, seconds, err);
+    status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, err);
     if (status == ISO_OK)
         iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -173,7 +174,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&cli, &opt, err);
     iso_cli_end(&cli);
@@ -183,6 +184,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_render = {
     .name = "bench render",
     .summary = "the OpenGL ray caster: dense and sparse TFs, sources of gradients, empty-space skipping",
+    .max_arguments = 1,
     .usage = "[VOLUME] [options]",
     .details =
         "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "

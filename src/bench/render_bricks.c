@@ -102,7 +102,7 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
     if (texture <= TEXTURE_BAKED)
         status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
     else
-        status = iso_gl_render_warp(gl, &warp, level, &view, &options, &image, &stats, err);
+        status = iso_gl_render_warp(gl, &(iso_gl_warp){&warp, level}, &view, &options, &image, &stats, err);
     if (status == ISO_OK)
         *seconds = stats.seconds;
     if (status == ISO_OK && opt->picture && gradients != GRADIENTS_NONE)
@@ -204,7 +204,7 @@ static iso_status draw_level(const level_comparison *c, const iso_node_levels *n
     if (!n) {
         iso_gl_options options = iso_gl_defaults();
         options.step_voxels = ldexp(step_voxels, -(int)k);
-        return iso_gl_render(gl, &p->levels[k], p->options.code, view, &options, image, NULL, err);
+        return iso_gl_render(gl, &p->levels[k], p->options.code, view, &options, image, err);
     }
     const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_BAKED};
     iso_gl_brick_options options = iso_gl_brick_defaults();

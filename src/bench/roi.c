@@ -219,8 +219,7 @@ static iso_status render(const bench_run *run, size_t level, const iso_tf_table 
     iso_view view = run->view; /* lent */
     view.tf = *tf;
     view.roi = roi;
-    return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, NULL,
-                         err);
+    return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, err);
 }
 
 /* step: NULL for a level alone. */
@@ -360,7 +359,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = load_and_measure(&b, err);
@@ -371,6 +370,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_roi = {
     .name = "bench roi",
     .summary = "the seam round a region of interest: full resolution in the middle third of a coarse level",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME --scene SCENE.scene.json [options]",
     .details =
         "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"

@@ -450,6 +450,7 @@ static iso_status run_all(shading_run *run, iso_error *err)
 static const iso_command command = {
     .name = "bench consistency",
     .summary = "shading at coarse levels against level 0, with each kind of directions",
+    .max_arguments = 64,
     .usage = "--shading [VOLUME...] [options]",
     .details =
         "One surface-like transfer function, the same at all levels and for all volumes. Errors are DSSIM over what either image\n"
@@ -485,7 +486,7 @@ iso_status iso_bench_shading(int argc, const char **argv, iso_error *err)
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, 0, 64, &next, err);
+    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, &next, err);
     run.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = run_all(&run, err);

@@ -81,7 +81,7 @@ iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_
     iso_view own = s->views[view]; /* the same view, with the other table */
     if (shown->tf)
         own.tf = *shown->tf;
-    return iso_gl_render(s->gl, shown->level, shown->code, &own, &opt, image, NULL, err);
+    return iso_gl_render(s->gl, shown->level, shown->code, &own, &opt, image, err);
 }
 
 /* ---- the surface ---- */

@@ -128,6 +128,7 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     iso_image image = {0};
     iso_gl_options opt = iso_gl_defaults();
     opt.repeats = (size_t)b->runs;
+    opt.seconds = seconds;
     static iso_tf_point points[] = {{0, {0, 0, 0}, 0}, {1, {1, 1, 1}, 0.1}};
     const iso_scene scene = {.path = "bench",
                              .width = 512,
@@ -155,7 +156,7 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     view.tf = *tf;
     status = iso_gl_create(&gl, NULL, err);
     if (status == ISO_OK)
-        status = iso_gl_render(gl, &p->levels[0], p->options.code, &view, &opt, &image, seconds, err);
+        status = iso_gl_render(gl, &p->levels[0], p->options.code, &view, &opt, &image, err);
     view.tf = own;
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -254,7 +255,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--size", b.size, 8, 2048, err);
@@ -271,6 +272,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_bench_tf = {
     .name = "bench tf",
     .summary = "joint histograms and adapted transfer functions: time and bytes",
+    .max_arguments = 1,
     .usage = "[VOLUME] [options]",
     .details =
         "Counting is done once a volume, weights once a level, adapting after each edit of the transfer function; \"all\" is\n"

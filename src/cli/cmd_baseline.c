@@ -145,7 +145,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--factor", a.factor, 1, 1e6, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -159,6 +159,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_baseline = {
     .name = "baseline",
     .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
+    .min_arguments = 2,
+    .max_arguments = 2,
     .usage = "REPORT BASELINE.json [--update] [options]",
     .details =
         "REPORT is a folder that `isoshade validate` wrote. The verdict, the figures, limits and gates of each row of\n"

@@ -186,7 +186,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     cli.quiet = cli.quiet || iso_ranks_is_other();
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = build(&cli, &input, &in, ranks, err);
@@ -215,6 +215,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_build = {
     .name = "build",
     .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME [-o NAME.iso] [options]",
     .details =
         "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"

@@ -356,7 +356,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check(&a, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -368,6 +368,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_chart = {
     .name = "chart",
     .summary = "speed against accuracy: which setting is good enough for a scene",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
     .details =
         "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"

@@ -170,7 +170,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_image images[3] = {{0}};
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 2, 2, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_tolerances(&opt.tolerances, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -188,6 +188,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_compare = {
     .name = "compare",
     .summary = "measure how far two images are apart",
+    .min_arguments = 2,
+    .max_arguments = 2,
     .usage = "A B [--max-rmse X ...] [--difference OUT.png] [--json]",
     .details =
         "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"

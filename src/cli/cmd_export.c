@@ -202,7 +202,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     a.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = export_it(&a, err);
     iso_cli_end(&cli);
@@ -212,6 +212,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_export = {
     .name = "export",
     .summary = "write a level for OpenVDB, Blender or POV-Ray",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"

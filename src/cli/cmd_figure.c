@@ -40,7 +40,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         status = iso_words_check_range("--level", level, 0, 63, err);
         if (status == ISO_OK && !output)
@@ -78,6 +78,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_figure = {
     .name = "figure",
     .summary = "a publication figure from a report: pictures, difference maps, scale bar, colour legend",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "REPORT -o DIR [--kind levels|renderers] [options]",
     .details =
         "REPORT is a folder that `isoshade validate` wrote. DIR gets figure.pdf and figure.svg with vector text, caption.txt\n"

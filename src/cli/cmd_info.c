@@ -169,7 +169,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {ISO_CLI_INPUT_OPTIONS(&input), POPT_TABLEEND};
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = show(&cli, &input, err);
     iso_cli_end(&cli);
@@ -179,6 +179,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_info = {
     .name = "info",
     .summary = "show a volume's geometry, type, range and histogram",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME [options]",
     .details = "A file's format is known by its first bytes, whatever its name.",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"

@@ -176,7 +176,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         if (!opt.output || !opt.size)
             status = iso_fail(err, ISO_E_USAGE, "needs --size and -o");
@@ -194,6 +194,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_make = {
     .name = "make",
     .summary = "write a synthetic volume whose values and gradients are known",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "KIND --size NXxNYxNZ -o FILE.nrrd [options]",
     .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(
         KIND_LINE) "Integer types use their whole range. The box is centred at the world's origin.",

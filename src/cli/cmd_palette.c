@@ -478,7 +478,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         POPT_TABLEEND,
     };
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = make_all(&a, err);
     iso_cli_end(&cli);
@@ -491,6 +491,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_palette = {
     .name = "palette",
     .summary = "fit a table of directions to a volume: one byte a voxel instead of three",
+    .max_arguments = 1,
     .usage = "[VOLUME | PYRAMID.iso] [-o FILE ...] [options]",
     .details =
         "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"

@@ -255,7 +255,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = plan(&a, &cli, err);
     iso_cli_end(&cli);
@@ -268,6 +268,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_plan = {
     .name = "plan",
     .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [--error E | --memory BYTES] [options]",
     .details =
         "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"

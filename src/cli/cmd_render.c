@@ -509,7 +509,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -521,6 +521,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_render = {
     .name = "render",
     .summary = "render a level with any of the renderers",
+    .min_arguments = 1,
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
     .details =
         "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"

@@ -416,7 +416,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 1, 16, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     a.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--level", a.level, 0, 30, err);
@@ -439,6 +439,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_tf = {
     .name = "tf",
     .summary = "adapt transfer functions to levels, convert and show them",
+    .min_arguments = 1,
+    .max_arguments = 16,
     .usage =
         "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details =

@@ -318,7 +318,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, 0, 1, &next, err);
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_and_run(&a, &cli, err);
     iso_cli_end(&cli);
@@ -328,6 +328,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_validate = {
     .name = "validate",
     .summary = "the main job: is the shading the same at every level, in every renderer? A report",
+    .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options] | --suite DIR -o DIR [options]",
     .details =
         "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"

@@ -16,7 +16,8 @@
  * unit vector and (b, c) / high those of the ray at largest component 1, at length
  * step, has its best candidate: the whole number `first` .. of the largest component.
  * With r = candidate - aim u, along = r . u, the cost is |r|^2 - along^2 + mu^2 along^2;
- * the largest component itself is met exactly. */
+ * the largest component itself is met exactly. Eight parameters, and no struct: it is
+ * inlined into the loop over rows, where each is one vector register. */
 INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight,
                             float first)
 {

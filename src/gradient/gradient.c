@@ -63,9 +63,10 @@ iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *op
     const size_t row_count = ny * (z1 - z0);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < row_count; ++i) {
-        float *gx = scratch + (size_t)iso_thread_index() * scratch_count, *gy = gx + nx, *gz = gy + nx, *row = gz + nx;
-        iso_gradient_row(&planes, opt->method, &matrix, i % ny, z0 + i / ny, row + 3 * nx, gx, gy, gz);
-        interleave(gx, gy, gz, nx, row);
+        float *own = scratch + (size_t)iso_thread_index() * scratch_count, *row = own + 3 * nx;
+        float *const g[3] = {own, own + nx, own + 2 * nx};
+        iso_gradient_row(&planes, opt->method, &matrix, i % ny, z0 + i / ny, row + 3 * nx, g);
+        interleave(g[0], g[1], g[2], nx, row);
         iso_copy_streaming(out + 3 * nx * i, row, 3 * nx * sizeof *row);
     }
     free(scratch);

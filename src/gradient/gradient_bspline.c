@@ -186,13 +186,13 @@ static void along(const iso_planes *p, size_t y, size_t z, float *padded, float 
 }
 
 static void bspline_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+                        size_t z, float *scratch, float *const g[3])
 {
     (void)method;
-    along(p, y, z, scratch, gx);
-    across(p, false, y, z, scratch, gy);
-    across(p, true, y, z, scratch, gz);
-    iso_gradient_to_world(matrix, p->size[0], gx, gy, gz);
+    along(p, y, z, scratch, g[0]);
+    across(p, false, y, z, scratch, g[1]);
+    across(p, true, y, z, scratch, g[2]);
+    iso_gradient_to_world(matrix, p->size[0], g[0], g[1], g[2]);
 }
 
 const iso_gradient_info iso_gradient_bspline = {

@@ -73,7 +73,7 @@ static const void *row_at(const iso_planes *p, size_t y, size_t z)
 }
 
 static void central_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+                        size_t z, float *scratch, float *const g[3])
 {
     (void)method, (void)scratch;
     const size_t nx = p->size[0], ny = p->size[1], nz = p->size[2];
@@ -83,14 +83,14 @@ static void central_row(const iso_planes *p, iso_gradient_method method, const i
                                  row_at(p, y, z1)};
     const float factor[3] = {0.5f, y1 - y0 == 2 ? 0.5f : 1, z1 - z0 == 2 ? 0.5f : 1};
     switch (p->type) {
-    case ISO_U8: central_u8(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_I8: central_i8(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_U16: central_u16(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_I16: central_i16(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_U32: central_u32(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_I32: central_i32(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_F32: central_f32(rows, factor, nx, matrix, gx, gy, gz); break;
-    case ISO_F64: central_f64(rows, factor, nx, matrix, gx, gy, gz); break;
+    case ISO_U8: central_u8(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_I8: central_i8(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_U16: central_u16(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_I16: central_i16(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_U32: central_u32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_I32: central_i32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_F32: central_f32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+    case ISO_F64: central_f64(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
     }
 }
 
@@ -120,9 +120,9 @@ size_t iso_gradient_scratch_count(size_t nx)
 }
 
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                      size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+                      size_t z, float *scratch, float *const g[3])
 {
-    iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, gx, gy, gz);
+    iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, g);
 }
 
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)

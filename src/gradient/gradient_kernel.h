@@ -24,10 +24,10 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world);
 /* Floats of scratch that iso_gradient_row needs for rows of nx voxels. */
 size_t iso_gradient_scratch_count(size_t nx);
 
-/* Gradients of the row (y, z), times the matrix, to planar rows. The planes
+/* Gradients of the row (y, z), times the matrix, to the planar rows g. The planes
  * within reach, where the volume has them, must be in memory. */
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                      size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz);
+                      size_t z, float *scratch, float *const g[3]);
 
 #define ISO_GRADIENT_DECLARE(method, row) extern const iso_gradient_info iso_gradient_##row;
 ISO_GRADIENT_LIST(ISO_GRADIENT_DECLARE)

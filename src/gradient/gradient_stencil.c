@@ -146,10 +146,10 @@ ISO_SIMD void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n,
 }
 
 static void stencil_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
-                        size_t z, float *scratch, float *restrict gx, float *restrict gy, float *restrict gz)
+                        size_t z, float *scratch, float *const g[3])
 {
     const size_t n = p->size[0];
-    float *row = scratch, *sum = scratch + n, *g[3] = {gx, gy, gz};
+    float *row = scratch, *sum = scratch + n;
     float dy[OFFSETS], dz[OFFSETS], sy[OFFSETS], sz[OFFSETS];
     derivative_weights(method, y, p->size[1], dy);
     derivative_weights(method, z, p->size[2], dz);
@@ -169,7 +169,7 @@ static void stencil_row(const iso_planes *p, iso_gradient_method method, const i
         else
             memcpy(g[a], sum, n * sizeof *sum);
     }
-    iso_gradient_to_world(matrix, n, gx, gy, gz);
+    iso_gradient_to_world(matrix, n, g[0], g[1], g[2]);
 }
 
 const iso_gradient_info iso_gradient_intermediate = {

@@ -139,8 +139,7 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
 }
 
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
-                         struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
-                         iso_error *err)
+                         struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
     *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
     *next = ISO_CLI_RUN;
@@ -187,7 +186,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     cli->arguments = poptGetArgs(cli->context);
     while (cli->arguments && cli->arguments[cli->argument_count])
         ++cli->argument_count;
-    if (cli->argument_count < min_arguments || cli->argument_count > max_arguments)
+    if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
                         command->usage);
     return iso_words_check_range("--threads", cli->threads, 0, 1024, err);

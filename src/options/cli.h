@@ -23,6 +23,8 @@
 typedef struct iso_command {
     const char *name;
     const char *summary;           /* one line, for the list of commands */
+    size_t min_arguments;          /* positional ones; at most max_arguments */
+    size_t max_arguments;          /* 0: none are taken */
     const char *usage;             /* what follows the name: "VOLUME -o PYRAMID.iso [options]" */
     const char *details;           /* a paragraph, or NULL */
     const iso_names *const *lists; /* what its options choose from, for --help; ends with NULL, or NULL */
@@ -49,11 +51,10 @@ typedef enum iso_cli_next { ISO_CLI_RUN, ISO_CLI_STOP } iso_cli_next;
 
 /* Parses argv by `options` (popt; ended by POPT_TABLEEND) and the common ones.
  * On --help prints and sets *next to ISO_CLI_STOP. ISO_E_USAGE names the bad
- * option and value, and the number of positional arguments when it is not in
- * [min, max]. Release with iso_cli_end() in every case. */
+ * option and value, and the number of positional arguments when the command
+ * takes fewer or more. Release with iso_cli_end() in every case. */
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
-                         struct poptOption *options, size_t min_arguments, size_t max_arguments, iso_cli_next *next,
-                         iso_error *err);
+                         struct poptOption *options, iso_cli_next *next, iso_error *err);
 void iso_cli_end(iso_cli *cli);
 
 /* Calls `visit` for each option of the command, in the order of its --help; the command itself does not run. common: one

@@ -61,7 +61,7 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     static const char *const schemas[] = {"isoshade.plan/1", NULL};
     int schema;
     iso_json_get_word(&r, root, "schema", true, schemas, &schema);
-    iso_json_get_numbers(&r, root, "bricks", true, 3, 1, 65536, count);
+    iso_json_get_numbers(&r, root, "bricks", true, &(iso_json_list){count, 3, 1, 65536});
     iso_json_get_size(&r, root, "brick_voxels", true, 2, 64, &plan->brick_voxels);
     iso_json_get_size(&r, root, "level_count", true, 1, ISO_BRICK_MAX_LEVELS, &plan->level_count);
     iso_json_get_string(&r, root, "levels", true, &levels);

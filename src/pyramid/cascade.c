@@ -37,7 +37,7 @@ emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s)
 
 void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *r)
 {
-    iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g[0], r->g[1], r->g[2]);
+    iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g);
 }
 
 /* Straight from the rows, for the codes that can. */
@@ -74,8 +74,7 @@ void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y,
 {
     if (z < out->first || !(out->codes || out->directions || out->magnitude))
         return;
-    iso_unit_rows(r->g[0], r->g[1], r->g[2], c->size[0][0], r->d[0], r->d[1], r->d[2],
-                  out->magnitude ? r->magnitude : NULL);
+    iso_unit_rows(r->g, c->size[0][0], r->d, out->magnitude ? r->magnitude : NULL);
     store_codes(c, out, 0, y, z, r);
 }
 
@@ -85,7 +84,7 @@ void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k,
     if (z < out->first)
         return;
     const size_t n = c->size[k][0];
-    iso_direction_rows(c->opt.direction_filter, state.components, state.stride, n, r->d[0], r->d[1], r->d[2],
+    iso_direction_rows(c->opt.direction_filter, state.components, state.stride, n, r->d,
                        out->magnitude ? r->magnitude : NULL);
     store_codes(c, out, k, y, z, r);
 }
@@ -108,13 +107,15 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
     const iso_cascade *c = t->c;
     const size_t n = c->size[0][0], stride = row_stride(c, 0);
     emit_rows *r = &t->rows;
-    iso_scalar_row(t->in, y, z, r->row, acc + c->state_count * stride, add, &t->lo[0], &t->hi[0]);
+    float range[2] = {t->lo[0], t->hi[0]};
+    iso_scalar_row(t->in, y, z, r->row, acc + c->state_count * stride, add, range);
+    t->lo[0] = range[0], t->hi[0] = range[1];
     if (t->out[0].scalar && z >= t->out[0].first)
         memcpy(t->out[0].scalar + ((z - t->out[0].first) * c->size[0][1] + y) * n, r->row, n * sizeof(float));
     if (c->state_count == 0)
         return;
     iso_cascade_level0_gradients(c, t->in, y, z, r);
-    iso_state_from_gradients(c->opt.direction_filter, 1, r->g[0], r->g[1], r->g[2], n, acc, stride, add);
+    iso_state_from_gradients(c->opt.direction_filter, 1, r->g, n, acc, stride, add);
     iso_emit_level0(c, &t->out[0], y, z, r);
 }
 

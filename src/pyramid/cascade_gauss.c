@@ -109,8 +109,8 @@ static const float *fine_row(const gauss_run *r, block *b, size_t k, size_t y, s
         return b->state;
     }
     iso_cascade_level0_gradients(c, r->in, y, z, &b->rows);
-    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g[0], b->rows.g[1], b->rows.g[2],
-                             c->size[0][0], b->state, *stride, false);
+    iso_state_from_gradients(ISO_DIRECTION_EQ1, c->opt.eq1_exponent, b->rows.g, c->size[0][0], b->state, *stride,
+                             false);
     if (own)
         iso_emit_level0(c, &r->out[0], y, z, &b->rows);
     return b->state;

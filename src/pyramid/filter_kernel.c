@@ -120,9 +120,10 @@ ISO_SIMD static void products(const float *restrict a, const float *restrict b, 
         acc[i] = add ? acc[i] + a[i] * b[i] : a[i] * b[i];
 }
 
-void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy,
-                              const float *gz, size_t n, float *restrict acc, size_t stride, bool add)
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float *const g[3], size_t n,
+                              float *restrict acc, size_t stride, bool add)
 {
+    const float *gx = g[0], *gy = g[1], *gz = g[2];
     if (f == ISO_DIRECTION_MOMENTS) {
         moments(gx, gy, gz, n, acc, stride, add);
         return;
@@ -132,7 +133,6 @@ void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const
         return;
     }
     if (f == ISO_DIRECTION_TENSOR) {
-        const float *g[3] = {gx, gy, gz};
         static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
         moment_vectors(gx, gy, gz, n, acc, stride, add);
         for (size_t i = 0; i < 6; ++i)
@@ -144,8 +144,9 @@ void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const
     iso_accumulate_row(gz, n, acc + 2 * stride, add);
 }
 
-ISO_SIMD void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx,
-                            float *restrict dy, float *restrict dz, float *restrict length)
+/* Eight parameters: each row that is written is a parameter of its own, because `restrict` counts for those. */
+ISO_SIMD static void unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx,
+                               float *restrict dy, float *restrict dz, float *restrict length)
 {
     for (size_t i = 0; i < n; ++i) {
         float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z, m = sqrtf(m2);
@@ -156,6 +157,11 @@ ISO_SIMD void iso_unit_rows(const float *gx, const float *gy, const float *gz, s
         if (length)
             length[i] = m;
     }
+}
+
+void iso_unit_rows(float *const g[3], size_t n, float *const d[3], float *restrict length)
+{
+    unit_rows(g[0], g[1], g[2], n, d[0], d[1], d[2], length);
 }
 
 /* Samples are finite and the sign of zero does not matter: so told, the compiler vectorises the comparisons. */
@@ -184,7 +190,7 @@ ISO_SIMD static void u8_row(const uint8_t *restrict in, size_t n, float *restric
 }
 
 void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add,
-                    float *lo, float *hi)
+                    float range[2])
 {
     const size_t n = p->size[0], first = ((z - p->first) * p->size[1] + y) * n;
     if (p->type == ISO_U16)
@@ -193,7 +199,7 @@ void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row
         u8_row((const uint8_t *)p->data + first, n, row);
     else
         iso_planes_row(p, y, z, row);
-    iso_row_range(row, n, lo, hi);
+    iso_row_range(row, n, &range[0], &range[1]);
     iso_accumulate_row(row, n, acc, add);
 }
 
@@ -300,10 +306,10 @@ ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, siz
 /* ---- what is stored ---- */
 
 /* (N / |N|) L^2 = (N / S) L: quotients before squares, so that small gradients do not underflow. */
-ISO_SIMD static void moment_directions(const float *restrict sx, const float *restrict sy, const float *restrict sz,
-                                       const float *restrict ss, size_t n, float *restrict dx, float *restrict dy,
-                                       float *restrict dz)
+ISO_SIMD static void moment_directions(const float *restrict state, size_t stride, size_t n, float *restrict dx,
+                                       float *restrict dy, float *restrict dz)
 {
+    const float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *ss = state + 3 * stride;
     for (size_t i = 0; i < n; ++i) {
         float inverse = 1 / ss[i];
         inverse = ss[i] >= FLT_MIN ? inverse : 0;
@@ -350,16 +356,16 @@ ISO_SIMD static void tensor_directions(const float *restrict state, size_t strid
     }
 }
 
-void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
-                        float *restrict dy, float *restrict dz, float *restrict magnitude)
+void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *const d[3],
+                        float *restrict magnitude)
 {
-    const float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *ss = state + 3 * stride;
+    const float *ss = state + 3 * stride;
     if (f == ISO_DIRECTION_MOMENTS)
-        moment_directions(sx, sy, sz, ss, n, dx, dy, dz);
+        moment_directions(state, stride, n, d[0], d[1], d[2]);
     else if (f == ISO_DIRECTION_TENSOR)
-        tensor_directions(state, stride, n, dx, dy, dz);
+        tensor_directions(state, stride, n, d[0], d[1], d[2]);
     else
-        iso_unit_rows(sx, sy, sz, n, dx, dy, dz, magnitude);
+        unit_rows(state, state + stride, state + 2 * stride, n, d[0], d[1], d[2], magnitude);
     if (!magnitude || f == ISO_DIRECTION_NAIVE)
         return;
     for (size_t i = 0; i < n; ++i)

@@ -39,14 +39,13 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 /* ---- level 0 ---- */
 
 /* The states of a row of gradients are stored in acc, or added to it (not with eq1). */
-void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, const float *gx, const float *gy,
-                              const float *gz, size_t n, float *restrict acc, size_t stride, bool add);
+void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float *const g[3], size_t n,
+                              float *restrict acc, size_t stride, bool add);
 /* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
-void iso_unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx, float *restrict dy,
-                   float *restrict dz, float *restrict length);
-/* Samples as floats are stored in acc, or added to it; *lo and *hi are extended to their range. */
+void iso_unit_rows(float *const g[3], size_t n, float *const d[3], float *restrict length);
+/* Samples as floats are stored in acc, or added to it; lowest and highest in range are extended to theirs. */
 void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add,
-                    float *lo, float *hi);
+                    float range[2]);
 
 /* ---- from level to level ---- */
 
@@ -67,8 +66,8 @@ void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t expon
 /* ---- what is stored ---- */
 
 /* Directions of a coarse level, and magnitudes (NULL: not wanted). */
-void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *restrict dx,
-                        float *restrict dy, float *restrict dz, float *restrict magnitude);
+void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *const d[3],
+                        float *restrict magnitude);
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
 /* The low three bytes of each word; bytes has room for 3 n + 16. */
 void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes);

@@ -161,10 +161,11 @@ static iso_status load_file(const char *dir, const iso_geometry *g, const level_
 static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geometry *g)
 {
     double size[3] = {0, 0, 0};
-    iso_json_get_numbers(r, object, "size", true, 3, 1, 1u << 24, size);
-    iso_json_get_numbers(r, object, "index_to_world", true, 9, -DBL_MAX, DBL_MAX, &g->index_to_world.m[0][0]);
-    iso_json_get_numbers(r, object, "origin_mm", true, 3, -DBL_MAX, DBL_MAX, &g->origin_mm.x);
-    iso_json_get_numbers(r, object, "box_index", true, 3, 0, 1u << 24, g->box_index);
+    iso_json_get_numbers(r, object, "size", true, &(iso_json_list){size, 3, 1, 1u << 24});
+    iso_json_get_numbers(r, object, "index_to_world", true,
+                         &(iso_json_list){&g->index_to_world.m[0][0], 9, -DBL_MAX, DBL_MAX});
+    iso_json_get_numbers(r, object, "origin_mm", true, &(iso_json_list){&g->origin_mm.x, 3, -DBL_MAX, DBL_MAX});
+    iso_json_get_numbers(r, object, "box_index", true, &(iso_json_list){g->box_index, 3, 0, 1u << 24});
     for (int a = 0; a < 3 && r->status == ISO_OK; ++a)
         g->size[a] = (size_t)size[a];
     if (r->status == ISO_OK)

@@ -48,8 +48,8 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
     for (size_t i = 0; i < count; ++i)
         o[i] = take_options(&q->options[i]);
-    const iso_status status = iso_cycles_render_frames(q->pyramid, q->level, q->view, o, count, images, q->progress,
-                                                       err);
+    const iso_status status = iso_cycles_render_frames(q->pyramid, q->level, q->view,
+                                                       &(iso_blender_frames){o, count, images}, q->progress, err);
     free(o);
     return status;
 }

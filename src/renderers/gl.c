@@ -58,8 +58,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     if (status == ISO_OK && opt->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
-        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, NULL,
-                               err);
+        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, err);
     if (status == ISO_OK)
         iso_render_stats_of_gl(&inside, stats);
     return status;

@@ -18,7 +18,7 @@ static iso_vec3 vec3_of(const double v[3])
 static void get_direction(iso_json_reader *r, const json_t *object, const char *key, bool required, iso_vec3 *out)
 {
     double v[3] = {out->x, out->y, out->z};
-    iso_json_get_numbers(r, object, key, required, 3, -1e9, 1e9, v);
+    iso_json_get_numbers(r, object, key, required, &(iso_json_list){v, 3, -1e9, 1e9});
     if (r->status == ISO_OK && !(iso_norm(vec3_of(v)) > 1e-12))
         r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"%s\" is [%g, %g, %g], a direction must not be zero", r->path,
                              key, v[0], v[1], v[2]);
@@ -45,8 +45,8 @@ static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_get_number(r, camera, "margin", false, 0.01, 100, &s->margin);
     } else {
         double position[3] = {0}, look_at[3] = {0};
-        iso_json_get_numbers(r, camera, "position", true, 3, -1e9, 1e9, position);
-        iso_json_get_numbers(r, camera, "look_at", true, 3, -1e9, 1e9, look_at);
+        iso_json_get_numbers(r, camera, "position", true, &(iso_json_list){position, 3, -1e9, 1e9});
+        iso_json_get_numbers(r, camera, "look_at", true, &(iso_json_list){look_at, 3, -1e9, 1e9});
         iso_json_get_number(r, camera, "height_mm", s->orthographic, 1e-9, 1e9, &s->height_mm);
         s->camera_position = vec3_of(position);
         s->camera_look_at = vec3_of(look_at);
@@ -103,7 +103,7 @@ static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_only_keys(r, item, "a clip plane", keys);
         get_direction(r, item, "normal", true, &clip->normal);
         iso_json_get_number(r, item, "at", !has_point, -1, 2, &clip->at);
-        iso_json_get_numbers(r, item, "point_mm", !has_at, 3, -1e9, 1e9, point);
+        iso_json_get_numbers(r, item, "point_mm", !has_at, &(iso_json_list){point, 3, -1e9, 1e9});
         if (r->status == ISO_OK && has_at && has_point)
             r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one",
                                  r->path);
@@ -232,7 +232,7 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
     read_lights(&r, root, scene);
     read_clips(&r, root, scene);
     read_shading(&r, root, scene);
-    iso_json_get_numbers(&r, root, "background", false, 3, 0, 1, scene->background);
+    iso_json_get_numbers(&r, root, "background", false, &(iso_json_list){scene->background, 3, 0, 1});
     iso_json_get_number(&r, root, "step_voxels", false, 1e-3, 100, &scene->step_voxels);
     read_agreement(&r, root, scene);
     read_suite(&r, root, scene);

@@ -61,7 +61,7 @@ static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
         tf->fit_range = true;
         return;
     }
-    iso_json_get_numbers(r, object, "range", true, 2, -1e30, 1e30, tf->range);
+    iso_json_get_numbers(r, object, "range", true, &(iso_json_list){tf->range, 2, -1e30, 1e30});
     if (r->status == ISO_OK && !(tf->range[1] > tf->range[0]))
         r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"range\" is [%g, %g], its end must exceed its start", r->path,
                              tf->range[0], tf->range[1]);

@@ -421,7 +421,7 @@ static iso_status check_options(const iso_gl_options *opt, const iso_view *view,
 }
 
 iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
-                         const iso_gl_options *options, iso_image *image, double *seconds, iso_error *err)
+                         const iso_gl_options *options, iso_image *image, iso_error *err)
 {
     iso_gl_options with_step = *options, *opt = &with_step;
     /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
@@ -468,8 +468,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     }
     if (opt->stats)
         *opt->stats = stats;
-    if (seconds)
-        *seconds = least;
+    if (opt->seconds)
+        *opt->seconds = least;
     destroy_textures(&textures);
     destroy_textures(&roi_textures);
     if (status != ISO_OK)

@@ -61,6 +61,7 @@ typedef struct iso_gl_options {
     double repeat_seconds; /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
                                   * them, because drivers compile in the first one */
     iso_gl_stats *stats;   /* filled; or NULL */
+    double *seconds;       /* set to what the drawing alone took; or NULL */
     bool shade_table;      /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
@@ -72,8 +73,8 @@ typedef struct iso_gl_options {
 } iso_gl_options;
 iso_gl_options iso_gl_defaults(void);
 
-/* Uploads a level and renders it; *seconds (may be NULL) is the drawing alone. */
+/* Uploads a level and renders it. */
 iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
-                         const iso_gl_options *opt, iso_image *image, double *seconds, iso_error *err);
+                         const iso_gl_options *opt, iso_image *image, iso_error *err);
 
 #endif

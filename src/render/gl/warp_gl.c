@@ -311,13 +311,13 @@ static iso_status draw(const warp_cache *c, const iso_view *view, double step_vo
     return status;
 }
 
-iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const iso_view *view,
+iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_view *view,
                               const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                               iso_error *err)
 {
     const double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels, start = iso_clock_seconds();
     iso_gl_brick_stats own;
-    warp_cache cache = {.gl = gl, .field = field, .level = level, .opt = opt};
+    warp_cache cache = {.gl = gl, .field = warp->field, .level = warp->level, .opt = opt};
     stats = stats ? stats : &own;
     *image = (iso_image){0};
     if (!(step_voxels > 0 && isfinite(step_voxels)) || (opt->cache_bits != 16 && opt->cache_bits != 32) || opt->surface)
@@ -339,15 +339,15 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso
     return status;
 }
 
-iso_status iso_gl_sample_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const double *places,
-                              size_t count, float *out, iso_error *err)
+iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double *places, size_t count, float *out,
+                              iso_error *err)
 {
     enum { width = 256 };
     const iso_gl_brick_options opt = {.shaded = true, .cache_bits = 32, .skip = ISO_GL_SKIP_NEVER};
     const size_t height = (count + width - 1) / width;
-    const double side = (double)field->brick_voxels;
+    const double side = (double)warp->field->brick_voxels;
     iso_gl_brick_stats stats;
-    warp_cache cache = {.gl = gl, .field = field, .level = level, .opt = &opt};
+    warp_cache cache = {.gl = gl, .field = warp->field, .level = warp->level, .opt = &opt};
     GLuint program, points = 0;
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)

@@ -12,15 +12,20 @@
 #include "brick/warp.h"
 #include "render/gl/bricks_gl.h"
 
-/* level: whose field this is, for its geometry, range and culling. Of the options max_slots, keep_hidden and wanted are
- * ignored. Fields of one channel are drawn unshaded. ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_gl_render_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const iso_view *view,
+/* A field, and the level whose field it is: for its geometry, range and culling. */
+typedef struct iso_gl_warp {
+    const iso_warp_field *field;
+    const iso_level *level;
+} iso_gl_warp;
+
+/* Of the options max_slots, keep_hidden and wanted are ignored. Fields of one channel are drawn unshaded. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_view *view,
                               const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                               iso_error *err);
 
 /* The function of single bricks at places in their closed boxes, as the shader has it: for each of count places x, y, z
  * (index coordinates) and the brick's index, x fastest; out: the scalar and the direction. Caches are of 32 bits. */
-iso_status iso_gl_sample_warp(iso_gl *gl, const iso_warp_field *field, const iso_level *level, const double *places,
-                              size_t count, float *out, iso_error *err);
+iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double *places, size_t count, float *out,
+                              iso_error *err);
 
 #endif
