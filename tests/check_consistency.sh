@@ -26,6 +26,28 @@ assert ratio['analytic volumes of the set', 'default', 2] < ratio['analytic volu
 for e in r['exceptions']:
     assert e['dssim'] >= e['dssim_on_the_fly'] and e['cause']
 PY
+# What shows no difference between methods counts in no mean, and is named with its reason.
+"$ISOSHADE" make noise --size 24 --type uint8 -o noise.nrrd -q && "$ISOSHADE" make constant --size 24 --type uint8 -o constant.nrrd -q || exit 1
+expect a_volume_without_a_surface_runs 0 "$ISOSHADE" "${quick[@]}" noise.nrrd constant.nrrd --json
+check it_is_left_out_with_its_reason python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+why = {c['volume']: c['why'] for c in r['left_out'] if c['level'] is None}
+assert 'two classes' in why['noise.nrrd'] and 'one value' in why['constant.nrrd'], why
+assert not {'noise.nrrd', 'constant.nrrd'} & {c['volume'] for c in r['cases']}
+for s in r['summary']:
+    assert s['volumes'] == 0 if s['block'] == 'volumes of the set' else s['dssim_ratio_median'] > 0, s
+PY
+expect cases_without_an_error_run 0 "$ISOSHADE" bench consistency shells.nrrd constant.nrrd --views 1 --size 24 --levels 2 --tfs soft -q --json
+check they_are_left_out_and_counted python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+block = r['blocks'][0]
+assert block['case_count'] == 1 and block['left_out_count'] == 1, block
+assert sum(block['left_out'].values()) == 1
+ratio = {m['method']: m for m in block['means'] if m['level'] == 0}['default']
+assert ratio['ssim_ratio'] == ratio['ssim_ratio_median'] != 1, ratio  # one case left: its ratio is all figures
+PY
 expect no_volume_means_shading 0 "$ISOSHADE" bench consistency --size 16 --views 1 --levels 2 --help
 # A name is a whole word: "al", "a" and nothing at all once meant all of them.
 for name in al a , "default,al"; do
@@ -46,11 +68,11 @@ assert h['moments'] < 0.5 * h['naive'], h
 assert h['flipped'] <= h['moments'], h
 PY
 has_files the_figure_has holes holes.csv holes.gp holes.svg finest.png naive.png
-expect filters_run 0 "$ISOSHADE" bench consistency --filters --size 16 --voxels 16 -q -o filters
+expect filters_run 0 "$ISOSHADE" bench consistency --filters --size 16 --voxels 18 -q -o filters
 check every_scene_has_a_best test "$(grep -c '\*' out)" -ge 9
 check the_chart_is_there test -s filters/filters.svg
 mkdir mine && touch mine/file
-expect a_foreign_folder_is_left_alone 3 "$ISOSHADE" bench consistency --holes --size 16 --voxels 16 -q -o mine
+expect a_foreign_folder_is_left_alone 3 "$ISOSHADE" bench consistency --holes --size 16 --voxels 18 -q -o mine
 check and_keeps_its_file test -e mine/file
 refuse a_format_that_is_none 2 --format "$ISOSHADE" bench consistency --holes --format gif -q
 exit $failed

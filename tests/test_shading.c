@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "bench/shading_error.h"
+#include "compare/quartiles.h"
 
 static iso_gl *gl;
 
@@ -110,21 +112,161 @@ static void angles_are_those_by_which_directions_were_turned(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void otsu_parts_two_classes_between_them(void **state)
+enum { edge = 20, cells = edge * edge * edge };
+
+/* A cube of the values that a function of the distance to the middle, 0 to about 17, gives; the function may take noise. */
+static iso_level level_of(float values[cells], double (*value)(double distance, double x, iso_random *random))
+{
+    iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){edge, edge, edge}, (double[]){1, 1, 1}),
+                       .scalar = values,
+                       .min = INFINITY,
+                       .max = -INFINITY};
+    iso_random random = {7};
+    for (size_t i = 0; i < cells; ++i) {
+        const iso_vec3 d = {(double)(i % edge) - 9.5, (double)(i / edge % edge) - 9.5,
+                            (double)(i / (edge * edge)) - 9.5};
+        values[i] = (float)value(iso_norm(d), d.x, &random);
+        level.min = fmin(level.min, (double)values[i]);
+        level.max = fmax(level.max, (double)values[i]);
+    }
+    return level;
+}
+
+/* Zeros, none below 60, and a brain of 60 to 100. */
+static double zeros_gap_brain(double distance, double x, iso_random *random)
+{
+    (void)x;
+    return distance < 7 ? 60 + 40 * iso_random_unit(random) : 0;
+}
+
+/* A negative lobe and a weaker positive one in zeros. */
+static double signed_field(double distance, double x, iso_random *random)
+{
+    (void)random;
+    return distance < 8 ? (x < 0 ? -1 : 0.4) * (8 - distance) : 0;
+}
+
+/* Around one value: the sum of twelve numbers in [0, 1) is nearly normal. */
+static double unimodal_noise(double distance, double x, iso_random *random)
+{
+    double sum = 0;
+    (void)distance, (void)x;
+    for (int i = 0; i < 12; ++i)
+        sum += iso_random_unit(random);
+    return sum;
+}
+
+static double one_value(double distance, double x, iso_random *random)
+{
+    (void)distance, (void)x, (void)random;
+    return 10;
+}
+
+/* Where neither side of the box is a background. */
+static double two_halves(double distance, double x, iso_random *random)
+{
+    (void)distance;
+    return (x < 0 ? 0.2 : 0.8) + 0.2 * iso_random_unit(random);
+}
+
+/* Opacity of a value, as a fraction of the range. */
+static double opacity_at(const iso_otsu_surface *surface, double fraction)
+{
+    iso_surface_tf storage;
+    const iso_tf tf = iso_surface_make_tf(surface, &storage);
+    for (size_t i = 1; i < tf.point_count; ++i)
+        if (fraction <= tf.points[i].value) {
+            const iso_tf_point *a = &tf.points[i - 1], *b = &tf.points[i];
+            return a->opacity + (fraction - a->value) / (b->value - a->value) * (b->opacity - a->opacity);
+        }
+    return NAN;
+}
+
+static void the_surface_lies_in_the_middle_of_a_gap(void **state)
 {
     (void)state;
-    iso_geometry g = iso_geometry_axis_aligned((size_t[]){10, 10, 10}, (double[]){1, 1, 1});
-    float values[1000];
-    iso_level level = {.geometry = g, .scalar = values, .min = 10, .max = 50};
-    for (size_t i = 0; i < 1000; ++i) /* a tenth of the voxels at 40 and above, the others at 20 and below */
-        values[i] = i % 10 == 0 ? (float)(40 + i % 11) : (float)(10 + i % 11);
-    const double fraction = iso_otsu_fraction(&level);
-    assert_more_than(fraction, 0.25); /* 20 of 10 to 50 */
-    assert_at_most(fraction, 0.75);
-    for (size_t i = 0; i < 1000; ++i)
-        values[i] = 10;
-    level.max = 10;
-    assert_within(iso_otsu_fraction(&level), 0.5, 0); /* one value: any is as good */
+    float values[cells];
+    const iso_level level = level_of(values, zeros_gap_brain);
+    const iso_otsu_surface s = iso_surface_find(&level);
+    assert_null(s.left_out);
+    assert_false(s.below);
+    /* the gap is .004 to .60 of the range; the first threshold in it, .004, would leave its ramp in what air is filtered to */
+    assert_within(s.fraction, 0.3, 0.01);
+    assert_within(s.border, 0, 0);
+    assert_within(s.ramp, 0, 0);
+    assert_within(opacity_at(&s, 0), 0, 0);
+    assert_within(opacity_at(&s, 0.2), 0, 0); /* a fifth of brain and four of air */
+    assert_within(opacity_at(&s, 0.6), 0.8, 1e-12);
+}
+
+static void a_signed_field_shows_the_lobe_and_not_its_background(void **state)
+{
+    (void)state;
+    float values[cells];
+    const iso_level level = level_of(values, signed_field);
+    const iso_otsu_surface s = iso_surface_find(&level);
+    const double zero = (0 - level.min) / (level.max - level.min);
+    assert_null(s.left_out);
+    assert_true(s.below);
+    assert_at_most(s.fraction, zero - ISO_SURFACE_HALF_RAMP);
+    assert_within(s.border, 0, 0);
+    assert_within(opacity_at(&s, zero), 0, 0);
+    assert_within(opacity_at(&s, 0.01), 0.8, 1e-12);
+    /* the fault: the values above the same threshold are an opaque box, which is refused */
+    const iso_otsu_surface above = iso_surface_at(&level, s.fraction);
+    assert_within(above.border, 1, 0);
+    assert_non_null(strstr(above.left_out, "background"));
+}
+
+static void noise_around_one_value_has_no_surface(void **state)
+{
+    (void)state;
+    float values[cells];
+    const iso_level noise = level_of(values, unimodal_noise);
+    assert_non_null(strstr(iso_surface_find(&noise).left_out, "two classes"));
+    const iso_level same = level_of(values, one_value);
+    assert_non_null(strstr(iso_surface_find(&same).left_out, "one value"));
+}
+
+static void a_box_parted_evenly_keeps_its_surface(void **state)
+{
+    (void)state;
+    float values[cells];
+    const iso_level level = level_of(values, two_halves);
+    const iso_otsu_surface s = iso_surface_find(&level);
+    assert_null(s.left_out);
+    assert_within(s.fraction, 0.5, 0.01);
+    assert_within(s.border, 0.5, 0);
+}
+
+/* Nothing is rendered, and what is asked of it ends well. */
+static void a_volume_without_a_surface_is_left_out(void **state)
+{
+    (void)state;
+    iso_field f = field_of(ISO_FIELD_NOISE);
+    iso_pyramid p = pyramid_of(&f);
+    iso_shading_subject s;
+    assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
+    assert_non_null(s.surface.left_out);
+    assert_null(s.finest[0].rgba);
+    assert_int_equal(s.point_count, 0);
+    iso_shading_end(&s);
+    iso_pyramid_destroy(&p);
+}
+
+static void ratios_have_a_median_that_one_case_does_not_move(void **state)
+{
+    (void)state;
+    double ratios[] = {0.9, 0.8, 1.0, 0.7, 0.01};
+    const iso_ratios r = iso_ratios_summarize(ratios, 5);
+    assert_int_equal(r.count, 5);
+    assert_within(r.median, 0.8, 1e-15);
+    assert_within(r.lower, 0.7, 1e-15);
+    assert_within(r.upper, 0.9, 1e-15);
+    assert_within(r.geometric_mean, pow(0.9 * 0.8 * 0.7 * 0.01, 0.2), 1e-15); /* .35: what one case of five does */
+    double two[] = {4, 1};
+    assert_within(iso_ratios_summarize(two, 2).lower, 1.75, 1e-15); /* a quarter of the way */
+    assert_true(isnan(iso_ratios_summarize(two, 0).median));
 }
 
 /* The sides of a tube point apart. The planted fault is the default with all lengths made equal. */
@@ -195,7 +337,12 @@ int main(void)
         cmocka_unit_test(level_0_is_at_no_distance_from_itself),
         cmocka_unit_test(angles_are_those_by_which_directions_were_turned),
         cmocka_unit_test(views_are_evenly_spread_and_off_the_axes),
-        cmocka_unit_test(otsu_parts_two_classes_between_them),
+        cmocka_unit_test(the_surface_lies_in_the_middle_of_a_gap),
+        cmocka_unit_test(a_signed_field_shows_the_lobe_and_not_its_background),
+        cmocka_unit_test(noise_around_one_value_has_no_surface),
+        cmocka_unit_test(a_box_parted_evenly_keeps_its_surface),
+        cmocka_unit_test(a_volume_without_a_surface_is_left_out),
+        cmocka_unit_test(ratios_have_a_median_that_one_case_does_not_move),
         cmocka_unit_test(the_default_is_nearer_to_level_0_than_gradients_on_the_fly),
     };
     return cmocka_run_group_tests(tests, make_gl, drop_gl);

@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "bench/bench.h"
+#include "bench/consistency_report.h"
 #include "bench/figures.h"
 #include "bench/shading.h"
 #include "options/input.h"
@@ -25,8 +26,7 @@
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 
-enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1, BLOCK_COUNT = 2 };
-static const char *const block_names[BLOCK_COUNT] = {"volumes named", "held back"};
+enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
 
 typedef struct bench_tf {
     const char *name;
@@ -91,21 +91,9 @@ enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
 typedef struct case_result {
     double ssim_dissimilarity, flip, rmse;
+    double alpha_max; /* of the level's images: how much is shown at all */
     iso_adapt_judgment judgment;
 } case_result;
-
-/* Sums of the logarithms of error / error of the original, by level (0: of all), and how often a method fell behind
- * it. */
-typedef struct method_sums {
-    double log_ratio[MAX_LEVELS][3]; /* SSIM, FLIP, RMSE */
-    size_t worse;
-    double worst; /* largest SSIM dissimilarity above the original's */
-} method_sums;
-
-typedef struct block_sums {
-    size_t case_count[MAX_LEVELS];
-    method_sums methods[METHOD_COUNT];
-} block_sums;
 
 typedef struct bench_run {
     const iso_cli *cli;
@@ -119,7 +107,6 @@ typedef struct bench_run {
     const iso_renderer_info *renderer; /* the one at work */
     iso_renderers renderers;
     json_t *cases;
-    block_sums sums[ISO_MAX_RENDERERS][BLOCK_COUNT];
 } bench_run;
 
 static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view,
@@ -180,6 +167,14 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     return status;
 }
 
+static double largest_alpha(const iso_image *image)
+{
+    double most = 0;
+    for (size_t i = 0; image->rgba && i < image->width * image->height; ++i)
+        most = fmax(most, (double)image->rgba[4 * i + 3]);
+    return most;
+}
+
 /* All views of one level with one table. */
 static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
                           iso_error *err)
@@ -195,50 +190,50 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
         r->ssim_dissimilarity += (1 - m.ssim) / run->views;
         r->flip += m.flip_mean / run->views;
         r->rmse += m.rmse / run->views;
+        r->alpha_max = fmax(r->alpha_max, largest_alpha(&image));
         iso_image_destroy(&image);
     }
     return status;
 }
 
-static void add_to_sums(block_sums *sums, int m, size_t level, const case_result *r, const case_result *original)
+/* Nothing can be told from pictures that are alike whatever is done, or that are empty. */
+static const char *why_left_out(const bench_run *run, const bench_case *c, const case_result results[METHOD_COUNT])
 {
-    const double floor_error = 1e-6, /* both perfect: a ratio of 1 */
-        ours[3] = {r->ssim_dissimilarity, r->flip, r->rmse},
-                 theirs[3] = {original->ssim_dissimilarity, original->flip, original->rmse};
-    method_sums *of = &sums->methods[m];
-    for (int i = 0; i < 3; ++i) {
-        double ratio = log((ours[i] + floor_error) / (theirs[i] + floor_error));
-        of->log_ratio[0][i] += ratio;
-        of->log_ratio[level][i] += ratio;
+    const double nothing = 1 / 255.0, no_error = 1e-6;
+    double finest = 0, shown = 0, error = 0;
+    for (int i = 0; i < run->views; ++i)
+        finest = fmax(finest, largest_alpha(&c->finest[i]));
+    for (int m = 0; m < METHOD_COUNT; ++m) {
+        shown = fmax(shown, results[m].alpha_max);
+        error = fmax(error, fmax(results[m].ssim_dissimilarity, fmax(results[m].flip, results[m].rmse)));
     }
-    double above = r->ssim_dissimilarity - original->ssim_dissimilarity;
-    of->worse += above > 0.005;
-    of->worst = fmax(of->worst, above);
+    if (!(finest >= nothing))
+        return "level 0 shows nothing";
+    if (!(shown >= nothing))
+        return "the level shows nothing under any method";
+    return error < no_error ? "no method errs" : NULL;
 }
 
-static void note_case(bench_run *run, int block, const char *volume, const char *tf, size_t level,
-                      const case_result results[METHOD_COUNT])
+static void note_case(bench_run *run, const bench_case *c, size_t level, const case_result results[METHOD_COUNT])
 {
-    block_sums *sums = &run->sums[iso_renderer_index(run->renderer)][block];
-    ++sums->case_count[0];
-    ++sums->case_count[level];
+    const char *why = why_left_out(run, c, results);
     for (int m = 0; m < METHOD_COUNT; ++m) {
         if (!run->wanted[m])
             continue;
         const case_result *r = &results[m];
         const char *kept = all_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
-        add_to_sums(sums, m, level, r, &results[0]);
         json_array_append_new(run->cases,
-                              json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b}", "renderer",
-                                        run->renderer->name, "volume", volume, "held", block == HELD, "tf", tf, "level",
-                                        (int)level, "method", all_methods[m].name, "ssim_dissimilarity",
-                                        r->ssim_dissimilarity, "flip_mean", r->flip, "rmse", r->rmse,
-                                        "rms_voxels_original", r->judgment.rms_original, "rms_voxels_adapted",
-                                        r->judgment.rms_adapted, "fell_back", r->judgment.use_original));
+                              json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b, s:s?}",
+                                        "renderer", run->renderer->name, "volume", c->volume, "held", c->block == HELD,
+                                        "tf", c->tf->name, "level", (int)level, "method", all_methods[m].name,
+                                        "ssim_dissimilarity", r->ssim_dissimilarity, "flip_mean", r->flip, "rmse",
+                                        r->rmse, "rms_voxels_original", r->judgment.rms_original, "rms_voxels_adapted",
+                                        r->judgment.rms_adapted, "fell_back", r->judgment.use_original, "left_out",
+                                        why));
         if (!run->cli->json)
-            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s\n", run->renderer->name, volume, tf,
-                   level, all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse, r->judgment.rms_original,
-                   r->judgment.rms_adapted, kept);
+            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s%s%s\n", run->renderer->name, c->volume,
+                   c->tf->name, level, all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse,
+                   r->judgment.rms_original, r->judgment.rms_adapted, kept, why ? "  left out: " : "", why ? why : "");
     }
     fflush(stdout);
 }
@@ -266,7 +261,7 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
         iso_tf_table_destroy(&table);
     }
     if (status == ISO_OK)
-        note_case(run, c->block, c->volume, c->tf->name, level, results);
+        note_case(run, c, level, results);
     return status;
 }
 
@@ -371,60 +366,13 @@ static iso_status run_analytic(bench_run *run, iso_error *err)
     return status;
 }
 
-/* A block's geometric means, of all levels (level 0) or of one. */
-static void report_means(const bench_run *run, const block_sums *sums, size_t level, json_t *methods)
-{
-    const double n = (double)sums->case_count[level];
-    for (int m = 0; m < METHOD_COUNT; ++m) {
-        const method_sums *of = &sums->methods[m];
-        double mean[3];
-        for (int i = 0; i < 3; ++i)
-            mean[i] = exp(of->log_ratio[level][i] / n);
-        if (run->wanted[m])
-            json_array_append_new(methods, json_pack("{s:i, s:s, s:f, s:f, s:f}", "level", (int)level, "method",
-                                                     all_methods[m].name, "ssim_ratio", mean[0], "flip_ratio", mean[1],
-                                                     "rmse_ratio", mean[2]));
-        if (!run->wanted[m] || run->cli->json)
-            continue;
-        if (level > 0)
-            printf("  level %zu %-17s %8.3f %8.3f %8.3f\n", level, all_methods[m].name, mean[0], mean[1], mean[2]);
-        else
-            printf("%-26s %8.3f %8.3f %8.3f   %13zu   %.4f\n", all_methods[m].name, mean[0], mean[1], mean[2],
-                   of->worse, of->worst);
-    }
-}
-
-static json_t *report_block(const bench_run *run, const iso_renderer_info *renderer, int block)
-{
-    const block_sums *sums = &run->sums[iso_renderer_index(renderer)][block];
-    json_t *means = json_array(), *behind = json_array();
-    if (!run->cli->json)
-        printf(
-            "\n%s, %s: %zu cases; geometric means of error / error of the original TF\n%-26s %8s %8s %8s   worse by .005   worst\n",
-            renderer->name, block_names[block], sums->case_count[0], "method", "SSIM", "FLIP", "RMSE");
-    for (size_t level = 0; level < MAX_LEVELS; ++level)
-        if (sums->case_count[level] > 0)
-            report_means(run, sums, level, means);
-    for (int m = 0; m < METHOD_COUNT; ++m)
-        if (run->wanted[m])
-            json_array_append_new(behind, json_pack("{s:s, s:i, s:f}", "method", all_methods[m].name, "worse_count",
-                                                    (int)sums->methods[m].worse, "worst_ssim_difference",
-                                                    sums->methods[m].worst));
-    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "renderer", renderer->name, "block", block_names[block], "case_count",
-                     (int)sums->case_count[0], "means", means, "behind", behind);
-}
-
 static void report(bench_run *run)
 {
-    json_t *root = iso_cli_json(run->cli), *blocks = json_array();
+    json_t *root = iso_cli_json(run->cli), *blocks = iso_consistency_report(run->cases, !run->cli->json);
     json_object_update_new(json_object_get(root, "options"),
                            json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels",
                                      run->levels, "shaded", run->shaded, "step_voxels", run->step_voxels, "paper_setup",
                                      run->paper_setup));
-    for (size_t r = 0; r < iso_renderer_count(); ++r)
-        for (int block = 0; block < BLOCK_COUNT; ++block)
-            if (run->sums[r][block].case_count[0] > 0)
-                json_array_append_new(blocks, report_block(run, iso_renderer_at(r), block));
     json_object_set_new(root, "blocks", blocks);
     json_object_set(root, "cases", run->cases);
     if (run->cli->json)
@@ -611,7 +559,9 @@ const iso_command iso_bench_consistency = {
         "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
         "its own options: isoshade bench consistency --shading --help.\n"
         "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
-        "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means over all cases.\n"
+        "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means, medians and quartiles over all\n"
+        "cases. Left out of them, and counted: cases whose level 0 shows nothing, whose level shows nothing under any method\n"
+        "(no pixel of any view has an alpha of 1/255), or in which no method errs.\n"
         "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"

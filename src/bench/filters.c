@@ -40,6 +40,9 @@ static const iso_shading_method methods[] = {
 };
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };
 
+/* Of fewer, a third of which the thin plate has, no voxel of its surface lies off the border. */
+enum { MIN_VOXELS = 18 };
+
 typedef struct scene {
     const char *name;
     iso_field_kind kind;
@@ -73,7 +76,7 @@ static size_t scene_voxels(const filters_run *run, const scene *s)
 static iso_status begin_scene(const filters_run *run, const scene *s, int size, iso_shading_subject *subject,
                               iso_error *err)
 {
-    const iso_shading_look look = {.view_count = VIEWS, .image_size = (size_t)size};
+    const iso_shading_look look = {.view_count = VIEWS, .image_size = (size_t)size, .any_surface = true};
     iso_field field;
     iso_volume v = {0};
     iso_pyramid p = {0};
@@ -323,7 +326,7 @@ static iso_status run_all(filters_run *run, iso_error *err)
     iso_output out = {0};
     iso_status status = iso_words_check_range("--size", run->size, 16, 2048, err);
     if (status == ISO_OK)
-        status = iso_words_check_range("--voxels", run->voxels, 16, 512, err);
+        status = iso_words_check_range("--voxels", run->voxels, MIN_VOXELS, 512, err);
     if (status == ISO_OK && strcmp(run->format, "svg") != 0 && strcmp(run->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", run->format);
     if (status == ISO_OK && run->output)

@@ -11,45 +11,6 @@
 enum { MOST_POINTS = 20000 };
 static const double step_of_views = 0.5; /* voxels of the level */
 
-iso_tf iso_shading_make_tf(double fraction, iso_shading_tf *storage)
-{
-    const double half = 0.05, lo = fmax(fraction - half, 0.001), hi = fmin(fraction + half, 0.999);
-    *storage = (iso_shading_tf){
-        {{0, {0.9, 0.7, 0.4}, 0}, {lo, {0.9, 0.7, 0.4}, 0}, {hi, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}};
-    return (iso_tf){.point_count = 4,
-                    .points = storage->points,
-                    .fit_range = true,
-                    .unit_distance = 1,
-                    .unit_is_voxels = true,
-                    .table_size = 256};
-}
-
-double iso_otsu_fraction(const iso_level *level)
-{
-    enum { BINS = 256 };
-    double count[BINS] = {0}, total = 0, total_sum = 0, below = 0, below_sum = 0, best = -1, fraction = 0.5;
-    const double range = level->max - level->min;
-    for (size_t i = 0; range > 0 && i < iso_geometry_voxel_count(&level->geometry); ++i)
-        count[(size_t)fmin(((double)level->scalar[i] - level->min) / range * BINS, BINS - 1)] += 1;
-    for (int b = 0; b < BINS; ++b) {
-        total += count[b];
-        total_sum += b * count[b];
-    }
-    for (int b = 0; b + 1 < BINS; ++b) {
-        below += count[b];
-        below_sum += b * count[b];
-        if (below == 0 || below == total)
-            continue;
-        const double step = below_sum / below - (total_sum - below_sum) / (total - below);
-        const double between = below * (total - below) * step * step;
-        if (between > best) {
-            best = between;
-            fraction = (b + 1) / (double)BINS;
-        }
-    }
-    return fraction;
-}
-
 /* ---- views ---- */
 
 static iso_status make_view(const iso_level *level0, const iso_tf *tf, int i, size_t image_size, iso_view *view,
@@ -143,10 +104,14 @@ static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, 
 iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code,
                              const iso_field *field, const iso_shading_look *look, iso_error *err)
 {
-    iso_shading_tf points;
+    iso_surface_tf points;
     *s = (iso_shading_subject){.gl = gl, .view_count = look->view_count};
-    s->surface = look->surface > 0 ? look->surface : iso_otsu_fraction(level0);
-    const iso_tf tf = iso_shading_make_tf(s->surface, &points);
+    s->surface = look->surface > 0 ? iso_surface_at(level0, look->surface) : iso_surface_find(level0);
+    if (look->any_surface)
+        s->surface.left_out = NULL;
+    if (s->surface.left_out)
+        return ISO_OK;
+    const iso_tf tf = iso_surface_make_tf(&s->surface, &points);
     iso_status status = ISO_OK;
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
         status = make_view(level0, &tf, i, look->image_size, &s->views[i], err);
@@ -157,6 +122,8 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
     }
     if (status == ISO_OK)
         status = find_surface(s, level0, code, field, err);
+    if (status == ISO_OK && s->point_count == 0 && !look->any_surface)
+        s->surface.left_out = "nothing of its surface has a direction";
     if (status != ISO_OK)
         iso_shading_end(s);
     return status;
@@ -227,11 +194,19 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
     return status;
 }
 
+static double largest_alpha(const iso_image *image)
+{
+    double most = 0;
+    for (size_t i = 0; image->rgba && i < image->width * image->height; ++i)
+        most = fmax(most, (double)image->rgba[4 * i + 3]);
+    return most;
+}
+
 static iso_status measure_images(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
                                  iso_error *err)
 {
     iso_status status = ISO_OK;
-    e->dssim_mean = 0;
+    e->dssim_mean = e->alpha_max = 0;
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
         iso_image image = {0};
         double ssim = 0;
@@ -240,6 +215,7 @@ static iso_status measure_images(const iso_shading_subject *s, const iso_shading
             status = iso_ssim_foreground(&s->finest[i], &image, &ssim, err);
         e->dssim[i] = (1 - ssim) / 2;
         e->dssim_mean += e->dssim[i] / s->view_count;
+        e->alpha_max = fmax(e->alpha_max, largest_alpha(&image));
         iso_image_destroy(&image);
     }
     return status;

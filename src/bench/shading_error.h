@@ -10,6 +10,7 @@
 #ifndef ISO_BENCH_SHADING_ERROR_H
 #define ISO_BENCH_SHADING_ERROR_H
 
+#include "bench/surface.h"
 #include "scene/views.h"
 #include "pyramid/pyramid.h"
 #include "render/gl/raycaster.h"
@@ -23,7 +24,7 @@ typedef struct iso_surface_point {
 typedef struct iso_shading_subject {
     iso_gl *gl;
     int view_count;
-    double surface; /* fraction of the range */
+    iso_otsu_surface surface; /* where it is left out, there is nothing below */
     iso_view views[ISO_DIAGONAL_VIEWS];
     iso_image finest[ISO_DIAGONAL_VIEWS]; /* the images of level 0 */
     size_t point_count;
@@ -33,30 +34,22 @@ typedef struct iso_shading_subject {
 typedef struct iso_shading_error {
     double dssim[ISO_DIAGONAL_VIEWS];
     double dssim_mean;
+    double alpha_max;                     /* of all pixels and views: how much is shown at all */
     double angle_mean_deg, angle_p95_deg; /* to level 0's directions; NaN: no surface */
     double truth_mean_deg;                /* to the field's gradients; NaN: none known */
     double length_mean; /* of the codes' directions in the voxels that hold the surface: their coherence */
 } iso_shading_error;
 
-/* A surface: opacity rises from 0 to .8 over a tenth of the volume's range about this fraction of it. */
-typedef struct iso_shading_tf {
-    iso_tf_point points[4];
-} iso_shading_tf;
-iso_tf iso_shading_make_tf(double fraction, iso_shading_tf *storage);
-
-/* Where a surface is, as a fraction of the range: [otsu-1979]:
- *  the value that separates the voxels into the two classes of the least variance. One rule for
- * all volumes; half-way values keep their place under a mean of eight. */
-double iso_otsu_fraction(const iso_level *level);
-
 /* What a subject is looked at with. */
 typedef struct iso_shading_look {
     int view_count;    /* at most ISO_DIAGONAL_VIEWS */
     size_t image_size; /* pixels */
-    double surface;    /* fraction of the range; 0: iso_otsu_fraction() */
+    double surface;    /* fraction of the range; 0: iso_surface_find() */
+    bool any_surface;  /* what iso_surface_find() would leave out as well: the field was made for that surface */
 } iso_shading_look;
 
-/* level0 stays borrowed for the call alone. field: what the volume was sampled from, or NULL. */
+/* s->surface.left_out says why there is nothing to measure; iso_shading_end() all the same.
+ * level0 stays borrowed for the call alone. field: what the volume was sampled from, or NULL. */
 iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level *level0, iso_code code,
                              const iso_field *field, const iso_shading_look *look, iso_error *err);
 void iso_shading_end(iso_shading_subject *s);
