@@ -5,7 +5,7 @@
 power() { "$ISOSHADE" bench power --with gl -q "$@"; }
 
 expect faults_are_caught_and_clean_scenes_left_alone 0 power --repetitions 2 --size 14 --json
-check thirteen_faults_by_name test "$(grep -c '"caught": true' out)" = 13
+check sixteen_faults_by_name test "$(grep -c '"caught": true' out)" = 16
 check no_clean_scene_is_flagged test "$(grep -c '"flagged": 0' out)" = "$(grep -c '"flagged"' out)"
 check a_scene_has_highlights_above_1 grep -q '"scenes_above_1": 1' out
 # Every fault that changes a scene is seen by both gates there; and clipping is among them.

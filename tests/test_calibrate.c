@@ -84,6 +84,18 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
         }
 }
 
+/* A fixed view vector in perspective, and a point of view where there is none: each has its own check. */
+static void both_projections_have_their_view_vector_checked(void **state)
+{
+    iso_calibration c[ISO_CALIBRATION_COUNT];
+    (void)state;
+    count_failures(&iso_renderer_gl, ISO_FAULT_VIEW_VECTOR, c);
+    assert_more_than(c[iso_calibration_number("light")].value, 5 * c[iso_calibration_number("light")].limit);
+    assert_more_than(c[iso_calibration_number("view vector")].value,
+                     5 * c[iso_calibration_number("view vector")].limit);
+    assert_true(c[iso_calibration_number("order")].passed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -92,6 +104,7 @@ int main(void)
         cmocka_unit_test(povray_passes_its_calibration),
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
+        cmocka_unit_test(both_projections_have_their_view_vector_checked),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }

@@ -115,10 +115,13 @@ static iso_status check(const iso_render_request *q, iso_error *err)
     return ISO_OK;
 }
 
-static void apply_hook(const iso_renderers *r, iso_image *image)
+static iso_status apply_hook(const iso_render_request *q, iso_image *image, iso_error *err)
 {
-    if (r->after.change)
-        r->after.change(r->after.user, image);
+    const iso_image_hook *after = &q->renderers->after;
+    const iso_status status = after->change ? after->change(after->user, q, image, err) : ISO_OK;
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
 }
 
 iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
@@ -138,7 +141,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
     if (is_program)
         stats.setup_seconds = fmax(all - stats.seconds, 0);
     if (status == ISO_OK)
-        apply_hook(frame->renderers, image);
+        status = apply_hook(frame, image, err);
     if (seconds) /* where a frame is told apart from its textures, the frame: it is what is drawn again and again */
         *seconds = !is_program && stats.setup_seconds > 0 ? stats.seconds : all;
     if (opt->stats)
@@ -150,7 +153,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
 
 static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
-    const iso_renderers *r = q->renderers;
+    iso_render_request one = *q;
     const iso_render_options *frames = q->options;
     iso_status status = ISO_OK;
     memset(images, 0, count * sizeof *images);
@@ -158,11 +161,14 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
         status = check(q, err);
         if (status == ISO_OK)
             status = frames[0].renderer->render_several(q, count, images, err);
-        for (size_t i = 0; i < count && status == ISO_OK; ++i)
-            apply_hook(r, &images[i]);
+        for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+            one.options = &frames[i];
+            status = apply_hook(&one, &images[i], err);
+        }
+        for (size_t i = 0; i < count && status != ISO_OK; ++i)
+            iso_image_destroy(&images[i]);
         return status;
     }
-    iso_render_request one = *q;
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         one.options = &frames[i];
         status = iso_render_with(&one, &images[i], NULL, err);

@@ -191,9 +191,9 @@ const char *iso_renderers_with(unsigned traits, const char *join, const char *la
 
 /* ---- rendering ---- */
 
-/* A function that may change each image after it is rendered. Zeroed: none. */
+/* A function that may change each image after it is rendered; it is told of what. Zeroed: none. */
 typedef struct iso_image_hook {
-    void (*change)(const void *user, iso_image *image);
+    iso_status (*change)(const void *user, const iso_render_request *request, iso_image *image, iso_error *err);
     const void *user;
 } iso_image_hook;
 

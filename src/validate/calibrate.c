@@ -235,37 +235,170 @@ static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_
     return status;
 }
 
+/* ---- order: the color and nothing else changes along the ray ---- */
+
+/* Integral of sigma exp(-sigma t) (from + (to - from) t / length) dt over a piece that begins with what is let through. */
+static double colored_piece(double through, double sigma, double length, double from, double to)
+{
+    const double slope = length > 0 ? (to - from) / length : 0;
+    return through * (from + slope / sigma - exp(-sigma * length) * (to + slope / sigma));
+}
+
+/* The value is a ramp along x, clamped half a voxel before both faces: at most three pieces, linear each. */
+static void expect_colors(stage *s, size_t column, size_t row, const double first[3], const double last[3],
+                          double sigma)
+{
+    const iso_geometry *g = &s->pyramid.levels[0].geometry;
+    const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, column, row);
+    const double ramp = (double)g->size[0] - 1;
+    double t[4], x[2];
+    if (!iso_ray_box(&ray, g, &t[0], &t[3]))
+        return;
+    for (int end = 0; end < 2; ++end)
+        x[end] = iso_geometry_to_index(g, iso_madd(ray.origin, ray.direction, t[3 * end])).x - 0.5;
+    for (int i = 0; i < 2; ++i) { /* where the ramp begins and ends, in the order of the ray */
+        const double bend = (i == 0) == (x[1] > x[0]) ? 0 : ramp;
+        t[1 + i] = fmin(fmax(t[0] + (bend - x[0]) / (x[1] - x[0]) * (t[3] - t[0]), t[0]), t[3]);
+    }
+    float *p = s->expected.rgba + 4 * (row * pixels + column);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 3; ++i) {
+            double color[2];
+            for (int end = 0; end < 2; ++end) {
+                const double at = x[0] + (x[1] - x[0]) * (t[i + end] - t[0]) / (t[3] - t[0]);
+                color[end] = first[c] + (last[c] - first[c]) * fmin(fmax(at / ramp, 0), 1);
+            }
+            p[c] += (float)colored_piece(exp(-sigma * (t[i] - t[0])), sigma, t[i + 1] - t[i], color[0], color[1]);
+        }
+    p[3] = (float)-expm1(-sigma * (t[3] - t[0]));
+}
+
+static iso_status check_order(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                              double *value, iso_error *err)
+{
+    const double first[3] = {1, 0.25, 0.125}, last[3] = {0.125, 0.5, 1}, sigma = 0.25;
+    iso_geometry g = turned_grid(9, 7, 12);
+    iso_status status = set_stage(s, &g, ramp_along_x, err);
+    if (status != ISO_OK)
+        return status;
+    s->view.camera = look(iso_v3(1, 1.6, -0.7), 0.14, false); /* no ray is parallel to a face */
+    for (size_t i = 0; i < tf_entries; ++i) {
+        float color[3];
+        for (int c = 0; c < 3; ++c)
+            color[c] = (float)(first[c] + (last[c] - first[c]) * (double)i / (tf_entries - 1));
+        set_entry(&s->view, i, color[0], color[1], color[2], (float)sigma);
+    }
+    for (size_t i = 0; i < pixels * pixels; ++i)
+        expect_colors(s, i % pixels, i / pixels, first, last, sigma);
+    status = render_stage(s, r, which, planted, err);
+    *value = largest_difference(s);
+    return status;
+}
+
+/* ---- shading: what the equation of scene.h says ---- */
+
+static double expected_shade(const iso_view *view, const double n[3], iso_vec3 to_viewer)
+{
+    const iso_vec3 normal = iso_v3(n[0], n[1], n[2]), light = view->lights[0].direction;
+    const double highlight = fabs(iso_dot(normal, iso_normalize(iso_add(light, to_viewer))));
+    return view->shading.ambient + view->shading.diffuse * fabs(iso_dot(normal, light)) +
+           view->shading.specular * pow(highlight, view->shading.power);
+}
+
+/* What the code keeps of a direction is the truth here. */
+static void coded_direction(iso_code code, const float direction[3], uint8_t bytes[3], double d[3])
+{
+    double e[3];
+    iso_code_encode(code, direction, bytes, 1);
+    iso_code_lattice(code, bytes, e);
+    iso_code_decode(code, e, d);
+}
+
 static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
 {
     iso_vec3 world = iso_geometry_to_world(g, index);
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                              double *value, iso_error *err)
+static iso_status check_linear_field(stage *s, const iso_camera *camera, const iso_shading *shading, iso_renderers *r,
+                                     const iso_renderer_info *which, const iso_planted *planted, double *value,
+                                     iso_error *err)
 {
     iso_geometry g = turned_grid(9, 7, 12);
     iso_status status = set_stage(s, &g, tilted_ramp, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(1, -0.6, 0.9), 7, true); /* light and viewer are where the gradient does not look */
-    s->view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = 0.9, .power = 2};
+    s->view.camera = *camera;
+    s->view.shading = *shading;
     for (size_t i = 0; i < tf_entries; ++i)
         set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.9f);
-    /* The gradient of the field is (3, -1, 2) / 100 per mm in the world; what its code keeps of it is the truth here. */
+    /* The gradient of the field is (3, -1, 2) / 100 per mm in the world. */
     const float direction[3] = {3 / sqrtf(14), -1 / sqrtf(14), 2 / sqrtf(14)};
     uint8_t bytes[3];
-    double e[3], d[3], n[3];
-    iso_code_encode(s->pyramid.options.code, direction, bytes, 1);
-    iso_code_lattice(s->pyramid.options.code, bytes, e);
-    iso_code_decode(s->pyramid.options.code, e, d);
+    double d[3], n[3];
+    coded_direction(s->pyramid.options.code, direction, bytes, d);
     iso_code_normal(d, n);
-    iso_vec3 light = s->view.lights[0].direction, normal = iso_v3(n[0], n[1], n[2]);
-    double highlight = iso_dot(normal, iso_normalize(iso_sub(light, s->view.camera.forward)));
-    double shade = 0.2 + 0.8 * fabs(iso_dot(normal, light)) + 0.9 * highlight * highlight;
     for (size_t i = 0; i < pixels * pixels; ++i) {
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.9f};
-        expect_pixel(s, i % pixels, i / pixels, rgbs, shade);
+        const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
+        expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
+    }
+    status = render_stage(s, r, which, planted, err);
+    *value = largest_difference(s);
+    return status;
+}
+
+static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                              double *value, iso_error *err)
+{
+    const iso_camera camera = look(iso_v3(1, -0.6, 0.9), 7, true); /* the gradient looks away from light and viewer */
+    const iso_shading shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.9, .power = 2};
+    return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
+}
+
+/* From so near that the highlight is another one in each pixel. */
+static iso_status check_view_vector(stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                    const iso_planted *planted, double *value, iso_error *err)
+{
+    const iso_shading shading = {.ambient = 0.1, .diffuse = 0.2, .specular = 0.9, .power = 6};
+    iso_camera camera = look(iso_v3(0.5, 0.6, 1), 0.25, false);
+    camera.position = iso_scale(camera.forward, -30);
+    return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
+}
+
+/* Two directions at right angles take turns along x, one of them half as long; columns of pixels show the way from one
+ * to the next, each a single shade along its ray. */
+static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                      const iso_planted *planted, double *value, iso_error *err)
+{
+    const size_t size[3] = {9, 6, 8};
+    const double spacing[3] = {1, 1, 1};
+    const float direction[2][3] = {{1, 0, 0}, {0, 0.3f, 0.4f}};
+    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    iso_status status = set_stage(s, &g, half, err);
+    if (status != ISO_OK)
+        return status;
+    s->view.camera = look(iso_v3(0, 1, 0), 4.5, true);
+    s->view.lights[0].direction = iso_normalize(iso_v3(1, 0.3, 0.8));
+    s->view.shading = (iso_shading){.ambient = 0.1, .diffuse = 0.8, .specular = 0.3, .power = 2};
+    uint8_t bytes[2][3];
+    double d[2][3];
+    for (int i = 0; i < 2; ++i)
+        coded_direction(s->pyramid.options.code, direction[i], bytes[i], d[i]);
+    for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
+        memcpy(s->pyramid.levels[0].codes + 3 * i, bytes[i % size[0] % 2], 3);
+    for (size_t i = 0; i < tf_entries; ++i)
+        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.5f);
+    for (size_t i = 0; i < pixels * pixels; ++i) {
+        const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, 0.5};
+        const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
+        const double x = fmin(fmax(iso_geometry_to_index(&g, ray.origin).x - 0.5, 0), (double)size[0] - 1);
+        const double second = fabs(x - 2 * floor((x + 1) / 2)); /* the share of the odd voxel */
+        double mean[3], n[3];
+        for (int a = 0; a < 3; ++a)
+            mean[a] = (1 - second) * d[0][a] + second * d[1][a];
+        iso_code_normal(mean, n);
+        expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
     status = render_stage(s, r, which, planted, err);
     *value = largest_difference(s);
@@ -296,6 +429,22 @@ static const struct {
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"},
      check_light},
+    {{.check = "order",
+      .unit = "largest difference",
+      .limit = 5e-4,
+      .why =
+          "a color that changes along the ray is summed up in steps of a quarter of a voxel; reversed it is off by 0.1"},
+     check_order},
+    {{.check = "view vector",
+      .unit = "largest difference",
+      .limit = 5e-4,
+      .why = "directions travel as bytes, floats or 16-bit files; one view vector for all pixels would be off by 0.1"},
+     check_view_vector},
+    {{.check = "interpolation",
+      .unit = "largest difference",
+      .limit = 5e-4,
+      .why = "directions travel as bytes, floats or 16-bit files; those not normalised again would be off by 0.1"},
+     check_interpolation},
 };
 
 int iso_calibration_number(const char *check)

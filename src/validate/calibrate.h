@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* calibrate.h - checks of each renderer before it is compared: four tiny volumes whose
+/* calibrate.h - checks of each renderer before it is compared: tiny volumes whose
  * images are known in closed form.
  *
  *   placement          a small blob off the centre of a rotated, anisotropic grid: the
@@ -11,14 +11,20 @@
  *                      colours and extinctions of the table stand side by side.
  *   light              a linear field has one gradient everywhere: one shade, by the
  *                      inverse transpose of the rotated, anisotropic matrix, from
- *                      behind, with a highlight above 1. */
+ *                      behind, with a highlight above 1.
+ *   order              a constant extinction and a color that changes along the ray:
+ *                      what is near covers what is far.
+ *   view vector        the linear field in perspective from near by: each pixel has
+ *                      its own highlight, by its own direction to the eye.
+ *   interpolation      two directions of unequal length at right angles, voxel by
+ *                      voxel: filtered as they are, then normalised. */
 #ifndef ISO_VALIDATE_CALIBRATE_H
 #define ISO_VALIDATE_CALIBRATE_H
 
 #include "validate/faults.h"
 #include "renderers/renderers.h"
 
-enum { ISO_CALIBRATION_COUNT = 4 };
+enum { ISO_CALIBRATION_COUNT = 7 };
 
 typedef struct iso_calibration {
     const char *check;

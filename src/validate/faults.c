@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "validate/ray_faults.h"
+
 static const struct {
     const char *name, *check;
 } faults[] = {[ISO_FAULT_NONE] = {"nothing", NULL},
@@ -239,7 +241,7 @@ size_t iso_planted_level(const iso_planted *planted, size_t level)
     return planted && planted->fault == ISO_FAULT_LEVEL ? level + 1 : level;
 }
 
-static void change_image(const void *user, iso_image *image)
+static iso_status change_image(const void *user, const iso_render_request *request, iso_image *image, iso_error *err)
 {
     const iso_planted *planted = user;
     const float gain = planted->deviation == ISO_DEVIATION_GAIN ? (float)(1 + planted->amount / 100) : 1.0f;
@@ -255,6 +257,11 @@ static void change_image(const void *user, iso_image *image)
         for (int c = 0; c < 3; ++c)
             image->rgba[4 * (image->height / 2 * image->width + image->width / 2) + (size_t)c] += (float)
                                                                                                       planted->amount;
+    const iso_ray_fault ray_fault = planted->fault == ISO_FAULT_ORDER           ? ISO_RAY_REVERSED
+                                    : planted->fault == ISO_FAULT_VIEW_VECTOR   ? ISO_RAY_OTHER_EYE
+                                    : planted->fault == ISO_FAULT_INTERPOLATION ? ISO_RAY_NOT_NORMALIZED
+                                                                                : ISO_RAY_RIGHT;
+    return ray_fault == ISO_RAY_RIGHT ? ISO_OK : iso_ray_fault_add(request, ray_fault, image, err);
 }
 
 iso_image_hook iso_planted_hook(const iso_planted *planted)

@@ -24,7 +24,10 @@
     X(ISO_FAULT_NOT_INVERSE_TRANSPOSE, "gradients go to the world by the matrix itself", "light") \
     X(ISO_FAULT_LIGHT, "the light comes from the mirrored side", "light")                    \
     X(ISO_FAULT_ONE_SIDED, "the light is one-sided", "light")                                \
-    X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")
+    X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")                                \
+    X(ISO_FAULT_ORDER, "back and front are exchanged along the ray", "order")                \
+    X(ISO_FAULT_VIEW_VECTOR, "highlights are those of the other projection", "view vector")  \
+    X(ISO_FAULT_INTERPOLATION, "directions are not normalised after filtering", "interpolation")
 /* clang-format on */
 
 typedef enum iso_fault {

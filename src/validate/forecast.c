@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "validate/calibrate.h"
 #include "validate/validate.h"
 
 /* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
@@ -91,7 +92,7 @@ static void add_calibrations(const iso_validation *v, iso_job *job)
             continue;
         snprintf(name, sizeof name, "calibration: %s", r->name);
         iso_job_add_lane(job);
-        iso_job_add_part(job, name, r->name, 4 * start_seconds(r) + 0.5);
+        iso_job_add_part(job, name, r->name, ISO_CALIBRATION_COUNT * start_seconds(r) + 0.5);
     }
 }
 
