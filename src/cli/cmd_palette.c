@@ -8,22 +8,11 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "options/cli.h"
-#include "options/input.h"
+#include "cli/palette_sets.h"
 #include "pyramid/palette_level.h"
 #include "palette/palette_picture.h"
 #include "palette/palette.h"
 #include "pyramid/pyramid.h"
-#include "tf/tf.h"
-
-typedef struct palette_args {
-    const iso_cli *cli;
-    iso_volume_input input;
-    char **outputs; /* ends with NULL */
-    char *method, *tf;
-    int entries, seed, level, per_level, by_magnitude, ellipsoid, on_surface, swap_trials, cycles, steps;
-    double start_prob, temp_fac, move_min, move_max;
-} palette_args;
 
 /* A fitted palette with what it was fitted to. */
 typedef struct fitted {
@@ -44,7 +33,7 @@ static void fitted_destroy(fitted *f)
 
 /* ---- options ---------------------------------------------------------------------------- */
 
-static iso_status check_outputs(const palette_args *a, iso_error *err)
+static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
 {
     static const char *const endings[] = {".csv", ".png", ".exr", ".svg", ".inc", ".py", ".nrrd"};
     for (char **path = a->outputs; path && *path; ++path) {
@@ -63,7 +52,7 @@ static iso_status check_outputs(const palette_args *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status to_options(const palette_args *a, iso_palette_options *out, iso_error *err)
+static iso_status to_options(const iso_palette_arguments *a, iso_palette_options *out, iso_error *err)
 {
     *out = iso_palette_defaults();
     iso_status status = iso_words_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
@@ -96,115 +85,6 @@ static iso_status to_options(const palette_args *a, iso_palette_options *out, is
     return status;
 }
 
-/* ---- what it is fitted to ----------------------------------------------------------------- */
-
-static iso_status ellipsoid_set(const palette_args *a, iso_direction_set *set, iso_error *err)
-{
-    size_t count = (size_t)a->ellipsoid;
-    float *vectors = malloc(3 * count * sizeof *vectors);
-    if (!vectors)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
-    iso_ellipsoid_gradients(vectors, count, a->on_surface, (uint64_t)a->seed);
-    iso_status status = iso_direction_set_create(set, vectors, NULL, count, err);
-    free(vectors);
-    return status;
-}
-
-/* The TF's opacity over one voxel as a table of weights, to be freed. */
-static iso_status opacity_weights(const char *path, const iso_geometry *g, double value_min, double value_max,
-                                  iso_palette_weighting *w, float **table, iso_error *err)
-{
-    iso_tf tf;
-    iso_tf_table t = {0};
-    iso_status status = iso_tf_load(path, &tf, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_tf_tabulate(&tf, value_min, value_max, g, &t, err);
-    iso_tf_destroy(&tf);
-    if (status != ISO_OK)
-        return status;
-    *table = malloc(t.count * sizeof **table);
-    double length = iso_geometry_mean_spacing_mm(g);
-    for (size_t i = 0; *table && i < t.count; ++i)
-        (*table)[i] = (float)-expm1(-(double)t.entries[4 * i + 3] * length);
-    w->by_value = *table;
-    w->by_value_count = t.count;
-    w->by_value_lo = t.lo;
-    w->by_value_hi = t.hi;
-    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", path, t.count);
-    iso_tf_table_destroy(&t);
-    return status;
-}
-
-/* Plain counts need one pass over the file and little memory; weights need the volume's range first. */
-static iso_status volume_set(const palette_args *a, const char *path, iso_direction_set *set, iso_error *err)
-{
-    iso_gradient_options gradient = iso_gradient_defaults();
-    iso_palette_weighting w = {.by_magnitude = a->by_magnitude};
-    iso_progress progress = iso_cli_progress(a->cli);
-    iso_direction_pool *pool = NULL;
-    iso_volume_source *source = NULL;
-    iso_volume v = {0};
-    float *table = NULL;
-    gradient.threads = a->cli->threads;
-    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
-    if (status == ISO_OK && !a->tf && !a->by_magnitude) {
-        status = iso_volume_input_open(path, &a->input, &source, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_source(pool, source, &gradient, &w, &progress, err);
-    } else if (status == ISO_OK) {
-        status = iso_volume_input_load(path, &a->input, &v, err);
-        iso_volume_stats stats = {0};
-        if (status == ISO_OK)
-            stats = iso_volume_measure(&v);
-        w.value_span = stats.max - stats.min;
-        if (status == ISO_OK && a->tf)
-            status = opacity_weights(a->tf, &v.geometry, stats.min, stats.max, &w, &table, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
-    }
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
-    iso_source_close(source);
-    iso_volume_destroy(&v);
-    iso_direction_pool_destroy(pool);
-    free(table);
-    return status;
-}
-
-/* Levels first to last; their directions are those before encoding where the pyramid keeps them, else decoded ones. */
-static iso_status pyramid_set(const palette_args *a, const iso_pyramid *p, size_t first, size_t last,
-                              iso_direction_set *set, iso_error *err)
-{
-    const iso_level *finest = &p->levels[0];
-    iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
-    iso_direction_pool *pool = NULL;
-    float *table = NULL;
-    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
-    if (status == ISO_OK && a->tf)
-        status = opacity_weights(a->tf, &finest->geometry, finest->min, finest->max, &w, &table, err);
-    for (size_t k = first; k <= last && status == ISO_OK; ++k) {
-        const iso_level *l = &p->levels[k];
-        if (a->by_magnitude && !l->magnitude) {
-            status = iso_fail(err, ISO_E_RANGE,
-                              "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
-            break;
-        }
-        const float *directions;
-        float *owned;
-        status = iso_level_directions(l, p->options.code, &directions, &owned, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
-                                              iso_geometry_voxel_count(&l->geometry), &w, err);
-        free(owned);
-    }
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
-    iso_direction_pool_destroy(pool);
-    free(table);
-    return status;
-}
-
 /* ---- outputs -------------------------------------------------------------------------------- */
 
 /* The indices of count vectors as bytes, or as two where a byte is too small. */
@@ -234,7 +114,7 @@ static iso_status save_indices(const iso_palette *palette, const iso_geometry *g
     return status;
 }
 
-static iso_status save_volume_indices(const palette_args *a, const iso_palette *palette, const char *path,
+static iso_status save_volume_indices(const iso_palette_arguments *a, const iso_palette *palette, const char *path,
                                       iso_error *err)
 {
     iso_gradient_options gradient = iso_gradient_defaults();
@@ -277,7 +157,7 @@ static char *level_path(const char *path, long level)
 }
 
 /* One output; indices of a pyramid's levels go to a file a level, the rest to one. */
-static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fitted *f, const char *path,
+static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, const char *path,
                            iso_error *err)
 {
     char *note = iso_cli_command_line(a->cli);
@@ -309,7 +189,7 @@ static iso_status save_one(const palette_args *a, const iso_pyramid *p, const fi
     return status;
 }
 
-static iso_status save_all(const palette_args *a, const iso_pyramid *p, const fitted *f, iso_error *err)
+static iso_status save_all(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (char **path = a->outputs; path && *path && status == ISO_OK; ++path) {
@@ -322,7 +202,7 @@ static iso_status save_all(const palette_args *a, const iso_pyramid *p, const fi
 
 /* ---- the command ------------------------------------------------------------------------------ */
 
-static iso_status fit(const palette_args *a, const iso_palette_options *opt, fitted *f, iso_error *err)
+static iso_status fit(const iso_palette_arguments *a, const iso_palette_options *opt, fitted *f, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(a->cli);
     double start = iso_clock_seconds();
@@ -341,7 +221,7 @@ static double total_weight(const iso_direction_set *set)
     return sum;
 }
 
-static void report(const palette_args *a, const iso_palette_options *opt, const fitted *f, json_t *palettes)
+static void report(const iso_palette_arguments *a, const iso_palette_options *opt, const fitted *f, json_t *palettes)
 {
     json_t *row = json_pack("{s:s, s:I, s:i, s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "method",
                             iso_palette_method_name(opt->method), "entries", (json_int_t)f->palette.count, "index_bits",
@@ -368,8 +248,8 @@ static void report(const palette_args *a, const iso_palette_options *opt, const 
 }
 
 /* Gathers, fits, saves and reports one palette. */
-static iso_status make_one(const palette_args *a, const iso_palette_options *opt, const iso_pyramid *p, long level,
-                           json_t *palettes, iso_error *err)
+static iso_status make_one(const iso_palette_arguments *a, const iso_palette_options *opt, const iso_pyramid *p,
+                           long level, json_t *palettes, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"directions", 1},
                                     {opt->method == ISO_PALETTE_ANNEAL ? "annealing" : "palette", 3}};
@@ -378,12 +258,12 @@ static iso_status make_one(const palette_args *a, const iso_palette_options *opt
     iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
     iso_status status;
     if (a->ellipsoid)
-        status = ellipsoid_set(a, &f.set, err);
+        status = iso_palette_ellipsoid_set(a, &f.set, err);
     else if (!p)
-        status = volume_set(a, a->cli->arguments[0], &f.set, err);
+        status = iso_palette_volume_set(a, a->cli->arguments[0], &f.set, err);
     else
-        status = pyramid_set(a, p, level < 0 ? 0 : (size_t)level, level < 0 ? p->level_count - 1 : (size_t)level,
-                             &f.set, err);
+        status = iso_palette_pyramid_set(a, p, level < 0 ? 0 : (size_t)level,
+                                         level < 0 ? p->level_count - 1 : (size_t)level, &f.set, err);
     f.sample_seconds = iso_clock_seconds() - start;
     if (status == ISO_OK)
         status = fit(a, opt, &f, err);
@@ -395,7 +275,7 @@ static iso_status make_one(const palette_args *a, const iso_palette_options *opt
     return status;
 }
 
-static iso_status make_all(const palette_args *a, iso_error *err)
+static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
 {
     iso_palette_options opt;
     iso_pyramid p = {0};
@@ -436,17 +316,17 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     const iso_palette_options d = iso_palette_defaults();
     iso_cli cli;
-    palette_args a = {.cli = &cli,
-                      .entries = (int)d.directions,
-                      .seed = (int)d.seed,
-                      .level = -1,
-                      .swap_trials = (int)d.swap_trials,
-                      .cycles = (int)d.anneal.cycles,
-                      .steps = (int)d.anneal.steps,
-                      .start_prob = d.anneal.start_prob,
-                      .temp_fac = d.anneal.temp_fac,
-                      .move_min = d.anneal.move_deg[0],
-                      .move_max = d.anneal.move_deg[1]};
+    iso_palette_arguments a = {.cli = &cli,
+                               .entries = (int)d.directions,
+                               .seed = (int)d.seed,
+                               .level = -1,
+                               .swap_trials = (int)d.swap_trials,
+                               .cycles = (int)d.anneal.cycles,
+                               .steps = (int)d.anneal.steps,
+                               .start_prob = d.anneal.start_prob,
+                               .temp_fac = d.anneal.temp_fac,
+                               .move_min = d.anneal.move_deg[0],
+                               .move_max = d.anneal.move_deg[1]};
     iso_volume_input_defaults(&a.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {

@@ -2,138 +2,20 @@
 /* cmd_render.c - one level of a volume as an image, by any of the renderers. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "cli/render_options.h"
 #include "plan/cached.h"
 #include "options/cli.h"
-#include "options/input.h"
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
-#include "options/roi.h"
 #include "scene/subject.h"
 
-typedef struct render_arguments {
-    iso_volume_input input;
-    iso_cli_adapted adapted;
-    iso_cli_roi roi;
-    const char *with;
-    char *scene, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
-    int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
-        page_side;
-    double step, cache_bytes;
-    char *plan_error_text, *code, *direction_filter, *estimator;
-    double plan_error; /* 0: none */
-    const char *shader_dir;
-} render_arguments;
-
-/* The renderers that have a trait: "reference and gl". */
-static const char *and_list(unsigned trait, char names[256])
-{
-    return iso_renderers_with(trait, ", ", " and ", names, 256);
-}
-
-/* An option that the renderer would pass over is an error: its user would believe it. */
-static iso_status check_for_renderer(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
-{
-    const struct {
-        const char *option;
-        bool given;
-        unsigned trait;
-    } rules[] = {
-        {"--quadrature", a->quadrature != NULL, ISO_READS_QUADRATURE},
-        {"--shading-from", a->source != NULL, ISO_READS_SOURCE},
-        {"--intervals", a->intervals != 0, ISO_READS_INTERVALS},
-        {"--planes", a->planes != 0, ISO_READS_PLANES},
-        {"--samples", a->samples != 0, ISO_READS_SAMPLES},
-        {"--seed", a->seed != 0, ISO_READS_SEED},
-        {"--shader-dir", a->shader_dir != NULL, ISO_READS_SHADERS},
-        {"--shade-table", a->shade_table != 0, ISO_READS_SHADE_TABLE},
-        {"--exact-lookups", a->exact_lookups != 0, ISO_READS_EXACT_LOOKUPS},
-    };
-    char names[256];
-    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-        if (rules[i].given && !iso_renderer_has(renderer, rules[i].trait))
-            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option,
-                            and_list(rules[i].trait, names));
-    return ISO_OK;
-}
-
-static const struct {
-    const char *name;
-    iso_quadrature value;
-} quadratures[] = {{"converged", ISO_QUADRATURE_CONVERGED},
-                   {"midpoint", ISO_QUADRATURE_MIDPOINT},
-                   {"preintegrated", ISO_QUADRATURE_PREINTEGRATED},
-                   {"povray", ISO_QUADRATURE_POVRAY}};
-enum { quadrature_count = sizeof quadratures / sizeof *quadratures };
-
-/* "midpoint or preintegrated": what the renderer can be asked for. Its default is marked where mark is true. */
-static const char *list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160])
-{
-    size_t wanted = 0, done = 0, length = 0;
-    text[0] = 0;
-    for (size_t i = 0; i < quadrature_count; ++i)
-        wanted += renderer->quadratures >> quadratures[i].value & 1;
-    for (size_t i = 0; i < quadrature_count && length < 160; ++i)
-        if (renderer->quadratures >> quadratures[i].value & 1) {
-            length += (size_t)snprintf(text + length, 160 - length, "%s%s%s",
-                                       done == 0           ? ""
-                                       : done + 1 < wanted ? ", "
-                                                           : " or ",
-                                       quadratures[i].name,
-                                       mark && quadratures[i].value == renderer->defaults.quadrature ? " (default)"
-                                                                                                     : "");
-            ++done;
-        }
-    return text;
-}
-
-static iso_status take_quadrature(const char *word, const iso_renderer_info *renderer, iso_quadrature *quadrature,
-                                  iso_error *err)
-{
-    char wanted[160];
-    for (size_t i = 0; i < quadrature_count; ++i)
-        if (strcmp(quadratures[i].name, word) == 0 && renderer->quadratures >> quadratures[i].value & 1) {
-            *quadrature = quadratures[i].value;
-            return ISO_OK;
-        }
-    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
-                    list_quadratures(renderer, false, wanted));
-}
-
-static bool is_in_bricks(const render_arguments *a)
-{
-    return a->cache_bytes != 0 || a->plan_error > 0;
-}
-
-/* Bricks choose their levels themselves, and are what the ray caster has decoded. */
-static iso_status check_cache(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
-{
-    char names[256];
-    if (!is_in_bricks(a))
-        return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
-    if (a->cache_bytes != 0 && a->plan_error > 0)
-        return iso_fail(err, ISO_E_USAGE,
-                        "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
-    if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||
-        a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
-            "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
-            and_list(ISO_HAS_BRICKS, names));
-    iso_status status = a->plan_error > 0 ? ISO_OK
-                                          : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
-    return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
-}
-
 /* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
-static iso_status take_build(const render_arguments *a, const char *path, iso_pyramid_options *build, iso_error *err)
+static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
+                             iso_error *err)
 {
     iso_status status = ISO_OK;
     if ((a->direction_filter || a->estimator) && iso_pyramid_is_one(path))
@@ -149,7 +31,7 @@ static iso_status take_build(const render_arguments *a, const char *path, iso_py
 }
 
 /* A pyramid on disk that kept its floats takes another code. */
-static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *err)
+static iso_status recode(const iso_render_arguments *a, iso_pyramid *p, iso_error *err)
 {
     iso_code code = p->options.code;
     iso_status status = a->code ? iso_code_from_name(a->code, &code, err) : ISO_OK;
@@ -165,80 +47,13 @@ static iso_status recode(const render_arguments *a, iso_pyramid *p, iso_error *e
     return ISO_OK;
 }
 
-/* The limit is made of renders by the step alone. */
-static iso_status check_limit(const render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
-{
-    char names[256];
-    if (!a->limit)
-        return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
-    if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples ||
-        a->shade_table || a->exact_lookups || is_in_bricks(a))
-        return iso_fail(err, ISO_E_USAGE,
-                        "--limit is for --with %s, without --quadrature, --shading-from, "
-                        "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
-                        and_list(ISO_HAS_LIMIT, names));
-    if (a->intervals % 2)
-        return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them",
-                        a->intervals);
-    if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
-        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with %s alone", and_list(ISO_IS_RANDOM, names));
-    return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
-}
-
-static iso_status take_options(const render_arguments *a, const iso_cli *cli, iso_render_options *opt, iso_error *err)
-{
-    const iso_renderer_info *renderer;
-    iso_status status = iso_renderer_from_name(a->with, &renderer, err);
-    *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
-    if (status == ISO_OK && a->source)
-        status = iso_direction_source_from_name(a->source, &opt->source, err);
-    if (status == ISO_OK && a->step != 0)
-        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--intervals", a->intervals, 0,
-                                       renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--planes", a->planes, 0, 64, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--samples", a->samples, 0, 65536, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", a->level, 0, 63, err);
-    if (status == ISO_OK)
-        status = check_for_renderer(a, renderer, err);
-    if (status == ISO_OK)
-        status = check_cache(a, renderer, err);
-    if (status == ISO_OK)
-        status = check_limit(a, renderer, err);
-    if (status != ISO_OK)
-        return status;
-    if (a->quadrature)
-        status = take_quadrature(a->quadrature, renderer, &opt->quadrature, err);
-    if (status != ISO_OK)
-        return status;
-    if (a->isosurface) {
-        double value[3];
-        status = iso_words_parse_numbers(a->isosurface, "--isosurface", value, err);
-        opt->isosurface = true;
-        opt->iso = value[0];
-    }
-    opt->step_voxels = a->step;
-    opt->intervals = (size_t)a->intervals;
-    opt->planes = (size_t)a->planes;
-    opt->samples = a->samples;
-    opt->seed = a->seed;
-    opt->threads = cli->threads;
-    opt->shade_table = a->shade_table;
-    opt->exact_lookups = a->exact_lookups;
-    return status;
-}
-
 static bool is_from_palette(iso_direction_source source)
 {
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
 }
 
 /* --palette and --shading-from palette need each other. */
-static iso_status attach_palette(const render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
+static iso_status attach_palette(const iso_render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
                                  iso_palette *palette, iso_error *err)
 {
     if (!a->palette && !a->shade_table && !is_from_palette(opt->source))
@@ -254,8 +69,8 @@ static iso_status attach_palette(const render_arguments *a, const iso_render_opt
     return status;
 }
 
-static iso_status save_image(const render_arguments *a, const iso_cli *cli, const iso_image *image, const char *version,
-                             double step_voxels, iso_error *err)
+static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image,
+                             const char *version, double step_voxels, iso_error *err)
 {
     char step[32];
     snprintf(step, sizeof step, "%g", step_voxels);
@@ -272,7 +87,7 @@ static iso_status save_image(const render_arguments *a, const iso_cli *cli, cons
     return status;
 }
 
-static void report(const render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
+static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
                    const char *version, double seconds)
 {
     if (!cli->json) {
@@ -307,7 +122,7 @@ static void report_cache(const iso_cached_report *r, const iso_cli *cli)
 }
 
 /* By bricks, in a cache of so many bytes. */
-static iso_status render_cached(const render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                 iso_image *image, double *seconds, iso_error *err)
 {
     iso_cached_report r = {0};
@@ -330,7 +145,7 @@ static iso_status render_cached(const render_arguments *a, const iso_cli *cli, c
 }
 
 /* Extrapolated from the step and its double; of Cycles the mean over seeds. */
-static iso_status render_limit(const render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                iso_image *image, double *seconds, iso_error *err)
 {
     iso_limit_options o = iso_limit_defaults();
@@ -349,7 +164,7 @@ static iso_status render_limit(const render_arguments *a, const iso_cli *cli, co
     return status;
 }
 
-static iso_status render(const render_arguments *a, const iso_cli *cli, iso_error *err)
+static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -362,7 +177,7 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
     char version[320] = "";
     double seconds = 0;
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
-    iso_status status = take_options(a, cli, &opt, err);
+    iso_status status = iso_render_take_options(a, cli->threads, &opt, err);
     build.threads = cli->threads;
     build.level_count = (size_t)a->level + 1;
     build.keep_float = opt.source == ISO_FROM_FLOAT || is_from_palette(opt.source);
@@ -388,13 +203,12 @@ static iso_status render(const render_arguments *a, const iso_cli *cli, iso_erro
                                     err);
     if (status == ISO_OK)
         status = opt.renderer->version(&renderers, version, sizeof version, err);
-    if (status == ISO_OK && is_in_bricks(a))
+    if (status == ISO_OK && iso_render_is_in_bricks(a))
         status = render_cached(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK && a->limit)
         status = render_limit(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK)
-        status = iso_render_with(&(iso_render_request){&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress},
-                                 &image, &seconds, err);
+        status = iso_render_with(&request, &image, &seconds, err);
     if (status == ISO_OK)
         status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
     if (status == ISO_OK)
@@ -424,7 +238,8 @@ static const char *list_renderers(help_texts *h)
 static const char *of_those(help_texts *h, unsigned trait, const char *what)
 {
     char names[256], *text = h->text[h->count++];
-    snprintf(text, sizeof h->text[0], "%.100s: %.200s", and_list(trait, names), what);
+    snprintf(text, sizeof h->text[0], "%.100s: %.200s", iso_renderers_with(trait, ", ", " and ", names, sizeof names),
+             what);
     return text;
 }
 
@@ -436,14 +251,15 @@ static const char *describe_quadratures(help_texts *h)
     for (size_t i = 0; i < iso_renderer_count() && length < sizeof h->text[0]; ++i)
         if (iso_renderer_has(iso_renderer_at(i), ISO_READS_QUADRATURE))
             length += (size_t)snprintf(text + length, sizeof h->text[0] - length, "%s%s: %s", length ? "; " : "",
-                                       iso_renderer_at(i)->name, list_quadratures(iso_renderer_at(i), true, list));
+                                       iso_renderer_at(i)->name,
+                                       iso_render_list_quadratures(iso_renderer_at(i), true, list));
     return text;
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     help_texts help = {.count = 0};
-    render_arguments a = {.with = iso_renderers_usual()->name, .brick = 16, .brick_levels = 4};
+    iso_render_arguments a = {.with = iso_renderers_usual()->name, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);

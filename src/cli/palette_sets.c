@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/palette_sets.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "pyramid/palette_level.h"
+#include "tf/tf.h"
+
+iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_direction_set *set, iso_error *err)
+{
+    size_t count = (size_t)a->ellipsoid;
+    float *vectors = malloc(3 * count * sizeof *vectors);
+    if (!vectors)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
+    iso_ellipsoid_gradients(vectors, count, a->on_surface, (uint64_t)a->seed);
+    iso_status status = iso_direction_set_create(set, vectors, NULL, count, err);
+    free(vectors);
+    return status;
+}
+
+/* The TF's opacity over one voxel as a table of weights, to be freed. */
+static iso_status opacity_weights(const char *path, const iso_geometry *g, double value_min, double value_max,
+                                  iso_palette_weighting *w, float **table, iso_error *err)
+{
+    iso_tf tf;
+    iso_tf_table t = {0};
+    iso_status status = iso_tf_load(path, &tf, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_tf_tabulate(&tf, value_min, value_max, g, &t, err);
+    iso_tf_destroy(&tf);
+    if (status != ISO_OK)
+        return status;
+    *table = malloc(t.count * sizeof **table);
+    double length = iso_geometry_mean_spacing_mm(g);
+    for (size_t i = 0; *table && i < t.count; ++i)
+        (*table)[i] = (float)-expm1(-(double)t.entries[4 * i + 3] * length);
+    w->by_value = *table;
+    w->by_value_count = t.count;
+    w->by_value_lo = t.lo;
+    w->by_value_hi = t.hi;
+    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", path, t.count);
+    iso_tf_table_destroy(&t);
+    return status;
+}
+
+/* Plain counts need one pass over the file and little memory; weights need the volume's range first. */
+iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *path, iso_direction_set *set,
+                                  iso_error *err)
+{
+    iso_gradient_options gradient = iso_gradient_defaults();
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude};
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_direction_pool *pool = NULL;
+    iso_volume_source *source = NULL;
+    iso_volume v = {0};
+    float *table = NULL;
+    gradient.threads = a->cli->threads;
+    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
+    if (status == ISO_OK && !a->tf && !a->by_magnitude) {
+        status = iso_volume_input_open(path, &a->input, &source, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_source(pool, source, &gradient, &w, &progress, err);
+    } else if (status == ISO_OK) {
+        status = iso_volume_input_load(path, &a->input, &v, err);
+        iso_volume_stats stats = {0};
+        if (status == ISO_OK)
+            stats = iso_volume_measure(&v);
+        w.value_span = stats.max - stats.min;
+        if (status == ISO_OK && a->tf)
+            status = opacity_weights(a->tf, &v.geometry, stats.min, stats.max, &w, &table, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
+    }
+    if (status == ISO_OK)
+        status = iso_direction_pool_finish(pool, set, err);
+    iso_source_close(source);
+    iso_volume_destroy(&v);
+    iso_direction_pool_destroy(pool);
+    free(table);
+    return status;
+}
+
+iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyramid *p, size_t first, size_t last,
+                                   iso_direction_set *set, iso_error *err)
+{
+    const iso_level *finest = &p->levels[0];
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
+    iso_direction_pool *pool = NULL;
+    float *table = NULL;
+    iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
+    if (status == ISO_OK && a->tf)
+        status = opacity_weights(a->tf, &finest->geometry, finest->min, finest->max, &w, &table, err);
+    for (size_t k = first; k <= last && status == ISO_OK; ++k) {
+        const iso_level *l = &p->levels[k];
+        if (a->by_magnitude && !l->magnitude) {
+            status = iso_fail(err, ISO_E_RANGE,
+                              "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
+            break;
+        }
+        const float *directions;
+        float *owned;
+        status = iso_level_directions(l, p->options.code, &directions, &owned, err);
+        if (status == ISO_OK)
+            status = iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
+                                              iso_geometry_voxel_count(&l->geometry), &w, err);
+        free(owned);
+    }
+    if (status == ISO_OK)
+        status = iso_direction_pool_finish(pool, set, err);
+    iso_direction_pool_destroy(pool);
+    free(table);
+    return status;
+}

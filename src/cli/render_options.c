@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/render_options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/words.h"
+#include "brick/bricks.h"
+
+/* The renderers that have a trait: "reference and gl". */
+static const char *and_list(unsigned trait, char names[256])
+{
+    return iso_renderers_with(trait, ", ", " and ", names, 256);
+}
+
+/* An option that the renderer would pass over is an error: its user would believe it. */
+static iso_status check_for_renderer(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
+{
+    const struct {
+        const char *option;
+        bool given;
+        unsigned trait;
+    } rules[] = {
+        {"--quadrature", a->quadrature != NULL, ISO_READS_QUADRATURE},
+        {"--shading-from", a->source != NULL, ISO_READS_SOURCE},
+        {"--intervals", a->intervals != 0, ISO_READS_INTERVALS},
+        {"--planes", a->planes != 0, ISO_READS_PLANES},
+        {"--samples", a->samples != 0, ISO_READS_SAMPLES},
+        {"--seed", a->seed != 0, ISO_READS_SEED},
+        {"--shader-dir", a->shader_dir != NULL, ISO_READS_SHADERS},
+        {"--shade-table", a->shade_table != 0, ISO_READS_SHADE_TABLE},
+        {"--exact-lookups", a->exact_lookups != 0, ISO_READS_EXACT_LOOKUPS},
+    };
+    char names[256];
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        if (rules[i].given && !iso_renderer_has(renderer, rules[i].trait))
+            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option,
+                            and_list(rules[i].trait, names));
+    return ISO_OK;
+}
+
+static const struct {
+    const char *name;
+    iso_quadrature value;
+} quadratures[] = {{"converged", ISO_QUADRATURE_CONVERGED},
+                   {"midpoint", ISO_QUADRATURE_MIDPOINT},
+                   {"preintegrated", ISO_QUADRATURE_PREINTEGRATED},
+                   {"povray", ISO_QUADRATURE_POVRAY}};
+enum { quadrature_count = sizeof quadratures / sizeof *quadratures };
+
+const char *iso_render_list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160])
+{
+    size_t wanted = 0, done = 0, length = 0;
+    text[0] = 0;
+    for (size_t i = 0; i < quadrature_count; ++i)
+        wanted += renderer->quadratures >> quadratures[i].value & 1;
+    for (size_t i = 0; i < quadrature_count && length < 160; ++i)
+        if (renderer->quadratures >> quadratures[i].value & 1) {
+            length += (size_t)snprintf(text + length, 160 - length, "%s%s%s",
+                                       done == 0           ? ""
+                                       : done + 1 < wanted ? ", "
+                                                           : " or ",
+                                       quadratures[i].name,
+                                       mark && quadratures[i].value == renderer->defaults.quadrature ? " (default)"
+                                                                                                     : "");
+            ++done;
+        }
+    return text;
+}
+
+static iso_status take_quadrature(const char *word, const iso_renderer_info *renderer, iso_quadrature *quadrature,
+                                  iso_error *err)
+{
+    char wanted[160];
+    for (size_t i = 0; i < quadrature_count; ++i)
+        if (strcmp(quadratures[i].name, word) == 0 && renderer->quadratures >> quadratures[i].value & 1) {
+            *quadrature = quadratures[i].value;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
+                    iso_render_list_quadratures(renderer, false, wanted));
+}
+
+bool iso_render_is_in_bricks(const iso_render_arguments *a)
+{
+    return a->cache_bytes != 0 || a->plan_error > 0;
+}
+
+/* Bricks choose their levels themselves, and are what the ray caster has decoded. */
+static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
+{
+    char names[256];
+    if (!iso_render_is_in_bricks(a))
+        return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
+    if (a->cache_bytes != 0 && a->plan_error > 0)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
+    if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||
+        a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
+            "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
+            and_list(ISO_HAS_BRICKS, names));
+    iso_status status = a->plan_error > 0 ? ISO_OK
+                                          : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
+    return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
+}
+
+/* The limit is made of renders by the step alone. */
+static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
+{
+    char names[256];
+    if (!a->limit)
+        return a->seeds ? iso_fail(err, ISO_E_USAGE, "--seeds needs --limit") : ISO_OK;
+    if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples ||
+        a->shade_table || a->exact_lookups || iso_render_is_in_bricks(a))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--limit is for --with %s, without --quadrature, --shading-from, "
+                        "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
+                        and_list(ISO_HAS_LIMIT, names));
+    if (a->intervals % 2)
+        return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them",
+                        a->intervals);
+    if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
+        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with %s alone", and_list(ISO_IS_RANDOM, names));
+    return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
+}
+
+iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err)
+{
+    const iso_renderer_info *renderer;
+    iso_status status = iso_renderer_from_name(a->with, &renderer, err);
+    *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
+    if (status == ISO_OK && a->source)
+        status = iso_direction_source_from_name(a->source, &opt->source, err);
+    if (status == ISO_OK && a->step != 0)
+        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--intervals", a->intervals, 0,
+                                       renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--planes", a->planes, 0, 64, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--samples", a->samples, 0, 65536, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", a->level, 0, 63, err);
+    if (status == ISO_OK)
+        status = check_for_renderer(a, renderer, err);
+    if (status == ISO_OK)
+        status = check_cache(a, renderer, err);
+    if (status == ISO_OK)
+        status = check_limit(a, renderer, err);
+    if (status != ISO_OK)
+        return status;
+    if (a->quadrature)
+        status = take_quadrature(a->quadrature, renderer, &opt->quadrature, err);
+    if (status != ISO_OK)
+        return status;
+    if (a->isosurface) {
+        double value[3];
+        status = iso_words_parse_numbers(a->isosurface, "--isosurface", value, err);
+        opt->isosurface = true;
+        opt->iso = value[0];
+    }
+    opt->step_voxels = a->step;
+    opt->intervals = (size_t)a->intervals;
+    opt->planes = (size_t)a->planes;
+    opt->samples = a->samples;
+    opt->seed = a->seed;
+    opt->threads = threads;
+    opt->shade_table = a->shade_table;
+    opt->exact_lookups = a->exact_lookups;
+    return status;
+}

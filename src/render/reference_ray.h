@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* reference_ray.h - the integral along one ray of the reference (reference.h), by each quadrature. */
+#ifndef ISO_REFERENCE_RAY_H
+#define ISO_REFERENCE_RAY_H
+
+#include "render/reference.h"
+#include "render/sampler.h"
+#include "tf/integral.h"
+
+/* A field and the transfer function that it is seen through. */
+typedef struct layer {
+    const iso_sampler *sampler;
+    const iso_tf_table *tf;
+    const iso_tf_2d *tf_2d;  /* in place of tf, or NULL */
+    const size_t *bends;     /* bends[i]: how many of the TF's entries below i are bends */
+    double scale, offset[3]; /* its index = scale * index of the level that is rendered - offset */
+} layer;
+
+/* A ray in the level's index space, with what its samples need. */
+typedef struct ray_state {
+    const layer *layer, *roi; /* roi: the region of interest's, or NULL */
+    const iso_view *view;
+    const iso_tf_integral *integral; /* preintegrated */
+    iso_vec3 origin, direction;      /* index per mm of t */
+    iso_vec3 to_viewer;              /* world, unit */
+} ray_state;
+
+/* What a stretch of the ray emits towards its own start, and its optical depth. */
+typedef struct stretch {
+    double color[3], depth;
+} stretch;
+
+/* From t0 to t1, by the quadrature of opt. */
+stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1);
+
+#endif
