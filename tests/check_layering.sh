@@ -10,12 +10,13 @@ shared="base image volume gradient encode palette pyramid tf brick scene"
 table="
 base:
 image:      base
+compare:    base image
 volume:     base
 gradient:   base volume
 encode:     base volume gradient
 palette:    base image volume gradient
 pyramid:    base volume gradient encode palette
-tf:         base volume gradient encode palette pyramid
+tf:         base image compare volume gradient encode palette pyramid
 brick:      base volume gradient encode palette pyramid tf
 scene:      base image volume gradient encode palette pyramid tf brick
 render:     $shared
@@ -23,7 +24,6 @@ vdb:        $shared
 povray:     $shared
 blender:    $shared vdb
 renderers:  $shared render vdb povray blender
-compare:    base image
 plan:       $shared render compare
 targets:    $shared render vdb povray blender compare plan
 report:     base image compare

@@ -23,6 +23,7 @@ typedef struct tf_bench {
 
 typedef struct tf_times {
     double histogram_seconds, histogram_cpu_seconds, plan_seconds, adapt_seconds, edit_seconds, stored_bytes;
+    double views_seconds; /* of the processor */
     size_t entry_count;
 } tf_times;
 
@@ -68,7 +69,7 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     iso_adapter *adapter = NULL;
     iso_tf_table table = {0};
     iso_status status = ISO_OK;
-    *t = (tf_times){INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, 0, 0};
+    *t = (tf_times){INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, 0, INFINITY, 0};
     for (int run = 0; run < b->runs && status == ISO_OK; ++run) {
         iso_joint_destroy(&joint);
         double start = iso_clock_seconds(), cpu = iso_cpu_seconds();
@@ -91,6 +92,19 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
         if (status == ISO_OK)
             status = iso_adapt_judge(&joint, tf, &table, level0, &verdict, err);
         t->edit_seconds = fmin(t->edit_seconds, iso_clock_seconds() - start);
+    }
+    const iso_small_views_input views = {.fine = p->levels,
+                                         .coarse = &p->levels[level],
+                                         .level = level,
+                                         .original = tf,
+                                         .tfs = {tf, &table},
+                                         .tf_count = 2,
+                                         .threads = b->cli->threads};
+    for (int run = 0; run < b->runs && status == ISO_OK; ++run) {
+        iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS];
+        const double start = iso_cpu_seconds();
+        status = iso_small_views_compare(&views, errors, err);
+        t->views_seconds = fmin(t->views_seconds, iso_cpu_seconds() - start);
     }
     t->stored_bytes = iso_joint_stored_bytes(&joint);
     t->entry_count = joint.entry_count;
@@ -203,8 +217,8 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
     if (status == ISO_OK && !b->cli->json)
         printf(
             "%.0f fine voxels, %d threads; a copy of level 0 (memcpy, one thread) takes %.3g ns a voxel; least of %d\n"
-            "                ---- counting, once a volume: ns a voxel ----  once a level  ------ after an edit ------\n"
-            "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame   entries     bytes\n",
+            "                ---- counting, once a volume: ns a voxel ----  once a level  ------ after an edit ------    - small views -\n"
+            "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame       ms  ns a voxel   entries     bytes\n",
             voxels, iso_threads(b->cli->threads), 1e9 * copy / voxels, b->runs);
     for (int bits = 8; bits <= 12 && status == ISO_OK; bits += 4)
         for (size_t level = 1; level < p.level_count && status == ISO_OK; ++level) {
@@ -215,15 +229,17 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
             histograms += bits == 8 ? t.stored_bytes : 0;
             double ns = 1e9 * t.histogram_seconds / voxels, cpu_ns = 1e9 * t.histogram_cpu_seconds / voxels;
             if (!b->cli->json)
-                printf("%zu %4d  %6.3f  %9.3f  %19.2f  %12.3f %10.4f %8.4f  %10.5f  %8zu  %8.0f\n", level, bits, ns,
-                       cpu_ns, t.histogram_cpu_seconds / copy, 1e3 * t.plan_seconds, 1e3 * t.adapt_seconds,
-                       1e3 * t.edit_seconds, t.edit_seconds / frame, t.entry_count, t.stored_bytes);
-            json_array_append_new(rows, json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:f}", "level", (int)level,
-                                                  "bits", bits, "histogram_ns_per_voxel", ns,
-                                                  "histogram_processor_ns_per_voxel", cpu_ns, "weights_seconds",
-                                                  t.plan_seconds, "adapt_seconds", t.adapt_seconds, "edit_seconds",
-                                                  t.edit_seconds, "entries", (json_int_t)t.entry_count, "stored_bytes",
-                                                  t.stored_bytes));
+                printf("%zu %4d  %6.3f  %9.3f  %19.2f  %12.3f %10.4f %8.4f  %10.5f  %7.1f  %10.2f  %8zu  %8.0f\n",
+                       level, bits, ns, cpu_ns, t.histogram_cpu_seconds / copy, 1e3 * t.plan_seconds,
+                       1e3 * t.adapt_seconds, 1e3 * t.edit_seconds, t.edit_seconds / frame, 1e3 * t.views_seconds,
+                       1e9 * t.views_seconds / voxels, t.entry_count, t.stored_bytes);
+            json_array_append_new(rows,
+                                  json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:f}", "level", (int)level,
+                                            "bits", bits, "histogram_ns_per_voxel", ns,
+                                            "histogram_processor_ns_per_voxel", cpu_ns, "weights_seconds",
+                                            t.plan_seconds, "adapt_seconds", t.adapt_seconds, "edit_seconds",
+                                            t.edit_seconds, "small_views_processor_seconds", t.views_seconds, "entries",
+                                            (json_int_t)t.entry_count, "stored_bytes", t.stored_bytes));
         }
     if (status == ISO_OK)
         report_storage(b, &p, histograms, root);
@@ -276,7 +292,8 @@ const iso_command iso_bench_tf = {
     .usage = "[VOLUME] [options]",
     .details =
         "Counting is done once a volume, weights once a level, adapting after each edit of the transfer function; \"all\" is\n"
-        "adapting and the indicator, which needs the histogram and the transfer function alone.",
+        "adapting and its error at the voxels, which need the histogram and the transfer function alone. Small views, in\n"
+        "processor time, are what decides whether an adapted transfer function is used.",
     .examples = "  isoshade bench tf --size 64 --runs 2\n",
     .run = run,
 };

@@ -38,6 +38,31 @@ static char *adapted_path(const tf_arguments *a, size_t level)
     return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
 }
 
+static json_t *json_of_level(size_t level, const char *path, size_t entry_count, const iso_adapt_judgment *v)
+{
+    json_t *entry = json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
+                              (int)entry_count, "rms_original", v->rms_original, "rms_adapted", v->rms_adapted,
+                              "kept_original", v->use_original);
+    if (v->seen)
+        json_object_set_new(entry, "small_views",
+                            json_pack("{s:f, s:f, s:f, s:f}", "ssim_dissimilarity_original",
+                                      v->seen_original.ssim_dissimilarity, "ssim_dissimilarity_adapted",
+                                      v->seen_adapted.ssim_dissimilarity, "rmse_original", v->seen_original.rmse,
+                                      "rmse_adapted", v->seen_adapted.rmse));
+    return entry;
+}
+
+static void print_level(size_t level, const char *path, const iso_adapt_judgment *v)
+{
+    printf("level %zu  %s", level, path);
+    if (v->seen)
+        printf("  small views: 1-SSIM %.4f, adapted %.4f; RMSE %.4f, adapted %.4f", v->seen_original.ssim_dissimilarity,
+               v->seen_adapted.ssim_dissimilarity, v->seen_original.rmse, v->seen_adapted.rmse);
+    else
+        printf("  error at the voxels %.5f, adapted %.5f", v->rms_original, v->rms_adapted);
+    printf("%s\n", v->use_original ? "  original kept" : "");
+}
+
 static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level,
                             json_t *levels, iso_error *err)
 {
@@ -56,12 +81,9 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     if (status == ISO_OK)
         status = iso_tf_save(&file, path, err);
     if (status == ISO_OK) {
-        json_array_append_new(levels, json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path,
-                                                "entries", (int)table.count, "rms_original", v.rms_original,
-                                                "rms_adapted", v.rms_adapted, "kept_original", v.use_original));
+        json_array_append_new(levels, json_of_level(level, path, table.count, &v));
         if (!a->cli->json)
-            printf("level %zu  %s  error at the voxels %.5f, adapted %.5f%s\n", level, path, v.rms_original,
-                   v.rms_adapted, v.use_original ? "  original kept" : "");
+            print_level(level, path, &v);
     }
     iso_tf_destroy(&file);
     iso_tf_table_destroy(&table);
@@ -69,13 +91,20 @@ static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const i
     return status;
 }
 
-/* A pyramid that is stored keeps its histograms: its samples are read only where one is missing. */
-static iso_status load_outline(const tf_arguments *a, const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
+/* A pyramid that is stored keeps its histograms: its samples are read for small views, and where one is missing. */
+static iso_status load_subject(const tf_arguments *a, bool small_views, const iso_pyramid_options *build,
+                               iso_pyramid *p, iso_error *err)
 {
     const char *input = a->cli->arguments[1];
     iso_progress progress = iso_cli_progress(a->cli);
-    if (iso_pyramid_is_one(input))
-        return iso_pyramid_load_outline(input, p, err);
+    if (iso_pyramid_is_one(input)) {
+        const iso_status status = iso_pyramid_load_outline(input, p, err);
+        if (status != ISO_OK || !small_views ||
+            iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+            return status;
+        iso_pyramid_destroy(p);
+        return iso_pyramid_load_scalars(input, p, err);
+    }
     return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
 }
 
@@ -106,7 +135,7 @@ static iso_status adapt(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_load(a->tf, &tf, err);
     if (status == ISO_OK)
-        status = load_outline(a, &build, &p, err);
+        status = load_subject(a, !a->adapted.always, &build, &p, err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
                           a->level, p.level_count - 1);
@@ -378,7 +407,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_load(a->tf, &tf, err);
     if (status == ISO_OK)
-        status = load_outline(a, &build, &p, err);
+        status = load_subject(a, false, &build, &p, err);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)
@@ -445,8 +474,8 @@ const iso_command iso_command_tf = {
         "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
-        "         where the level has that value. Joint histograms are kept in the pyramid. render and export do the same with\n"
-        "         --adapt.\n"
+        "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
+        "         in the pyramid. render and export do the same with --adapt.\n"
         "convert  from and to the formats below, by the names' endings.\n"
         "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",

@@ -35,7 +35,7 @@ typedef struct iso_cli_adapted {
     {"mix-s", 0, POPT_ARG_DOUBLE, &(a)->mix_s, 0, "mixed: weight of the constant", "S"},                                          \
     {"mix-t", 0, POPT_ARG_DOUBLE, &(a)->mix_t, 0, "mixed: weight of the triangle", "T"},                                          \
     {"bits", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &(a)->bits, 0, "bits of the joint histogram, 8 to 16", "N"},               \
-    {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt also where that does not lower the error at the voxels", NULL}
+    {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt also where small views say that it does not help", NULL}
 
 #define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \

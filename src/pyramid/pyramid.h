@@ -96,6 +96,8 @@ void iso_pyramid_destroy(iso_pyramid *p);
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
 /* What pyramid.json says, without samples: levels' scalar, codes and the rest are NULL. */
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
+/* The outline and the levels' scalars: what transfer functions need. */
+iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err);
 /* True when path is a directory with a pyramid.json. */
 bool iso_pyramid_is_one(const char *path);
 

@@ -196,10 +196,18 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"code\" is \"%s\", which no pyramid stores", r->path, code);
 }
 
-/* dir: NULL for the outline alone. */
-static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *entry, const iso_pyramid_options *opt,
-                             iso_level *l, iso_error *err)
+/* What is read of a pyramid besides pyramid.json. */
+typedef enum load_what { LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
+
+static bool is_wanted(load_what what, int file)
 {
+    return what == LOAD_ALL || (what == LOAD_SCALARS && file == FILE_SCALAR);
+}
+
+static iso_status load_level(iso_json_reader *r, const char *dir, load_what what, const json_t *entry,
+                             const iso_pyramid_options *opt, iso_level *l)
+{
+    iso_error *err = r->err;
     const char *type = NULL;
     level_file files[FILE_COUNT];
     geometry_from_json(r, iso_json_get_object(r, entry, "geometry", true), &l->geometry);
@@ -217,8 +225,8 @@ static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *
     void *data[FILE_COUNT] = {NULL};
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
-    for (int i = 0; dir && i < FILE_COUNT && status == ISO_OK; ++i)
-        if (files[i].stored)
+    for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+        if (files[i].stored && is_wanted(what, i))
             status = load_file(dir, &l->geometry, &files[i], r, list, &data[i], err);
     l->scalar = data[FILE_SCALAR];
     l->codes = data[FILE_CODES];
@@ -227,8 +235,9 @@ static iso_status load_level(iso_json_reader *r, const char *dir, const json_t *
     return status;
 }
 
-static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t *root, iso_pyramid *out, iso_error *err)
+static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, const json_t *root, iso_pyramid *out)
 {
+    iso_error *err = r->err;
     const char *schema = NULL, *source = NULL;
     iso_json_get_string(r, root, "schema", true, &schema);
     if (r->status == ISO_OK && strcmp(schema, ISO_PYRAMID_SCHEMA) != 0)
@@ -247,7 +256,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
     if (!out->source || !out->levels)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     for (size_t k = 0; k < count; ++k) {
-        iso_status status = load_level(r, dir, json_array_get(levels, k), &out->options, &out->levels[k], err);
+        iso_status status = load_level(r, dir, what, json_array_get(levels, k), &out->options, &out->levels[k]);
         if (status != ISO_OK)
             return status;
         if (k == 0)
@@ -260,7 +269,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, const json_t 
     return ISO_OK;
 }
 
-static iso_status load(const char *dir, bool samples, iso_pyramid *out, iso_error *err)
+static iso_status load(const char *dir, load_what what, iso_pyramid *out, iso_error *err)
 {
     *out = (iso_pyramid){0};
     char *path = iso_path_join(dir, ISO_PYRAMID_MARKER);
@@ -270,7 +279,7 @@ static iso_status load(const char *dir, bool samples, iso_pyramid *out, iso_erro
     iso_status status = iso_json_load(path, &root, err);
     if (status == ISO_OK) {
         iso_json_reader r = {.path = path, .err = err};
-        status = load_levels(&r, samples ? dir : NULL, root, out, err);
+        status = load_levels(&r, dir, what, root, out);
     }
     json_decref(root);
     free(path);
@@ -281,12 +290,17 @@ static iso_status load(const char *dir, bool samples, iso_pyramid *out, iso_erro
 
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
 {
-    return load(dir, true, out, err);
+    return load(dir, LOAD_ALL, out, err);
 }
 
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err)
 {
-    return load(dir, false, out, err);
+    return load(dir, LOAD_OUTLINE, out, err);
+}
+
+iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err)
+{
+    return load(dir, LOAD_SCALARS, out, err);
 }
 
 bool iso_pyramid_is_one(const char *path)

@@ -31,9 +31,10 @@
 #ifndef ISO_TF_ADAPT_H
 #define ISO_TF_ADAPT_H
 
-#include "tf/tf_2d.h"
 #include "tf/histogram.h"
+#include "tf/small_views.h"
 #include "tf/tf.h"
+#include "tf/tf_2d.h"
 
 typedef enum iso_adapt_weight {
     ISO_WEIGHT_GAUSS,
@@ -61,7 +62,7 @@ typedef struct iso_adapt_options {
     double window;       /* in deviations; 0: the weight's own */
     double mix_s, mix_t; /* of mixed: each at least 0, together at most 1 */
     int bits;            /* of the joint histogram: 8 to 16 */
-    bool fall_back;      /* keep the original TF where iso_adapt_judge() says so */
+    bool fall_back;      /* keep the original TF where the judgment says so */
     int threads;
 } iso_adapt_options;
 iso_adapt_options iso_adapt_defaults(void);
@@ -84,20 +85,32 @@ iso_status iso_adapter_apply(const iso_adapter *adapter, const iso_tf_table *tf,
 iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf, const iso_geometry *level0,
                               size_t level, iso_tf_table *table, iso_error *err);
 
-/* How well a TF stands for TF_0 at the voxels: root mean square over all pairs
- * of H_k of the differences of premultiplied colour and opacity, over the length
- * of one level-0 voxel (the error of Eq. 6 and Figure 7). The indicator: where the
- * adapted TF has no smaller error than the original, the original is kept. It
- * needs H_k and the TF alone, and costs as little as adapting.
+/* Whether the adapted TF serves the level better than the original one.
+ *
+ * It is measured: small_views.h draws the level through both, and the adapted TF is taken where it is nearer to level 0
+ * by 1 - SSIM and no farther by RMSE. Otherwise the original is kept, and so it is where the views show nothing.
+ *
+ * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied colour and
+ * opacity, over the length of a level-0 voxel (the error of Eq. 6 and Figure 7), falls while the image gets worse:
+ *   - it weighs a voxel in front of black as one inside an opaque wall, but a haze of .003 a voxel before black is all
+ *     that is seen, and adds up along the ray: rms adds squares, pixels add what is emitted;
+ *   - rows of background have the most voxels, of which few lie at a surface: their mean is right for the row as a
+ *     whole, and wrong for the thousands that lie together.
+ * It is computed all the same: where level 0 has more voxels than ISO_SMALL_VIEWS_MAX_VOXELS, or p is an outline, it
+ * judges.
  *
  * The window already prevents most failures: where a tissue shares its value with a
  * thin structure, the voxels of the tissue are the bulk of the row and the structure
  * is its tail, and a tail beyond 1.75 deviations is cut off. A window of 3 deviations
  * would light the tissue up (doc/results/adaptive-tf.md). */
+#define ISO_SMALL_VIEWS_MAX_VOXELS ((size_t)1 << 28)
 typedef struct iso_adapt_judgment {
-    double rms_original, rms_adapted;
+    double rms_original, rms_adapted; /* at the voxels */
+    iso_small_views_error seen_original, seen_adapted;
+    bool seen; /* the small views judged; else the two above are empty */
     bool use_original;
 } iso_adapt_judgment;
+/* At the voxels alone; *judgment is written anew. */
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
                            const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);
 

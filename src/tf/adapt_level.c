@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* adapt_level.c - a level's table, adapted or, where that would not bring the voxels nearer, the original one. */
+/* adapt_level.c - a level's table, adapted or, where that would not bring its pictures nearer, the original one. */
 #include "tf/adapt.h"
 
 #include <math.h>
@@ -60,9 +60,34 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
         adapted_sum += row_error(&sums, row_count, &other);
     }
     free(at_z);
-    judgment->rms_original = sqrt(original_sum / n);
-    judgment->rms_adapted = sqrt(adapted_sum / n);
+    *judgment = (iso_adapt_judgment){.rms_original = sqrt(original_sum / n), .rms_adapted = sqrt(adapted_sum / n)};
     judgment->use_original = !(judgment->rms_adapted < judgment->rms_original);
+    return ISO_OK;
+}
+
+/* Small views of the level through both tables judge, where there are samples to draw. */
+static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_tf_table *adapted,
+                       int threads, iso_adapt_judgment *judgment, iso_error *err)
+{
+    const iso_small_views_input in = {.fine = &p->levels[0],
+                                      .coarse = &p->levels[level],
+                                      .level = level,
+                                      .original = tf,
+                                      .tfs = {tf, adapted},
+                                      .tf_count = 2,
+                                      .threads = threads};
+    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS];
+    if (!in.fine->scalar || !in.coarse->scalar ||
+        iso_geometry_voxel_count(&in.fine->geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+        return ISO_OK;
+    const iso_status status = iso_small_views_compare(&in, errors, err);
+    if (status != ISO_OK)
+        return status;
+    judgment->seen = true;
+    judgment->seen_original = errors[0];
+    judgment->seen_adapted = errors[1];
+    judgment->use_original = !(errors[1].ssim_dissimilarity < errors[0].ssim_dissimilarity &&
+                               errors[1].rmse <= errors[0].rmse);
     return ISO_OK;
 }
 
@@ -100,6 +125,8 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
         status = iso_adapter_apply(adapter, tf, level0, level, table, err);
     if (status == ISO_OK)
         status = iso_adapt_judge(&joint, tf, table, level0, &verdict, err);
+    if (status == ISO_OK && opt->fall_back)
+        status = look(p, level, tf, table, opt->threads, &verdict, err);
     verdict.use_original = verdict.use_original && opt->fall_back;
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);

@@ -150,8 +150,15 @@ static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const
     iso_status status = ISO_OK;
     row.adapted = true;
     if (judgment->use_original) {
-        snprintf(why, sizeof why, "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",
-                 judgment->rms_adapted, judgment->rms_original);
+        if (judgment->seen)
+            snprintf(why, sizeof why,
+                     "in small views the adapted TF has 1-SSIM %.3g and RMSE %.3g, the original one %.3g and %.3g",
+                     judgment->seen_adapted.ssim_dissimilarity, judgment->seen_adapted.rmse,
+                     judgment->seen_original.ssim_dissimilarity, judgment->seen_original.rmse);
+        else
+            snprintf(why, sizeof why,
+                     "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",
+                     judgment->rms_adapted, judgment->rms_original);
         row.original_kept = why;
     } else {
         snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", m->name, row.level);

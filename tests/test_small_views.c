@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+/* Small views of a level, and the judgment that is made of them. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tf/adapt.h"
+
+static iso_pyramid pyramid_of(const iso_geometry *g, double (*value)(const double at[3]), size_t levels)
+{
+    iso_volume v;
+    iso_pyramid p;
+    assert_ok(iso_volume_create(&v, g, ISO_F32, "v", &err));
+    float *data = v.data;
+    for (size_t z = 0; z < g->size[2]; ++z)
+        for (size_t y = 0; y < g->size[1]; ++y)
+            for (size_t x = 0; x < g->size[0]; ++x)
+                *data++ = (float)value((double[]){((double)x + 0.5) / (double)g->size[0] * 2 - 1,
+                                                  ((double)y + 0.5) / (double)g->size[1] * 2 - 1,
+                                                  ((double)z + 0.5) / (double)g->size[2] * 2 - 1});
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = levels;
+    assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
+    iso_volume_destroy(&v);
+    return p;
+}
+
+/* The orbital 4d(xz) of hydrogen: two signs, and zero, the value of empty space, in the middle of the range. */
+static double orbital(const double at[3])
+{
+    const double x = 32 * at[0], y = 32 * at[1], z = 32 * at[2], r = sqrt(x * x + y * y + z * z);
+    return (12 - r) * x * z * exp(-r / 4);
+}
+
+static double flat(const double at[3])
+{
+    return at[0] > 2 ? 1 : 0.5;
+}
+
+/* White of one extinction for all values in [-1e9, 1e9]. */
+static iso_tf_table uniform(double extinction_per_mm)
+{
+    iso_tf_table t = {.count = 2, .lo = -1e9, .hi = 1e9, .entries = calloc(8, sizeof(float))};
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t c = 0; c < 4; ++c)
+            t.entries[4 * i + c] = c < 3 ? 1 : (float)extinction_per_mm;
+    return t;
+}
+
+/* Green between .4 and .5 of the range, clear on both sides: the shell of `isoshade bench consistency`. */
+static iso_tf_table shell(const iso_level *level0)
+{
+    static iso_tf_point points[] = {{0, {0.2, 0.8, 0.5}, 0},
+                                    {0.4, {0.2, 0.8, 0.5}, 0},
+                                    {0.45, {0.3, 0.9, 0.5}, 0.5},
+                                    {0.5, {0.8, 0.8, 0.2}, 0},
+                                    {1, {0.8, 0.8, 0.2}, 0}};
+    const iso_tf tf = {.fit_range = true,
+                       .unit_distance = 1,
+                       .unit_is_voxels = true,
+                       .table_size = 256,
+                       .point_count = 5,
+                       .points = points};
+    iso_tf_table table;
+    assert_ok(iso_tf_tabulate(&tf, level0->min, level0->max, &level0->geometry, &table, &err));
+    return table;
+}
+
+static void a_cube_covers_three_fifths_of_a_view(void **state)
+{
+    (void)state;
+    /* Along (2, 2, -1) / 3 a cube of edge a covers a^2 (2 + 2 + 1) / 3, and the frame is 5/3 a wide, in each of the three
+     * views: an opaque cube against nothing has the mean square 3/5. */
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){40, 40, 40}, (double[]){1.5, 1.5, 1.5});
+    iso_pyramid p = pyramid_of(&g, flat, 1);
+    iso_tf_table opaque = uniform(1e3), clear = uniform(0);
+    iso_small_views_error e[ISO_SMALL_VIEWS_MAX_TFS];
+    const iso_small_views_input in = {
+        .fine = p.levels, .coarse = p.levels, .original = &opaque, .tfs = {&opaque, &clear}, .tf_count = 2};
+    assert_ok(iso_small_views_compare(&in, e, &err));
+    assert_true(e[0].rmse == 0 && e[0].ssim_dissimilarity == 0); /* level 0 against itself */
+    assert_within(e[1].rmse, sqrt(0.6), 0.01); /* at the outline a ray may cross less than a step and see nothing */
+    assert_more_than(e[1].ssim_dissimilarity, 0.5);
+    iso_tf_table_destroy(&opaque);
+    iso_tf_table_destroy(&clear);
+    iso_pyramid_destroy(&p);
+}
+
+static void threads_change_nothing_and_a_wrong_level_shows(void **state)
+{
+    (void)state;
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){24, 29, 17}, (double[]){1, 0.8, 1.7});
+    g.index_to_world.m[0][1] = 0.3; /* sheared */
+    iso_pyramid p = pyramid_of(&g, orbital, 2);
+    iso_tf_table tf = shell(p.levels);
+    iso_small_views_error one[ISO_SMALL_VIEWS_MAX_TFS], three[ISO_SMALL_VIEWS_MAX_TFS], wrong[ISO_SMALL_VIEWS_MAX_TFS];
+    iso_small_views_input in = {.fine = p.levels,
+                                .coarse = p.levels + 1,
+                                .level = 1,
+                                .original = &tf,
+                                .tfs = {&tf},
+                                .tf_count = 1,
+                                .threads = 1};
+    assert_ok(iso_small_views_compare(&in, one, &err));
+    in.threads = 3;
+    assert_ok(iso_small_views_compare(&in, three, &err));
+    assert_memory_equal(one, three, sizeof *one);
+    in.level = 2; /* the planted fault: level 1 looked up as if it were level 2 */
+    assert_ok(iso_small_views_compare(&in, wrong, &err));
+    assert_more_than(wrong[0].rmse, 2 * one[0].rmse);
+    iso_tf_table_destroy(&tf);
+    iso_pyramid_destroy(&p);
+}
+
+/* The error at the voxels is lower by a tenth, and the space around the orbital fills with a haze. */
+static void a_signed_orbital_keeps_its_empty_space(void **state)
+{
+    (void)state;
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){48, 56, 56}, (double[]){1, 1, 1});
+    iso_pyramid p = pyramid_of(&g, orbital, 4);
+    iso_tf_table tf = shell(p.levels), out;
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_adapt_judgment v;
+    assert_ok(iso_adapt_level(&p, NULL, 3, &tf, &opt, &out, &v, &err));
+    assert_true(v.rms_adapted < 0.95 * v.rms_original); /* what was trusted before */
+    assert_true(v.seen && v.use_original);
+    assert_more_than(v.seen_adapted.ssim_dissimilarity, 2 * v.seen_original.ssim_dissimilarity);
+    assert_memory_equal(out.entries, tf.entries, 4 * tf.count * sizeof(float));
+    iso_tf_table_destroy(&out);
+    iso_tf_table_destroy(&tf);
+    iso_pyramid_destroy(&p);
+}
+
+static void a_picture_without_anything_in_it_keeps_the_original(void **state)
+{
+    (void)state;
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){16, 16, 16}, (double[]){1, 1, 1});
+    iso_pyramid p = pyramid_of(&g, orbital, 2);
+    iso_tf_table tf = uniform(0), out;
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_adapt_judgment v;
+    assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+    assert_true(v.seen && v.use_original);
+    iso_tf_table_destroy(&out);
+    iso_tf_table_destroy(&tf);
+    iso_pyramid_destroy(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cube_covers_three_fifths_of_a_view),
+        cmocka_unit_test(threads_change_nothing_and_a_wrong_level_shows),
+        cmocka_unit_test(a_signed_orbital_keeps_its_empty_space),
+        cmocka_unit_test(a_picture_without_anything_in_it_keeps_the_original),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
