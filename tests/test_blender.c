@@ -269,6 +269,29 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
     close_subject(&s);
 }
 
+/* Cycles takes seeds that differ in their last bit alone for the same one: what is given to it differs elsewhere too. */
+static void each_seed_has_a_noise_of_its_own(void **state)
+{
+    (void)state;
+    need_cycles();
+    enum { count = 6 };
+    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
+    iso_blender_options frames[count];
+    iso_image pictures[count];
+    for (int i = 0; i < count; ++i) {
+        frames[i] = iso_blender_defaults();
+        frames[i].step_voxels = 1.0 / 2;
+        frames[i].seed = i;
+    }
+    assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, count, pictures, NULL, &err));
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < i; ++k)
+            assert_more_than(rmse(&pictures[i], &pictures[k]), 1e-4);
+    for (int i = 0; i < count; ++i)
+        iso_image_destroy(&pictures[i]);
+    close_subject(&s);
+}
+
 /* Runs Blender on a .blend with a script of its user. */
 static void run_script(const char *blend, const char *script_text)
 {
@@ -505,6 +528,7 @@ int main(void)
         cmocka_unit_test(thin_shells_under_the_microscope_agree_at_a_coarse_level),
         cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
         cmocka_unit_test(frames_of_one_run_are_the_pictures_of_single_runs),
+        cmocka_unit_test(each_seed_has_a_noise_of_its_own),
         cmocka_unit_test(an_exported_scene_can_be_moved_switched_and_turned),
         cmocka_unit_test(ramps_are_exact_for_knots_that_fit_and_say_so_where_they_do_not),
         cmocka_unit_test(failures_are_told_and_leave_no_file),

@@ -53,6 +53,9 @@ void iso_blender_append_level(json_t *levels, const blender_level *level, const 
 /* Writes scripts, description and calibration volume into the folder and runs them. Takes `about`. */
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err);
+/* The seed that Cycles is given. It does not look at the last bit (the seeds 2 and 3 have the same noise), so that seeds in a
+ * row are spread over all bits, by Knuth's multiplicative hash; 0 stays 0. */
+int iso_blender_seed(int seed);
 /* One entry a picture: what may change without building the scene again. */
 json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count);
 iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures,

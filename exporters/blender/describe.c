@@ -202,13 +202,13 @@ json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso
                                    const iso_blender_options *opt)
 {
     json_t *about = json_pack("{ss so si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1",
-                              "name", iso_blender_text(name, 50), "samples", opt->samples, "seed", opt->seed,
-                              "max_steps", ISO_BLENDER_MAX_STEPS, "image", (json_int_t)view->width,
-                              (json_int_t)view->height, "background", iso_json_numbers(view->background, 3), "camera",
-                              describe_camera(&view->camera, units, g), "lights", describe_lights(view), "shading",
-                              "ambient", view->shading.ambient, "diffuse", view->shading.diffuse, "specular",
-                              view->shading.specular, "power", view->shading.power, "eps", ISO_DIRECTION_EPS,
-                              "step_voxels", opt->step_voxels, "units_per_mm", units);
+                              "name", iso_blender_text(name, 50), "samples", opt->samples, "seed",
+                              iso_blender_seed(opt->seed), "max_steps", ISO_BLENDER_MAX_STEPS, "image",
+                              (json_int_t)view->width, (json_int_t)view->height, "background",
+                              iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, units, g),
+                              "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
+                              view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
+                              "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels, "units_per_mm", units);
     if (about) {
         describe_box(about, g);
         json_object_set_new(about, "clip_planes", describe_clips(view, g));

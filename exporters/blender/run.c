@@ -3,6 +3,7 @@
 #include "blender/blender_scene.h"
 
 #include <limits.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,16 +180,38 @@ iso_status iso_cycles_version(char *version, size_t size, iso_error *err)
     return status;
 }
 
+int iso_blender_seed(int seed)
+{
+    return (int)((uint32_t)seed * 2654435761u & INT32_MAX);
+}
+
 json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < count; ++i) {
         char path[PATH_MAX];
         snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
-        json_array_append_new(list, json_pack("{sf si si ss}", "step", frames[i].step_voxels * voxel, "samples",
-                                              frames[i].samples, "seed", frames[i].seed, "path", path));
+        json_array_append_new(list,
+                              json_pack("{sf si si ss}", "step", frames[i].step_voxels * voxel, "samples",
+                                        frames[i].samples, "seed", iso_blender_seed(frames[i].seed), "path", path));
     }
     return list;
+}
+
+/* A picture that Blender has left. Without one, or with a broken one, it is the program that failed. */
+static iso_status load_picture(const char *path, const iso_view *view, iso_image *picture, iso_error *err)
+{
+    iso_error why = {""};
+    const iso_status status = iso_path_exists(path) ? iso_image_load_exr(path, picture, &why)
+                                                    : iso_fail(&why, ISO_E_IO, "it left no picture");
+    if (status == ISO_E_MEMORY)
+        return iso_fail(err, status, "%s", why.text);
+    if (status != ISO_OK)
+        return iso_fail(err, ISO_E_PROGRAM, "blender: %s", why.text);
+    if (picture->width == view->width && picture->height == view->height)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", picture->width,
+                    picture->height, view->width, view->height);
 }
 
 iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures,
@@ -199,10 +222,7 @@ iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, s
         char path[PATH_MAX];
         iso_image *picture = &pictures[i];
         snprintf(path, sizeof path, "%s/picture-%zu.exr", folder, i);
-        status = iso_image_load_exr(path, picture, err);
-        if (status == ISO_OK && (picture->width != view->width || picture->height != view->height))
-            status = iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", picture->width,
-                              picture->height, view->width, view->height);
+        status = load_picture(path, view, picture, err);
         if (status == ISO_OK)
             iso_image_add_background(picture, view->background);
     }

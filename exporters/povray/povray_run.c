@@ -88,6 +88,24 @@ static void take_progress(void *user, const char *line)
         run->stats->trace_seconds += seconds;
 }
 
+/* The picture that a run has left. Without one, or with a broken one, it is the program that failed. */
+static iso_status load_pass(const char *path, const iso_view *view, iso_image *image, iso_error *err)
+{
+    iso_error why = {""};
+    const iso_status status = iso_path_exists(path) ? iso_image_load_ppm(path, image, &why)
+                                                    : iso_fail(&why, ISO_E_IO, "it left no picture");
+    if (status == ISO_E_MEMORY)
+        return iso_fail(err, status, "%s", why.text);
+    if (status != ISO_OK)
+        return iso_fail(err, ISO_E_PROGRAM, "povray: %s", why.text);
+    if (image->width == view->width && image->height == view->height)
+        return ISO_OK;
+    iso_fail(err, ISO_E_PROGRAM, "povray: the image has %zu x %zu pixels, wanted %zu x %zu", image->width,
+             image->height, view->width, view->height);
+    iso_image_destroy(image);
+    return ISO_E_PROGRAM;
+}
+
 static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t intervals, run_progress *run,
                              iso_image *image, iso_error *err)
 {
@@ -117,17 +135,14 @@ static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t
                           declare_intervals,
                           NULL};
     const iso_process_options options = {.directory = job->dir, .line = take_progress, .user = run};
-    iso_status status = iso_process_run(argv, &options, err);
-    if (status != ISO_OK)
-        return status;
     char *path = iso_path_join(job->dir, "pass.ppm");
-    status = path ? iso_image_load_ppm(path, image, err) : iso_povray_no_memory(err);
+    if (!path)
+        return iso_povray_no_memory(err);
+    remove(path); /* that of the pass before: a run that writes none must not be taken for it */
+    iso_status status = iso_process_run(argv, &options, err);
+    if (status == ISO_OK)
+        status = load_pass(path, view, image, err);
     free(path);
-    if (status == ISO_OK && (image->width != view->width || image->height != view->height)) {
-        status = iso_fail(err, ISO_E_PROGRAM, "povray: the image has %zu x %zu pixels, wanted %zu x %zu", image->width,
-                          image->height, view->width, view->height);
-        iso_image_destroy(image);
-    }
     return status;
 }
 

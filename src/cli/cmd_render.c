@@ -210,6 +210,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     else if (status == ISO_OK)
         status = iso_render_with(&request, &image, &seconds, err);
     if (status == ISO_OK)
+        status = iso_render_check_finite(opt.renderer, &image, err);
+    if (status == ISO_OK)
         status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
     if (status == ISO_OK)
         report(a, cli, &pyramid, &view, version, seconds);

@@ -54,21 +54,13 @@ double iso_student_two_sided(double t, double degrees_of_freedom)
 
 /* ---- noise ------------------------------------------------------------------ */
 
-static bool is_finite(const iso_image *image)
-{
-    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
-        if (!isfinite(image->rgba[i]))
-            return false;
-    return true;
-}
-
 iso_status iso_samples_create(iso_samples *s, const iso_image *reference, iso_error *err)
 {
     *s = (iso_samples){.width = reference->width, .height = reference->height, .reference = reference};
     size_t count = 4 * s->width * s->height;
     if (count == 0)
         return iso_fail(err, ISO_E_RANGE, "statistics: the reference is empty");
-    if (!is_finite(reference))
+    if (!iso_image_is_finite(reference))
         return iso_fail(err, ISO_E_RANGE, "statistics: the reference has pixels that are not finite");
     s->mean = calloc(count, sizeof *s->mean);
     s->squares = calloc(count, sizeof *s->squares);
@@ -100,7 +92,7 @@ iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *er
     if (image->width != s->width || image->height != s->height)
         return iso_fail(err, ISO_E_RANGE, "statistics: an image has %zux%zu pixels, the reference %zux%zu",
                         image->width, image->height, s->width, s->height);
-    if (!is_finite(image))
+    if (!iso_image_is_finite(image))
         return iso_fail(err, ISO_E_RANGE, "statistics: image %zu has pixels that are not finite", s->count);
     double n = (double)++s->count, bias[4] = {0};
     size_t pixels = s->width * s->height;

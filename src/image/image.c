@@ -188,3 +188,11 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
     free(data);
     return status;
 }
+
+bool iso_image_is_finite(const iso_image *image)
+{
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        if (!isfinite(image->rgba[i]))
+            return false;
+    return true;
+}

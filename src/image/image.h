@@ -15,4 +15,7 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
 /* colour += (1 - alpha) * background: for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);
 
+/* Are all values numbers? */
+bool iso_image_is_finite(const iso_image *image);
+
 #endif

@@ -243,6 +243,13 @@ static iso_status render_cached(const iso_render_request *q, size_t count, iso_i
     return status;
 }
 
+iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *image, iso_error *err)
+{
+    return iso_image_is_finite(image)
+               ? ISO_OK
+               : iso_fail(err, ISO_E_PROGRAM, "%s: the picture has values that are no numbers", r->title);
+}
+
 iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err)
 {
     memset(images, 0, count * sizeof *images);

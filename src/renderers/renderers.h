@@ -115,8 +115,8 @@ typedef struct iso_lock_step {
 /* The integers that a renderer stores its images in. Zeroed: floats. */
 typedef struct iso_render_output {
     unsigned bits;                        /* a channel */
-    double (*peak)(const iso_view *view); /* the color that the largest integer stands for */
-    double rounding;                      /* of that color */
+    double (*peak)(const iso_view *view); /* the color that the largest integers stand for */
+    double rounding, rounding_rmse;       /* of that color, in lock-step: of a value, and over the image */
 } iso_render_output;
 
 struct iso_renderer_info {
@@ -235,6 +235,10 @@ double iso_level_chord_voxels(const iso_level *level);
 /* One image. ISO_E_MISSING when the program or device is not there; ISO_E_USAGE when the renderer does not have what the
  * view or the options ask for. *seconds may be NULL. */
 iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err);
+
+/* ISO_E_PROGRAM where a picture of r holds values that are no numbers. Validation has a row for such a picture; who asks for
+ * one picture is told. */
+iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *image, iso_error *err);
 
 /* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of
  * frames->options[i]. All or none are created. */

@@ -15,8 +15,9 @@ iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const i
 {
     const iso_sample_error *e = sharp ? &renderer->lock_step->sharp : &renderer->lock_step->smooth;
     const iso_render_output *output = &renderer->output;
-    const double rounding = output->peak && !sharp ? output->rounding * output->peak(view) : 0;
-    return (iso_tolerances){.rmse = e->rmse, .max_abs = fmax(e->max_abs, rounding)};
+    const double peak = output->peak ? output->peak(view) : 0;
+    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak),
+                            .max_abs = fmax(e->max_abs, output->rounding * peak)};
 }
 
 /* Of the same samples with exact lookups, whatever the transfer function. */

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Programs that say all is well and leave no picture, an old one or one of no numbers: exit code 8, and no image.
+. "$(dirname "$0")/lib.sh"
+scene=$top/refscenes/shells.scene.json
+povray=$(command -v povray)
+"$ISOSHADE" make shells --size 9 -q -o s.nrrd || exit 1
+
+# fake NAME: a POV-Ray in front of the real one; its body is read from stdin
+fake() {
+    { echo '#!/usr/bin/env bash'; echo "case \"\$*\" in *-version*) exec $povray \"\$@\" ;; esac"; cat; } >"$1"
+    chmod +x "$1"
+}
+with_povray() { env ISOSHADE_POVRAY="$dir/$1" "$ISOSHADE" render s.nrrd --scene "$scene" --with povray --size 8 --intervals 10 -q -o o.exr; }
+
+fake honest <<<"exec $povray \"\$@\""
+check a_picture_of_each_pass with_povray honest
+rm -f o.exr
+fake no_second_pass <<<"case \"\$*\" in *Iso_Pass=1*) exit 0 ;; esac; exec $povray \"\$@\""
+refuse a_pass_that_writes_nothing 8 "left no picture" with_povray no_second_pass
+fake no_pass <<<"exit 0"
+refuse a_program_that_writes_nothing 8 "left no picture" with_povray no_pass
+fake half_a_picture <<<"printf 'P6\n8 8\n65535\nabc' >pass.ppm"
+refuse half_a_picture 8 "pass.ppm" with_povray half_a_picture
+fake another_size <<<"{ printf 'P6\n4 8\n65535\n'; head -c 192 /dev/zero; } >pass.ppm"
+refuse a_picture_of_another_size 8 "wanted 8 x 8" with_povray another_size
+
+# nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
+nan_exr() {
+    text() { printf '%s\0' "$@"; }
+    le32() { printf "\\x$(printf '%02x' $(($1 & 255)))\\x$(printf '%02x' $(($1 >> 8 & 255)))\0\0"; }
+    attribute() { text "$1" "$2" && le32 "$3"; }
+    printf '\x76\x2f\x31\x01\x02\0\0\0'
+    attribute channels chlist 73
+    for c in A B G R; do text $c && le32 2 && le32 0 && le32 1 && le32 1; done
+    printf '\0'
+    attribute compression compression 1 && printf '\0'
+    for window in dataWindow displayWindow; do attribute $window box2i 16 && le32 0 && le32 0 && le32 7 && le32 7; done
+    attribute lineOrder lineOrder 1 && printf '\0'
+    attribute pixelAspectRatio float 4 && printf '\0\0\x80\x3f'
+    attribute screenWindowCenter v2f 8 && le32 0 && le32 0
+    attribute screenWindowWidth float 4 && printf '\0\0\x80\x3f\0'
+    for y in 0 1 2 3 4 5 6 7; do le32 $((header + 64 + 136 * y)) && le32 0; done
+    for y in 0 1 2 3 4 5 6 7; do le32 $y && le32 128 && for i in $(seq 32); do printf '\0\0\xc0\x7f'; done; done
+}
+header=0
+header=$(($(nan_exr | wc -c) - 64 - 8 * 136))
+nan_exr >nan.exr
+expect the_picture_of_nans_is_an_image 1 "$ISOSHADE" compare nan.exr nan.exr
+# Blenders that start none: a picture is what they leave in the folder where they run.
+blender() {
+    printf '%s\n' '#!/usr/bin/env bash' '[ "$1" = --version ] && { echo "Blender 4.0.0"; exit; }' "$2" >"$1" && chmod +x "$1"
+    refuse "$3" 8 "$4" env ISOSHADE_BLENDER="$dir/$1" "$ISOSHADE" render s.nrrd --scene "$scene" --with cycles --size 8 -q -o o.exr
+}
+blender silent "exit 0" a_blender_that_writes_nothing "left no picture"
+blender broken "echo no picture >picture-0.exr" a_broken_picture "picture-0.exr"
+blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "no numbers"
+exit $failed
