@@ -283,7 +283,8 @@ static void each_seed_has_a_noise_of_its_own(void **state)
         frames[i].step_voxels = 1.0 / 2;
         frames[i].seed = i;
     }
-    assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, frames, count, pictures, NULL, &err));
+    assert_ok(
+        iso_cycles_render_frames(&s.pyramid, 0, &s.view, &(iso_blender_frames){frames, count, pictures}, NULL, &err));
     for (int i = 0; i < count; ++i)
         for (int k = 0; k < i; ++k)
             assert_more_than(rmse(&pictures[i], &pictures[k]), 1e-4);

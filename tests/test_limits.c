@@ -331,17 +331,19 @@ static void an_offset_of_the_whole_image_fails_povrays_lock_step(void **state)
         same.quadrature = ISO_QUADRATURE_POVRAY;
         same.source = ISO_FROM_DECODED;
         same.intervals = opt.intervals = 64;
-        assert_ok(iso_render_with(&renderers, &s.pyramid, 0, &s.view, &opt, &image, NULL, NULL, &err));
-        assert_ok(iso_render_with(&renderers, &s.pyramid, 0, &s.view, &same, &truth, NULL, NULL, &err));
-        iso_report_agreement row = {.a = "a", .b = "b", .error_bar = NAN};
+        assert_ok(
+            iso_render_with(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, &opt, NULL}, &image, NULL, &err));
+        assert_ok(iso_render_with(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, &same, NULL}, &truth, NULL,
+                                  &err));
+        iso_report_agreement row = {.a = "a", .renderer = "b", .error_bar = NAN};
         row.tolerances = iso_validate_lock_step(&iso_renderer_povray, &s.view, false);
         assert_ok(iso_metrics_measure(&truth, &image, &row.metrics, &err));
-        assert_string_equal(iso_report_verdict(&row), "agree");
+        assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_AGREE);
         for (size_t i = 0; i < 4 * pixels * pixels; ++i)
             image.rgba[i] = truth.rgba[i] + (white ? 3.6e-5f : 1.8e-5f);
         assert_ok(iso_metrics_measure(&truth, &image, &row.metrics, &err));
         row.tolerances.max_abs = fmax(row.tolerances.max_abs, 4e-5); /* the RMSE alone has to see it */
-        assert_string_equal(iso_report_verdict(&row), "differ");
+        assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
         iso_image_destroy(&image);
         iso_image_destroy(&truth);
         close_subject(&s);

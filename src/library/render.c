@@ -70,14 +70,10 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
     if (status == ISO_OK)
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
     if (status == ISO_OK)
-<<<<<<< HEAD
         status = iso_render_with(&(iso_render_request){&renderers, pyramid, given.level, &view, &o, &progress}, image,
                                  NULL, err);
-=======
-        status = iso_render_with(&renderers, pyramid, given.level, &view, &o, image, NULL, &progress, err);
     if (status == ISO_OK && (status = iso_render_check_finite(o.renderer, image, err)) != ISO_OK)
         iso_image_destroy(image);
->>>>>>> 3f3cdba (A program that leaves no picture, an old or a broken one has failed; seeds of Cycles are spread; POV-Ray's lock-step has an RMSE)
     iso_renderers_end(&renderers);
     iso_view_destroy(&view);
     return status;
