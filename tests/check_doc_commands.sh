@@ -120,7 +120,7 @@ run_page() { # page
         fi
         case $kind in
             options) ;;
-            run) S=$SECONDS; output=$(timeout ${LIM:-1000} bash -c "$line" 2>&1 </dev/null); RC=$?; echo "$((SECONDS-S)) $line" >>/tmp/h/house_doc_times.txt; (exit $RC) || { not_ok "$name:$number" "$line: $(tail -n 2 <<<"$output")"; bad=1; } ;;
+            run) output=$(bash -c "$line" 2>&1 </dev/null) || { not_ok "$name:$number" "$line: $(tail -n 2 <<<"$output")"; bad=1; } ;;
             *) echo "# not run, $name:$number: $line: $kind" ;;
         esac
     done < <(python3 "$dir/commands.py" "$page")
