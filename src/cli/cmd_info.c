@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_info.c - what a volume is: geometry, type, range, histogram. */
+/* cmd_info.c - what a volume is: geometry, type, range, histogram; and what a pyramid is. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "pyramid/pyramid_verify.h"
 #include "volume/format.h"
 
 #define BINS 64         /* shown */
@@ -162,30 +163,124 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, iso_er
     return status;
 }
 
+/* ---- pyramids ---- */
+
+/* checks: NULL where nothing was verified. */
+static json_t *level_to_json(const iso_level *l, const iso_level_check *check)
+{
+    json_t *o = json_pack("{s:o, s:s, s:f, s:f}", "size", integers(l->geometry.size, 3), "type",
+                          iso_type_name(l->stored_type), "min", l->min, "max", l->max);
+    if (check)
+        json_object_update_new(o, json_pack("{s:I, s:s?, s:o}", "differing_voxels", (json_int_t)check->differing,
+                                            "what_differs", check->what, "first_voxel",
+                                            check->what ? integers(check->first, 3) : json_null()));
+    return o;
+}
+
+static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const iso_level_check *checks)
+{
+    const iso_pyramid_options *opt = &p->options;
+    json_t *root = iso_cli_json(cli), *levels = json_array();
+    for (size_t k = 0; k < p->level_count; ++k)
+        json_array_append_new(levels, level_to_json(&p->levels[k], checks ? &checks[k] : NULL));
+    json_object_update_new(root,
+                           json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o}", "pyramid", cli->arguments[0],
+                                     "source", p->source, "built_by", p->built_by, "scalar_filter",
+                                     iso_scalar_filter_name(opt->scalar_filter), "direction_filter",
+                                     iso_direction_filter_name(opt->direction_filter), "estimator",
+                                     iso_gradient_name(opt->gradient.method), "code",
+                                     iso_code_describe(opt->code)->name, "verified", checks != NULL, "levels", levels));
+    iso_cli_print_json(root);
+}
+
+static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const iso_level_check *checks)
+{
+    const iso_pyramid_options *opt = &p->options;
+    printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
+           p->built_by[0] ? p->built_by : "isoshade before 0.2.0");
+    printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",
+           iso_scalar_filter_name(opt->scalar_filter), iso_direction_filter_name(opt->direction_filter),
+           iso_gradient_name(opt->gradient.method), iso_code_describe(opt->code)->name,
+           opt->keep_float ? " --keep-float" : "", opt->keep_magnitude ? " --keep-magnitude" : "");
+    for (size_t k = 0; k < p->level_count; ++k) {
+        const iso_level *l = &p->levels[k];
+        const size_t *n = l->geometry.size;
+        printf("  level %zu    %zu x %zu x %zu voxels of %s, %.9g to %.9g\n", k, n[0], n[1], n[2],
+               iso_type_name(l->stored_type), l->min, l->max);
+    }
+    for (size_t k = 0; checks && k < p->level_count; ++k) {
+        char text[256];
+        printf("  %s\n", iso_level_check_text(&checks[k], k, text, sizeof text));
+    }
+}
+
+static iso_status show_pyramid(const iso_cli *cli, bool verify, iso_error *err)
+{
+    iso_pyramid p;
+    iso_level_check checks[32];
+    iso_progress progress = iso_cli_progress(cli);
+    char text[256];
+    iso_status status = verify ? iso_pyramid_load(cli->arguments[0], &p, err)
+                               : iso_pyramid_load_outline(cli->arguments[0], &p, err);
+    if (status != ISO_OK)
+        return status;
+    if (verify)
+        status = iso_pyramid_verify(&p, cli->threads, checks, &progress, err);
+    if (status == ISO_OK && cli->json)
+        print_pyramid_json(cli, &p, verify ? checks : NULL);
+    else if (status == ISO_OK)
+        print_pyramid_text(cli, &p, verify ? checks : NULL);
+    for (size_t k = 0; verify && k < p.level_count && status == ISO_OK; ++k)
+        if (checks[k].what)
+            status = iso_fail(err, ISO_E_DIFFERS, "%s: %s", cli->arguments[0],
+                              iso_level_check_text(&checks[k], k, text, sizeof text));
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bool verify, iso_error *err)
+{
+    if (iso_pyramid_is_one(cli->arguments[0]))
+        return show_pyramid(cli, verify, err);
+    if (verify)
+        return iso_fail(err, ISO_E_USAGE, "--verify is for pyramids, %s is a volume", cli->arguments[0]);
+    return show(cli, input, err);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_volume_input input;
     iso_volume_input_defaults(&input);
-    struct poptOption options[] = {ISO_CLI_INPUT_OPTIONS(&input), POPT_TABLEEND};
+    int verify = 0;
+    struct poptOption options[] = {
+        {"verify", 0, POPT_ARG_NONE, &verify, 0, "pyramids: make all levels again from level 0, and compare", NULL},
+        ISO_CLI_INPUT_OPTIONS(&input),
+        POPT_TABLEEND,
+    };
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = show(&cli, &input, err);
+        status = show_any(&cli, &input, verify, err);
     iso_cli_end(&cli);
     return status;
 }
 
 const iso_command iso_command_info = {
     .name = "info",
-    .summary = "show a volume's geometry, type, range and histogram",
+    .summary = "show a volume's geometry, type, range and histogram; or a pyramid, and whether its levels belong together",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME [options]",
-    .details = "A file's format is known by its first bytes, whatever its name.",
+    .usage = "VOLUME|PYRAMID.iso [options]",
+    .details =
+        "A file's format is known by its first bytes, whatever its name. A build is deterministic: --verify makes all that a\n"
+        "pyramid stores again from its level 0, with its own options, and compares every bit. So a level of another volume\n"
+        "is found, although its checksum is right. Exit code 1: a level is not made from level 0.",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
-                "  isoshade info sphere.nrrd --json\n",
+                "  isoshade info sphere.nrrd --json\n"
+                "  isoshade build sphere.nrrd -o sphere.iso\n"
+                "  isoshade info sphere.iso --verify\n",
     .lists = (const iso_names *const[]){&iso_volume_format_names, NULL},
     .run = run,
 };

@@ -77,7 +77,9 @@ static iso_status run_stage(iso_validation *v, const char *name, iso_status (*ru
 
 static iso_status run_stages(iso_validation *v, iso_error *err)
 {
-    iso_status status = run_stage(v, "calibration", iso_validate_renderers, err);
+    iso_status status = run_stage(v, "levels", iso_validate_levels, err);
+    if (status == ISO_OK)
+        status = run_stage(v, "calibration", iso_validate_renderers, err);
     if (status == ISO_OK)
         status = run_stage(v, "agreement", iso_validate_agreement, err);
     if (status == ISO_OK)
@@ -92,6 +94,8 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
 /* What the exit code says: nothing differed; a difference; or a renderer that could not be compared. */
 static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, iso_error *err)
 {
+    if (v->foreign[0])
+        return iso_fail(err, ISO_E_DIFFERS, "%s: %s", v->volume_path, v->foreign);
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->refused[i].status != ISO_OK)
             return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
@@ -138,6 +142,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                         .scene_path = a->scene,
                         .scene_name = name,
                         .input_options = input ? input : "",
+                        .loaded = iso_pyramid_is_one(cli->arguments[0]),
                         .quick = a->quick,
                         .seeds = seeds_of(a),
                         .threads = cli->threads,
@@ -336,6 +341,7 @@ const iso_command iso_command_validate = {
         "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
         "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
         "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
+        "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
         "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"

@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,6 +166,7 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
     if (status != ISO_OK)
         return status;
     out->source = strdup(source);
+    snprintf(out->built_by, sizeof out->built_by, "isoshade " ISO_VERSION);
     out->level_count = iso_cascade_level_count(&v->geometry, opt);
     out->levels = calloc(out->level_count, sizeof *out->levels);
     if (!out->source || !out->levels)

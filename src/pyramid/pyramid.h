@@ -81,7 +81,8 @@ typedef struct iso_level {
 
 typedef struct iso_pyramid {
     iso_pyramid_options options;
-    char *source; /* what it was made from */
+    char *source;      /* what it was made from */
+    char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
     size_t level_count;
     iso_level *levels;
 } iso_pyramid;

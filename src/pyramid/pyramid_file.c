@@ -238,11 +238,12 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
 static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, const json_t *root, iso_pyramid *out)
 {
     iso_error *err = r->err;
-    const char *schema = NULL, *source = NULL;
+    const char *schema = NULL, *source = NULL, *built_by = "";
     iso_json_get_string(r, root, "schema", true, &schema);
     if (r->status == ISO_OK && strcmp(schema, ISO_PYRAMID_SCHEMA) != 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", r->path, schema, ISO_PYRAMID_SCHEMA);
     iso_json_get_string(r, root, "source", true, &source);
+    iso_json_get_string(r, root, "built_by", false, &built_by);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
     json_t *levels = iso_json_get_array(r, root, "levels", true);
     if (r->status != ISO_OK)
@@ -251,6 +252,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     if (count < 1 || count > 32)
         return iso_fail(err, ISO_E_FORMAT, "%s: \"levels\" holds %zu levels, must be 1 to 32", r->path, count);
     out->source = strdup(source);
+    snprintf(out->built_by, sizeof out->built_by, "%s", built_by ? built_by : "");
     out->levels = calloc(count, sizeof *out->levels);
     out->level_count = count;
     if (!out->source || !out->levels)

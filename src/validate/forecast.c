@@ -79,6 +79,14 @@ static void add_limit(const iso_validation *v, iso_job *job, const char *variant
     add_row(job, variant, level, what, what, limit_seconds(v, r, level, pixels));
 }
 
+static void add_levels(const iso_validation *v, iso_job *job)
+{
+    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
+    iso_job_add_phase(job, "levels", 1);
+    iso_job_add_lane(job);
+    iso_job_add_part(job, "levels", "levels", v->loaded ? 3e-8 * voxels : 0);
+}
+
 static void add_calibrations(const iso_validation *v, iso_job *job)
 {
     char name[64];
@@ -176,6 +184,7 @@ void iso_validate_forecast(const iso_validation *v)
 {
     iso_job *job = iso_progress_line_lock(v->line);
     if (job) {
+        add_levels(v, job);
         add_calibrations(v, job);
         add_agreement(v, job);
         iso_job_add_phase(job, "adaptation", 1);

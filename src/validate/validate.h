@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* validate.h - the parts of `isoshade validate`, the main job.
  *
+ *   levels         a pyramid's levels are those of its own level 0, byte by byte (pyramid/pyramid_verify.h)
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)
  *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
  *                  samples and by extrapolated limits (limits.h), as the scene's tier has it
@@ -41,6 +42,8 @@ typedef struct iso_validation {
     const char *variant, *build_options, *render_options;
     const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
+    bool loaded;       /* the pyramid was read, not built for this validation: its levels are to be verified */
+    char foreign[512]; /* what the first level that is not made from level 0 differs in; or "" */
     bool quick;
     size_t seeds;     /* of random renderers */
     size_t order;     /* in which the report lists the rows of this part */
@@ -55,6 +58,9 @@ typedef struct iso_validation {
     iso_progress_line *line;      /* what a person sees of the whole; NULL: nothing */
     const iso_progress *progress; /* of the part that runs */
 } iso_validation;
+
+/* Rows of calibration, one a level, by the name of "pyramid". Nothing where the pyramid was not loaded. */
+iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 
 /* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
  * program is a reason to refuse, not a failure. */

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* levels.c - do the levels of a pyramid belong together?
+ *
+ * All renderers are given the same levels. Where these are another volume's, the renderers agree all the same, so that
+ * nothing else of a validation can see it. */
+#include <stdio.h>
+
+#include "pyramid/pyramid_verify.h"
+#include "validate/validate.h"
+
+static iso_status add_to_report(iso_validation *v, const iso_level_check *check, size_t level, iso_error *err)
+{
+    char name[64], text[256], detail[512];
+    snprintf(name, sizeof name, "level %zu is made from level 0", level);
+    iso_level_check_text(check, level, text, sizeof text);
+    snprintf(detail, sizeof detail, "%s%s%s", text, check->what ? "; built by " : "",
+             !check->what              ? ""
+             : v->pyramid->built_by[0] ? v->pyramid->built_by
+                                       : "a version before 0.2.0");
+    const iso_report_calibration row = {.renderer = "pyramid",
+                                        .check = name,
+                                        .value = (double)check->differing,
+                                        .limit = 0,
+                                        .unit = "voxels that differ",
+                                        .detail = detail};
+    if (check->what && !v->foreign[0])
+        snprintf(v->foreign, sizeof v->foreign, "%s", detail);
+    return iso_report_add_calibration(v->report, &row, err);
+}
+
+iso_status iso_validate_levels(iso_validation *v, iso_error *err)
+{
+    iso_level_check checks[32];
+    if (!v->loaded) {
+        iso_report_put(v->report, "options", "levels_verified", json_string("no: built for this validation"));
+        return ISO_OK;
+    }
+    iso_progress_report(v->progress, "levels", 0);
+    iso_status status = iso_pyramid_verify(v->pyramid, v->threads, checks, v->progress, err);
+    for (size_t k = 0; k < v->pyramid->level_count && status == ISO_OK; ++k)
+        status = add_to_report(v, &checks[k], k, err);
+    iso_report_put(v->report, "options", "levels_verified", json_string("yes: built again from level 0"));
+    iso_report_put(v->report, "versions", "pyramid",
+                   json_string(v->pyramid->built_by[0] ? v->pyramid->built_by : "isoshade before 0.2.0"));
+    return status;
+}

@@ -1,0 +1,115 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# A pyramid whose levels were put in from another volume, checksums and all, is found out; one that is whole is not.
+. "$(dirname "$0")/lib.sh"
+scene=$top/refscenes/marschner-lobb.scene.json
+swap() { # FROM.iso KEY:LEVEL ...: a.iso with these, as bad.iso
+    local from=$1
+    shift
+    rm -rf bad.iso && cp -r a.iso bad.iso && python3 "$top/tests/swap_levels.py" "$from" bad.iso "$@"
+}
+# A mismatch: exit code 1, and what is said of it.
+found() { # NAME WORDS COMMAND
+    local name=$1 words=$2
+    shift 2
+    expect "$name" 1 "$@"
+    check "${name}_by_name" grep -q -- "$words" err
+}
+validate() { "$ISOSHADE" validate "$1" --scene "$scene" --quick --with gl --size 16 -q -o "report-$1"; }
+
+"$ISOSHADE" make marschner-lobb --size 23x18x29 --spacing 1x1x2.5 -q -o a.nrrd
+"$ISOSHADE" make noise --size 23x18x29 --spacing 1x1x2.5 -q -o b.nrrd
+for v in a b; do
+    "$ISOSHADE" build $v.nrrd -q --keep-magnitude --keep-float -o $v.iso >/dev/null
+done
+
+expect a_pyramid_is_described 0 "$ISOSHADE" info a.iso
+check with_what_built_it grep -q 'built by   isoshade [0-9]' out
+expect levels_of_their_own_level_0_pass 0 "$ISOSHADE" info a.iso --verify
+check each_of_them test "$(grep -c 'voxels are made from level 0' out)" = 4
+refuse a_volume_has_no_levels_to_verify 2 "a.nrrd is a volume" "$ISOSHADE" info a.nrrd --verify
+
+swap b.iso codes:1 codes:2 scalar:2
+found levels_of_another_volume_are_found "level 1: .* voxels are not made from level 0" "$ISOSHADE" info bad.iso --verify
+expect as_data 1 "$ISOSHADE" info bad.iso --verify --json
+cat >found.py <<'PY'
+import json
+levels = json.load(open("out"))["levels"]
+assert [l["what_differs"] for l in levels] == [None, "directions", "values", None], levels
+assert levels[1]["differing_voxels"] > 500 and levels[1]["first_voxel"] == [0, 0, 0], levels[1]
+PY
+check with_level_voxel_and_count python3 found.py
+for file in codes:0 directions:0 magnitude:0 scalar:1 directions:1 magnitude:3; do
+    swap b.iso $file
+    found "another_volume's_${file}_is_found" "level ${file#*:}" "$ISOSHADE" info bad.iso --verify
+done
+swap b.iso scalar:0
+found another_level_0_is_found "level 0" "$ISOSHADE" info bad.iso --verify
+
+# One bit of one voxel, with its checksum; a range and a box that are not level 0's.
+swap a.iso codes:1
+cat >plant.py <<'PY'
+import json
+import os
+import re
+import subprocess
+import sys
+
+path = "bad.iso/pyramid.json"
+about = json.load(open(path))
+level = about["levels"][1]
+what = sys.argv[1]
+if what == "bit":
+    name = "bad.iso/" + level["files"]["codes"]["name"]
+    data = bytearray(open(name, "rb").read())
+    data[-1] ^= 1
+    open(name, "wb").write(data)
+    said = subprocess.run([os.environ["ISOSHADE"], "info", "bad.iso", "--verify"], capture_output=True, text=True).stderr
+    level["files"]["codes"]["xxh3_64"] = re.search("checksum ([0-9a-f]*)", said)[1]
+elif what == "range":
+    about["levels"][0]["max"] *= 2
+else:
+    level["geometry"]["box_index"][0] -= 1
+json.dump(about, open(path, "w"), indent=2)
+PY
+python3 plant.py bit
+found a_single_bit_is_found "level 1: 1 of 1620 voxels .* (11, 8, 14), by its directions" "$ISOSHADE" info bad.iso --verify
+swap a.iso codes:1 && python3 plant.py range
+found a_range_is_found "level 0: its range" "$ISOSHADE" info bad.iso --verify
+swap a.iso codes:1 && python3 plant.py box
+found a_box_is_found "level 1: its geometry" "$ISOSHADE" info bad.iso --verify
+
+# All renderers are given the same wrong levels, so that they agree: validation has to see it by itself.
+swap b.iso codes:1 codes:2 scalar:2
+found validation_says_so "level 1: .* voxels are not made from level 0" validate bad.iso
+cat >rows.py <<'PY'
+import json
+rows = [r for r in json.load(open("report-bad.iso/report.json"))["calibration"] if r["renderer"] == "pyramid"]
+assert [r["verdict"] for r in rows] == ["pass", "fail", "fail", "pass"], rows
+PY
+check a_row_a_level python3 rows.py
+expect a_pyramid_that_is_whole_is_validated 0 validate a.iso
+check and_said_to_be_verified grep -q '"levels_verified": "yes' report-a.iso/report.json
+expect a_volume_needs_none_of_it 0 validate a.nrrd
+check and_says_so grep -q '"levels_verified": "no: built for this validation"' report-a.nrrd/report.json
+
+# Every estimator, filter, code and type of samples, without a false alarm.
+alarms=0
+clean() { # TYPE, options of build
+    "$ISOSHADE" make noise --size 13x10x11 --type "$1" -q -o t.nrrd
+    shift
+    "$ISOSHADE" build t.nrrd -q --levels 5 --keep-float --keep-magnitude "$@" -o t.iso >/dev/null
+    "$ISOSHADE" info t.iso --verify -q >out 2>&1 || { echo "false alarm: $*" && cat out && alarms=$((alarms + 1)); }
+}
+types=(uint8 int8 uint16 int16 uint32 int32 float double)
+i=0
+for code in fit snorm shell free cube region48 squeeze; do
+    for filter in moments eq1 naive tensor; do
+        estimators=(central intermediate sobel corners fourth bspline)
+        clean "${types[i % 8]}" --code $code --direction-filter $filter --estimator "${estimators[i % 6]}" \
+            --scalar-filter "$( ((i / 4 % 2)) && echo gauss || echo mean)"
+        i=$((i + 1))
+    done
+done
+check no_code_and_no_filter_gives_a_false_alarm test $alarms = 0
+exit $failed
