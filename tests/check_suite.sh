@@ -109,4 +109,36 @@ for row in 'on-the-fly' naive eq1 'moments, adapted TF' 'naive, adapted TF'; do 
 check reproduce_commands_know_methods_and_2d_tfs run_commands < <(commands methods 'gl, on-the-fly' 'gl, naive' 'gl, eq1, adapted TF' 'gl, moments, 2D TF .*')
 check another_code_agrees validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 16 --levels 2 --code cube -o 'coded report'
 check reproduce_commands_know_codes_and_quote_paths run_commands < <(commands 'coded report' gl 'gl, eq1' 'gl, limit')
+
+# A volume too faint to be seen: a renderer that draws nothing is within all limits, and nothing is shown to agree.
+faint() { # opacity a voxel
+    cat <<END
+{"schema": "isoshade.scene/1", "image": {"width": 24, "height": 24},
+ "camera": {"projection": "orthographic", "fit": true, "direction": [1, 2, -1], "up": [0, 0, 1], "margin": 1.0},
+ "lights": [{"direction": [0, 0, 1], "space": "camera", "intensity": 1}],
+ "shading": {"ambient": 0.3, "diffuse": 0.7, "specular": 0.0, "power": 1},
+ "background": [0, 0, 0], "step_voxels": 0.5,
+ "agreement": {"tier": "convergence", "tf": "smooth", "why": "faint"},
+ "tf": {"schema": "isoshade.tf/1", "range": "fit", "unit_distance_voxels": 1, "color_space": "linear", "table_size": 64,
+  "points": [{"value": 0, "r": 1, "g": 0.2, "b": 0.1, "opacity": 0}, {"value": 1, "r": 0.1, "g": 0.5, "b": 1, "opacity": $1}]}}
+END
+}
+faint 1e-8 >faint.scene.json
+faint 1e-3 >pale.scene.json
+expect what_is_too_faint_is_not_compared 1 "$ISOSHADE" validate v.nrrd --scene faint.scene.json --quick --with gl --levels 2 --size 16 -q -o faint --junit faint.xml
+check nothing_is_said_to_agree grep -q '^Nothing was compared, .*16 cases that show too little for their limits' "$dir/out"
+check with_both_numbers grep -Eq '^not compared: faint, level [01], gl.*: the reference shows only [0-9.e-]+ above its background .* asks for at least 0.0001' "$dir/out"
+check in_junit_it_is_a_failure grep -q '<failure type="not compared"' faint.xml
+check what_is_pale_is_compared validate v.nrrd --scene pale.scene.json --levels 1 --size 16 -o pale
+check every_row_says_its_signal python3 -c 'import json
+rows = json.load(open("pale/report.json"))["agreement"]
+assert rows and all(min(r["signal"]["color"], r["signal"]["alpha"]) >= r["signal"]["least"] > 0 for r in rows), rows'
+check the_empty_scene_is_held_to_the_background_exactly python3 -c 'import json
+rows = [r for r in json.load(open("report/report.json"))["agreement"] if r["scene"] == "empty"]
+assert rows and all(r["limits"] == {"max_abs": 0} and r["gates"] == [] and r["verdict"] == "agree" for r in rows), rows'
+
+# What nobody takes part in is said.
+expect a_run_without_the_ray_caster 0 "$ISOSHADE" validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --with povray --quick --levels 2 --size 8 -q -o alone
+check counts_what_was_not_compared grep -q 'of 6 comparisons asked for 4 are within their limits; not compared: 2 stages that did not run' "$dir/out"
+check with_the_reason grep -q '^not compared: stage, consistency: the views of all levels are drawn by gl: it was not asked for' "$dir/out"
 exit $failed

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "compare/extrapolation.h"
 #include "report/report.h"
 #include "tests/folder.h"
 #include "tests/test.h"
@@ -107,12 +108,278 @@ static void rows_of_older_reports_are_read_by_their_name(void **state)
     }
 }
 
+/* ---- signal ---- */
+
+/* So many of 100 pixels show this color and alpha before a background. */
+static iso_image shown(size_t count, float color, float alpha, const double background[3])
+{
+    iso_image image;
+    assert_ok(iso_image_create(&image, 10, 10, &err));
+    for (size_t i = 0; i < 100; ++i)
+        for (size_t c = 0; c < 4; ++c)
+            image.rgba[4 * i + c] = c == 3 ? (i < count ? alpha : 0) : (float)background[c] + (i < count ? color : 0);
+    return image;
+}
+
+static iso_signal signal_of(iso_image image, const double background[3], double limit, iso_signal_measure measure)
+{
+    iso_signal s;
+    assert_ok(iso_signal_of(&image, background, limit, measure, &s, &err));
+    iso_image_destroy(&image);
+    return s;
+}
+
+static void a_signal_is_measured_above_the_background(void **state)
+{
+    (void)state;
+    const double gray[3] = {0.25, 0.5, 0.125};
+    const iso_signal s = signal_of(shown(25, 0.5F, 0.75F, gray), gray, 1e-3, ISO_SIGNAL_RMS);
+    assert_within(s.color, 0.25, 1e-12); /* a quarter of the pixels: half of it in RMS */
+    assert_within(s.alpha, 0.375, 1e-12);
+    assert_within(s.least, 0.1, 1e-12);
+    assert_true(iso_signal_suffices(&s));
+    /* The brightest 1 % of the pixels: two of a hundred are enough for that, one is not. */
+    assert_within(signal_of(shown(2, 0.5F, 1, gray), gray, 1e-3, ISO_SIGNAL_P99).color, 0.5, 1e-12);
+    assert_within(signal_of(shown(1, 0.5F, 1, gray), gray, 1e-3, ISO_SIGNAL_P99).color, 0, 1e-12);
+    const iso_signal none = signal_of(shown(50, NAN, 1, gray), gray, 1e-3, ISO_SIGNAL_RMS),
+                     neither = signal_of(shown(50, NAN, 1, gray), gray, 1e-3, ISO_SIGNAL_P99);
+    assert_false(iso_signal_suffices(&none) || iso_signal_suffices(&neither));
+}
+
+static void both_color_and_alpha_have_to_show(void **state)
+{
+    (void)state;
+    const double black[3] = {0, 0, 0};
+    static const struct {
+        float color, alpha;
+        bool enough;
+        const char *said;
+    } cases[] = {{0.125F, 0.125F, true, ""},
+                 {0.124F, 0.125F, false, "0.124 above its background (RMS) in color"},
+                 {0.125F, 0.124F, false, "0.124 above its background (RMS) in alpha"},
+                 {0, 0, false, "only 0 above"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[512];
+        const iso_signal s = signal_of(shown(100, cases[i].color, cases[i].alpha, black), black, 1.25e-3,
+                                       ISO_SIGNAL_RMS);
+        assert_int_equal(iso_signal_suffices(&s), cases[i].enough);
+        iso_signal_explain(&s, text, sizeof text);
+        if (!cases[i].enough && (!strstr(text, cases[i].said) || !strstr(text, "asks for at least 0.125")))
+            fail_msg("said: %s", text);
+    }
+}
+
+static void an_empty_image_is_its_background_in_every_bit(void **state)
+{
+    (void)state;
+    const double color[3] = {0.2, 0.3, 0.1};
+    iso_image image = shown(0, 0, 0, color);
+    assert_true(iso_image_is_empty(&image, color));
+    image.rgba[41] = nextafterf(image.rgba[41], 1);
+    assert_false(iso_image_is_empty(&image, color));
+    image.rgba[41] = (float)color[1];
+    image.rgba[43] = 1e-30F;
+    assert_false(iso_image_is_empty(&image, color));
+    iso_image_destroy(&image);
+}
+
+/* Noise explains part of a limit's bar, which is then no part of what holds the whole image. */
+static void what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise(void **state)
+{
+    (void)state;
+    iso_extrapolated l = {.step_bar = 1e-3, .bar = 2e-3, .allowed = 2.01e-3};
+    assert_within(iso_extrapolated_held_to(&l), 2.01e-3, 1e-12); /* nothing is random */
+    l.noise_bar = 1e-3, l.bar = 2 * hypot(1e-3, 1e-3), l.allowed = l.bar + 1e-5;
+    assert_within(iso_extrapolated_held_to(&l), 2.01e-3, 1e-12);
+    l.coarse_noise.square = l.fine_noise.square = 4.5e-6 *
+                                                  0.75; /* explains three quarters of the step's bar, in squares */
+    assert_within(iso_extrapolated_held_to(&l), 1.01e-3, 1e-12);
+    l.coarse_noise.square = l.fine_noise.square = 9e-6; /* more than all of it */
+    assert_within(iso_extrapolated_held_to(&l), l.allowed / 10, 1e-12);
+    l.allowed = INFINITY;
+    assert_true(isinf(iso_extrapolated_held_to(&l)));
+}
+
+/* ---- verdicts ---- */
+
+static void what_shows_too_little_is_not_compared_unless_it_differs(void **state)
+{
+    (void)state;
+    iso_report_agreement row = {.error_bar = NAN,
+                                .tolerances = {.rmse = 1e-3},
+                                .metrics = {.rmse = 1e-4, .max_abs = 1e-4, .ssim = 1},
+                                .uncompared = ISO_UNCOMPARED_FAINT,
+                                .uncompared_why = "faint"};
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_NOT_COMPARED);
+    row.metrics.rmse = 2e-3; /* a reference that shows nothing, and a renderer that draws something */
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
+    row.metrics.rmse = 1e-4;
+    row.metrics.nonfinite_count = 1;
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
+    row.metrics.nonfinite_count = 0;
+    row.gate_count = 1, row.gates[0] = (iso_report_gate){ISO_GATE_HALVING, 0.5, 0.3};
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
+    row.gate_count = 0;
+    row.refused = "missing";
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_REFUSED);
+}
+
+/* Alpha 0 in both images, and another background: the colors differ, whatever alpha says. */
+static void two_empty_images_with_other_backgrounds_differ(void **state)
+{
+    (void)state;
+    const double black[3] = {0, 0, 0}, gray[3] = {0.2, 0.2, 0.2};
+    iso_image a = shown(0, 0, 0, black), b = shown(0, 0, 0, gray);
+    iso_report_agreement row = {.error_bar = NAN, .tolerances = {.rmse = 1e-3}, .uncompared = ISO_UNCOMPARED_FAINT};
+    assert_ok(iso_metrics_measure(&a, &b, &row.metrics, &err));
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
+    assert_ok(iso_metrics_measure(&a, &a, &row.metrics, &err));
+    assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_NOT_COMPARED);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+static void without_limits_the_report_says_that_only_equal_images_agree(void **state)
+{
+    (void)state;
+    const double black[3] = {0, 0, 0};
+    iso_report *r = open_report("equal");
+    iso_image a = shown(3, 0.5F, 1, black);
+    assert_ok(iso_report_add_image(r, "a", &a, NULL, NULL, &err));
+    iso_report_agreement row = {
+        .scene = "s", .a = "a", .renderer = "gl", .error_bar = NAN, .image_a = "a", .image_b = "a"};
+    row.signal = (iso_signal){.color = 0.5, .alpha = 0.25, .least = 0.125};
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    const json_t *limits = json_object_get(row_of(r, 0), "limits"), *signal = json_object_get(row_of(r, 0), "signal");
+    assert_true(json_is_number(json_object_get(limits, "max_abs")));
+    assert_within(json_number_value(json_object_get(limits, "max_abs")), 0, 0);
+    assert_within(json_number_value(json_object_get(signal, "color")), 0.5, 0);
+    assert_within(json_number_value(json_object_get(signal, "least")), 0.125, 0);
+    assert_string_equal(iso_row_text(signal, "measure"), "rms");
+    iso_image_destroy(&a);
+    iso_report_destroy(r);
+}
+
+/* ---- the sentence, the exit code and JUnit's XML ---- */
+
+typedef struct told {
+    const char *scene, *renderer;
+    iso_verdict verdict;
+    iso_uncompared reason;
+} told;
+
+static void add_told(iso_report *r, const told *t)
+{
+    const iso_report_agreement row = {.scene = t->scene,
+                                      .a = "a",
+                                      .renderer = t->renderer,
+                                      .error_bar = NAN,
+                                      .tolerances = {.rmse = 1},
+                                      .metrics = {.rmse = t->verdict == ISO_VERDICT_DIFFER ? 2 : 0},
+                                      .refused = t->verdict == ISO_VERDICT_REFUSED ? "missing" : NULL,
+                                      .uncompared = t->reason,
+                                      .uncompared_why = "why"};
+    assert_int_equal(iso_report_verdict(&row), t->verdict);
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+}
+
+static size_t failures_of(const iso_report *r)
+{
+    char *path = inside("junit.xml"), *xml;
+    size_t size, count = 0;
+    assert_ok(iso_report_write_junit(r, path, &err));
+    assert_ok(iso_file_read(path, &xml, &size, &err));
+    for (const char *at = xml; (at = strstr(at, "<failure ")); ++at)
+        ++count;
+    free(xml);
+    free(path);
+    return count;
+}
+
+static void the_sentence_counts_what_was_asked_for(void **state)
+{
+    (void)state;
+    const iso_verdict agree = ISO_VERDICT_AGREE, differ = ISO_VERDICT_DIFFER, none = ISO_VERDICT_NOT_COMPARED;
+    const iso_uncompared faint = ISO_UNCOMPARED_FAINT, trait = ISO_UNCOMPARED_TRAIT, stage = ISO_UNCOMPARED_STAGE;
+    static const char open_gl[] = "nothing was compared of gl in the scene s";
+    const struct {
+        told rows[4];
+        bool good;
+        const char *said;
+    } cases[] = {
+        {{{"s", "gl", agree, 0}}, true, "The renderers agree: the 1 comparison is within its limits."},
+        {{{"s", "gl", none, faint}},
+         false,
+         "Nothing was compared, so nothing is shown to agree; not compared: 1 case "},
+        {{{"s", "gl", agree, 0}, {"s", "gl", none, faint}, {"s", "gl", none, faint}},
+         true,
+         "of 3 comparisons asked for 1 is within its limits; not compared: 2 cases that show too little"},
+        /* What shows too little leaves open whether the renderer is right, whatever others are. */
+        {{{"s", "povray", agree, 0}, {"s", "gl", none, faint}}, false, open_gl},
+        {{{"t", "gl", agree, 0}, {"s", "gl", none, faint}}, false, "nothing was compared in the scene s"},
+        /* What a renderer does not have is no failure of it, but nothing at all is none either. */
+        {{{"s", "gl", agree, 0}, {"s", "cycles", none, trait}},
+         true,
+         "1 case that asks for what its renderer does not"},
+        {{{"s", "cycles", none, trait}}, false, "Nothing was compared"},
+        {{{"t", "cycles", agree, 0}, {"s", "cycles", none, trait}}, true, "1 case that asks for what"},
+        {{{"s", "povray", agree, 0}, {"s", "", none, stage}}, true, "; not compared: 1 stage that did not run."},
+        {{{"s", "", none, stage}}, false, "Nothing was compared"},
+        {{{"s", "gl", differ, 0}, {"s", "gl", none, faint}}, false, "of 1 comparison 1 differs; not compared: 1 case"},
+        {{{"s", "gl", ISO_VERDICT_REFUSED, 0}, {"s", "povray", agree, 0}}, false, "1 could not be made"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_report *r = open_report("asked");
+        for (size_t k = 0; k < 4 && cases[i].rows[k].scene; ++k)
+            add_told(r, &cases[i].rows[k]);
+        const iso_report_summary s = iso_report_summarise(r);
+        if (s.good != cases[i].good || !strstr(s.sentence, cases[i].said))
+            fail_msg("case %zu: %s, said: %s", i, s.good ? "good" : "not good", s.sentence);
+        /* What is not good is a failure there too, but for refused rows, whose renderer has an error of its own. */
+        if (s.refused == 0)
+            assert_int_equal(failures_of(r) > 0, !s.good);
+        iso_report_destroy(r);
+    }
+}
+
+/* Rows of a stage name it, and have no renderer. */
+static void a_stage_that_did_not_run_has_a_row(void **state)
+{
+    (void)state;
+    iso_report *r = open_report("stage");
+    const iso_report_agreement row = {.scene = "s",
+                                      .comparison = ISO_COMPARISON_STAGE,
+                                      .variant = "methods",
+                                      .error_bar = NAN,
+                                      .uncompared = ISO_UNCOMPARED_STAGE,
+                                      .uncompared_why = "nobody takes part"};
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    const json_t *kept = row_of(r, 0);
+    assert_string_equal(iso_row_text(kept, "verdict"), "not compared");
+    assert_string_equal(iso_row_text(kept, "not_compared"), "stage");
+    assert_string_equal(iso_row_text(kept, "comparison"), "stage");
+    assert_string_equal(iso_row_text(kept, "variant"), "methods");
+    assert_string_equal(iso_row_text(kept, "b"), "stage, methods");
+    assert_string_equal(iso_row_text(kept, "why"), "nobody takes part");
+    assert_true(json_is_null(json_object_get(kept, "rmse"))); /* no figure where no image is */
+    iso_report_destroy(r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_word_of_a_verdict_is_read_again),
         cmocka_unit_test(a_row_holds_what_it_is_of_in_fields),
         cmocka_unit_test(rows_of_older_reports_are_read_by_their_name),
+        cmocka_unit_test(a_signal_is_measured_above_the_background),
+        cmocka_unit_test(both_color_and_alpha_have_to_show),
+        cmocka_unit_test(an_empty_image_is_its_background_in_every_bit),
+        cmocka_unit_test(what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise),
+        cmocka_unit_test(what_shows_too_little_is_not_compared_unless_it_differs),
+        cmocka_unit_test(two_empty_images_with_other_backgrounds_differ),
+        cmocka_unit_test(without_limits_the_report_says_that_only_equal_images_agree),
+        cmocka_unit_test(the_sentence_counts_what_was_asked_for),
+        cmocka_unit_test(a_stage_that_did_not_run_has_a_row),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -102,6 +102,28 @@ static iso_status verdict(const iso_validation *v, const iso_report_summary *sum
     return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
 }
 
+/* What was asked for and not compared, with the reason; the page has all of them. */
+static void print_not_compared(const iso_report *r)
+{
+    enum { most = 6 };
+    size_t i, count = 0;
+    json_t *row;
+    char name[ISO_ROW_NAME_BYTES];
+    json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
+    {
+        if (iso_row_verdict(row) != ISO_VERDICT_NOT_COMPARED || ++count > most)
+            continue;
+        iso_row_name_of(row, name);
+        if (iso_row_uncompared(row) == ISO_UNCOMPARED_STAGE)
+            printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
+        else
+            printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
+                   (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
+    }
+    if (count > most)
+        printf("not compared: %zu more, which the report lists\n", count - most);
+}
+
 static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v,
                          const iso_report_summary *s)
 {
@@ -109,7 +131,9 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
         json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
         putchar('\n');
     } else {
-        printf("%s\nreport: %s/index.html\n", s->sentence, a->output);
+        puts(s->sentence);
+        print_not_compared(v->report);
+        printf("report: %s/index.html\n", a->output);
     }
 }
 
@@ -342,7 +366,10 @@ const iso_command iso_command_validate = {
         "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
         "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
-        "Exit code 0: all agree; 1: something differs; 7: a renderer is missing; 9: a renderer failed its calibration.",
+        "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
+        "renderer takes part is not compared, which is said with the reason.\n"
+        "Exit code 0: all that was compared agrees; 1: something differs, or nothing was compared: at all, in a scene, or of a\n"
+        "renderer whose images of a scene show too little; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"

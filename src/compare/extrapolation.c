@@ -94,6 +94,14 @@ double iso_extrapolated_error_left(const iso_extrapolated *l)
     return fine <= 0 ? 0 : fine / coarse; /* infinite where there was no error before */
 }
 
+double iso_extrapolated_held_to(const iso_extrapolated *l)
+{
+    /* The step's bar is a third of the difference between the two means, whose noises add up in squares. */
+    const double chance = (l->coarse_noise.square + l->fine_noise.square) / 9, both = hypot(l->step_bar, l->noise_bar),
+                 factor = both > 0 ? l->bar / both : 0, step = sqrt(fmax(l->step_bar * l->step_bar - chance, 0));
+    return isfinite(l->allowed) ? fmax(factor * step + ISO_EXTRAPOLATION_ROUNDING, l->allowed / 10) : l->allowed;
+}
+
 static void mean_of(const iso_image *images, size_t count, iso_image *mean)
 {
     for (size_t i = 0; i < 4 * mean->width * mean->height; ++i) {

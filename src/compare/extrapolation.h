@@ -86,6 +86,11 @@ iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_imag
 /* The image of the limit alone, created: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);
 
+/* What of `allowed` holds the image as a whole to the reference: without the part of the error bar that noise explains. A
+ * fault of the whole image is seen below the noise of its pixels, for noise is taken off in squares where it is asked how
+ * much of the error halving leaves; but not far below, so that a tenth of `allowed` is the least. */
+double iso_extrapolated_held_to(const iso_extrapolated *limit);
+
 /* The part of the error that halving the step has left, about 1/4; rounding and noise are taken off. 0 where no error is
  * left. */
 double iso_extrapolated_error_left(const iso_extrapolated *limit);

@@ -13,7 +13,7 @@ set lmargin 0.8 * longest
 set tmargin 2.8
 least = 1e-9
 above(x) = x > least ? x : least
-colour(v) = v eq 'agree' ? 0x0072b2 : v eq 'reported' ? 0x999999 : 0xd55e00
+colour(v) = v eq 'agree' ? 0x0072b2 : v eq 'not compared' ? 0x999999 : 0xd55e00
 set logscale x
 set format x '10^{%T}'
 set xrange [least:*]

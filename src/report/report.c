@@ -150,61 +150,6 @@ void iso_report_set_scale(iso_report *r, const char *name, double mm_per_pixel)
     pthread_mutex_unlock(&r->lock);
 }
 
-/* The largest metric over its limit. Infinite where nothing can be measured. */
-static double severity(const iso_report_agreement *row)
-{
-    const iso_metrics *m = &row->metrics;
-    if (row->refused || m->nonfinite_count > 0 || !isfinite(m->max_abs))
-        return INFINITY;
-    const double pairs[][2] = {
-        {m->rmse, row->tolerances.rmse},           {m->max_abs, row->tolerances.max_abs},
-        {m->p99_abs, row->tolerances.p99_abs},     {1 - m->ssim, row->tolerances.ssim_dissimilarity},
-        {m->flip_mean, row->tolerances.flip_mean},
-    };
-    double worst = 0;
-    bool asked = false;
-    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; ++i)
-        if (pairs[i][1] > 0) {
-            asked = true;
-            worst = pairs[i][0] / pairs[i][1] <= worst ? worst : pairs[i][0] / pairs[i][1];
-        }
-    if (!asked && row->gate_count == 0)
-        return m->max_abs > 0 ? INFINITY : 0;
-    for (size_t i = 0; i < row->gate_count; ++i) {
-        const iso_report_gate *g = &row->gates[i];
-        double ratio = g->limit > 0 ? g->value / g->limit : g->value <= 0 ? 0 : INFINITY;
-        if (isnan(ratio))
-            return INFINITY;
-        worst = fmax(worst, ratio);
-    }
-    return isnan(worst) ? INFINITY : worst;
-}
-
-static bool gates_hold(const iso_report_agreement *row)
-{
-    for (size_t i = 0; i < row->gate_count; ++i)
-        if (!(row->gates[i].value <= row->gates[i].limit))
-            return false;
-    return true;
-}
-
-static bool has_tolerances(const iso_tolerances *l)
-{
-    return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
-}
-
-iso_verdict iso_report_verdict(const iso_report_agreement *row)
-{
-    if (row->refused)
-        return ISO_VERDICT_REFUSED;
-    if (row->informative && row->metrics.nonfinite_count == 0)
-        return ISO_VERDICT_REPORTED;
-    bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances)
-                       ? row->metrics.nonfinite_count == 0
-                       : iso_metrics_within(&row->metrics, &row->tolerances);
-    return metrics && gates_hold(row) ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER;
-}
-
 static const struct {
     const char *key, *name;
 } gates[ISO_GATE_COUNT] = {
@@ -228,8 +173,10 @@ static json_t *gates_json(const iso_report_agreement *row)
     return list;
 }
 
-static json_t *tolerances_json(const iso_tolerances *l)
+/* All that metrics are held to: without any limit or gate only equal images agree. */
+static json_t *limits_json(const iso_report_agreement *row)
 {
+    const iso_tolerances *l = &row->tolerances;
     const struct {
         const char *key;
         double value;
@@ -242,7 +189,15 @@ static json_t *tolerances_json(const iso_tolerances *l)
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         if (all[i].value > 0)
             json_object_set_new(object, all[i].key, json_real(all[i].value));
+    if (json_object_size(object) == 0 && row->gate_count == 0 && row->image_b && !row->refused)
+        json_object_set_new(object, "max_abs", json_real(0));
     return object;
+}
+
+static json_t *signal_json(const iso_signal *s)
+{
+    return json_pack("{s:o, s:o, s:f, s:s}", "color", iso_json_number(s->color), "alpha", iso_json_number(s->alpha),
+                     "least", s->least, "measure", s->measure == ISO_SIGNAL_P99 ? "p99" : "rms");
 }
 
 static iso_status check_image_name(iso_report *r, const char *name, iso_error *err)
@@ -275,6 +230,14 @@ static iso_status insert_row(iso_report *r, size_t order, json_t *row, json_t *d
     return good ? ISO_OK : no_memory(err);
 }
 
+/* Why it was not compared, or why it has these limits. */
+static const char *reason_of(const iso_report_agreement *row, iso_verdict verdict)
+{
+    if (row->refused)
+        return row->refused;
+    return verdict == ISO_VERDICT_NOT_COMPARED ? row->uncompared_why : row->why;
+}
+
 iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *row, iso_error *err)
 {
     iso_status status = check_image_name(r, row->image_a, err);
@@ -282,14 +245,14 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
         status = check_image_name(r, row->image_b, err);
     if (status != ISO_OK)
         return status;
-    double worst = severity(row);
+    const iso_verdict verdict = iso_report_verdict(row);
     char name[ISO_ROW_NAME_BYTES];
     const char *renderer = row->renderer ? row->renderer : "", *variant = row->variant ? row->variant : "";
     iso_row_name(renderer, row->comparison, variant, name);
     json_t *o = json_pack("{s:I, s:o, s:o, s:s, s:s, s:s, s:s, s:o}", "level", (json_int_t)row->level, "scene",
                           text(row->scene), "a", text(row->a), "b", name, "renderer", renderer, "comparison",
                           iso_comparison_word(row->comparison), "variant", variant, "tier", text(row->tier));
-    if (row->refused) {
+    if (row->refused || (row->uncompared && !row->image_b)) {
         const iso_metrics none = {
             .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
         json_object_update_new(o, iso_metrics_to_json(&none));
@@ -297,14 +260,18 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
         json_object_update_new(o, iso_metrics_to_json(&row->metrics));
     }
     json_object_set_new(o, "error_bar", iso_json_number(row->error_bar));
-    json_object_set_new(o, "verdict", json_string(iso_verdict_word(iso_report_verdict(row))));
-    json_object_set_new(o, "severity", iso_json_number(worst));
-    json_object_set_new(o, "limits", tolerances_json(&row->tolerances));
+    json_object_set_new(o, "verdict", json_string(iso_verdict_word(verdict)));
+    json_object_set_new(o, "severity", iso_json_number(iso_report_severity(row)));
+    if (verdict == ISO_VERDICT_NOT_COMPARED)
+        json_object_set_new(o, "not_compared", json_string(iso_uncompared_word(row->uncompared)));
+    json_object_set_new(o, "limits", limits_json(row));
+    if (row->signal.least > 0)
+        json_object_set_new(o, "signal", signal_json(&row->signal));
     json_object_set_new(o, "gates", gates_json(row));
     if (row->statistics)
         json_object_set(o, "statistics", row->statistics);
     json_object_set_new(o, "seconds", row->seconds > 0 ? json_real(row->seconds) : json_null());
-    json_object_set_new(o, "why", text(row->refused ? row->refused : row->why));
+    json_object_set_new(o, "why", text(reason_of(row, verdict)));
     json_object_set_new(o, "command", text(row->command));
     json_object_set_new(o, "image_a", text(row->image_a));
     json_object_set_new(o, "image_b", text(row->image_b));
@@ -354,54 +321,13 @@ iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibratio
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
-static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict verdict)
-{
-    size_t i, count = 0;
-    json_t *row;
-    json_array_foreach(json_object_get(r->root, list), i, row) count += iso_row_verdict(row) == verdict;
-    return count;
-}
-
-iso_report_summary iso_report_summarise(const iso_report *r)
-{
-    iso_report_summary s = {
-        .agreed = count_verdicts(r, "agreement", ISO_VERDICT_AGREE),
-        .differed = count_verdicts(r, "agreement", ISO_VERDICT_DIFFER),
-        .refused = count_verdicts(r, "agreement", ISO_VERDICT_REFUSED),
-        .reported = count_verdicts(r, "agreement", ISO_VERDICT_REPORTED),
-        .calibrations_passed = count_verdicts(r, "calibration", ISO_VERDICT_PASS),
-        .calibrations_failed = count_verdicts(r, "calibration", ISO_VERDICT_FAIL),
-    };
-    size_t judged = s.agreed + s.differed + s.refused;
-    s.good = s.agreed > 0 && s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0;
-    if (judged == 0)
-        snprintf(s.sentence, sizeof s.sentence, "Nothing was compared, so nothing is shown to agree.");
-    else if (s.good)
-        snprintf(s.sentence, sizeof s.sentence, "The renderers agree: %s %zu comparison%s within %s limits.",
-                 judged == 1 ? "the" : "all", judged, judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
-    else if (s.differed == 0 && s.refused > 0)
-        snprintf(
-            s.sentence, sizeof s.sentence,
-            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration.",
-            s.agreed, s.agreed == 1 ? "" : "s", s.agreed == 1 ? "s" : "", s.refused);
-    else if (s.differed == 0)
-        snprintf(s.sentence, sizeof s.sentence, "%zu of %zu calibrations failed, though all %zu comparisons agree.",
-                 s.calibrations_failed, s.calibrations_failed + s.calibrations_passed, judged);
-    else if (s.refused == 0)
-        snprintf(s.sentence, sizeof s.sentence, "The renderers do not all agree: of %zu comparison%s %zu differ%s.",
-                 judged, judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "");
-    else
-        snprintf(s.sentence, sizeof s.sentence,
-                 "The renderers do not all agree: of %zu comparison%s %zu differ%s, %zu %s refused.", judged,
-                 judged == 1 ? "" : "s", s.differed, s.differed == 1 ? "s" : "", s.refused,
-                 s.refused == 1 ? "was" : "were");
-    return s;
-}
-
 static double sort_key(const json_t *row)
 {
-    static const int groups[] = {
-        [ISO_VERDICT_DIFFER] = 3, [ISO_VERDICT_REFUSED] = 2, [ISO_VERDICT_AGREE] = 1, [ISO_VERDICT_UNKNOWN] = 0};
+    static const int groups[] = {[ISO_VERDICT_DIFFER] = 4,
+                                 [ISO_VERDICT_REFUSED] = 3,
+                                 [ISO_VERDICT_NOT_COMPARED] = 2,
+                                 [ISO_VERDICT_AGREE] = 1,
+                                 [ISO_VERDICT_UNKNOWN] = 0};
     const json_t *value = json_object_get(row, "severity");
     double worst = json_is_number(value) ? fmin(json_number_value(value), 1e300) : 1e300;
     return groups[iso_row_verdict(row)] * 1000 + log10(fmax(worst, 1e-300));

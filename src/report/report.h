@@ -16,6 +16,7 @@
 
 #include "base/json.h"
 #include "compare/metrics.h"
+#include "compare/signal.h"
 #include "report/rows.h"
 
 typedef struct iso_report iso_report;
@@ -93,10 +94,15 @@ typedef struct iso_report_agreement {
     double seconds;      /* that rendering and comparing took; 0: not measured */
     const char *command; /* the line that repeats this case, or NULL */
     const char *refused; /* the calibration that failed, with its value; NULL: compared */
-    bool informative;    /* reported, without a gate */
+    iso_signal signal;   /* of the reference's image; least 0: not measured */
+    /* Images that cannot be told apart are not compared, unless they differ: the reason, in a word and as a sentence. */
+    iso_uncompared uncompared;
+    const char *uncompared_why;
 } iso_report_agreement;
-/* Agree, differ, refused or reported. */
+/* Agree, differ, refused or not compared. */
 iso_verdict iso_report_verdict(const iso_report_agreement *row);
+/* The largest metric or gate over its limit. Infinite where nothing can be measured. */
+double iso_report_severity(const iso_report_agreement *row);
 /* Keeps the row with its verdict. */
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 
@@ -128,10 +134,12 @@ typedef struct iso_report_calibration {
 iso_status iso_report_add_calibration(iso_report *report, const iso_report_calibration *row, iso_error *err);
 
 typedef struct iso_report_summary {
-    size_t agreed, differed, refused, reported; /* agreement rows */
+    size_t agreed, differed, refused, not_compared; /* agreement rows: all that was asked for */
+    size_t by_reason[ISO_UNCOMPARED_COUNT];         /* of not_compared */
+    size_t unanswered;                              /* iso_rows_unanswered(): scenes, and renderers in them */
     size_t calibrations_passed, calibrations_failed;
-    bool good; /* nothing differed, was refused or failed, and something was compared */
-    char sentence[512];
+    bool good; /* nothing differed, was refused or failed, and something was compared wherever it was asked for */
+    char sentence[768];
 } iso_report_summary;
 iso_report_summary iso_report_summarise(const iso_report *report);
 
@@ -140,8 +148,8 @@ iso_report_summary iso_report_summarise(const iso_report *report);
 iso_status iso_report_finish(iso_report *report, iso_error *err);
 
 /* The rows as JUnit's XML, for continuous integration; before or after finish. Rows that differ and calibrations that
- * fail are failures, a renderer that is not there is an error, and rows that are refused or only reported are skipped;
- * a scene of whose rows none was compared is a failure. Consistency is measured without a limit: its figures are
+ * fail are failures, a renderer that is not there is an error, and rows that are refused or not compared are skipped;
+ * where that leaves a question open (iso_rows_unanswered()) is a failure. Consistency is measured without a limit: its figures are
  * properties of a suite without cases. */
 iso_status iso_report_write_junit(const iso_report *report, const char *path, iso_error *err);
 

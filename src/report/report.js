@@ -57,7 +57,8 @@ function command(line) {
     return el('div', {class: 'command'}, code, button);
 }
 const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
-const title = row => `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
+const title = row => row.comparison === 'stage' ? `${row.scene}: the stage ${row.variant}` : `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
+const uncompared = row => row.verdict === 'not compared', style = verdict => verdict.replaceAll(' ', '-');
 const ratio = (row, digits) => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : row.severity < 1e4 ? String(Number(row.severity.toPrecision(digits))) : row.severity.toExponential(0);
 
 // ---- head -------------------------------------------------------------------
@@ -153,7 +154,7 @@ function table(text, heads, rows) {
 }
 const withLimit = (row, key, value) => {
     const limit = row.limits[key];
-    const over = row.verdict !== 'reported' && limit !== undefined && value !== null && !(value <= limit);
+    const over = !uncompared(row) && limit !== undefined && value !== null && !(value <= limit);
     return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, brief(value));
 };
 
@@ -163,7 +164,7 @@ function valueOf(row, key) {
 }
 // All that is asked of a row, the worst first: limits of metrics, and gates.
 function asked(row) {
-    if (row.verdict === 'refused') return [];
+    if (row.verdict === 'refused' || !row.image_b) return [];
     const all = Object.entries(row.limits).map(([key, limit]) => ({name: names[key], value: valueOf(row, key), limit}));
     for (const gate of row.gates || []) all.push(gate);
     return all.map(({gate, name, value, limit}) => ({gate, name, value, limit, held: value !== null && value <= limit,
@@ -185,6 +186,12 @@ function askedTable(row) {
     return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['what is asked', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
         el('tbody', {}, all.map(x => el('tr', {}, cell(x.name), cell(number(x.value), true, x.held ? '' : 'differ'), cell(number(x.limit), true), cell(percent(x.ratio), true, x.held ? '' : 'differ'))))))];
 }
+// What the reference shows, beside what its limits ask for.
+function signalText(row) {
+    const s = row.signal;
+    if (!s) return [];
+    return [el('p', {}, `The reference shows ${s.measure === 'p99' ? 'in the brightest 1 % of its pixels' : '(RMS)'} `, number(s.color, 2), ' above its background in color and ', number(s.alpha, 2), ' in alpha; at least ', number(s.least, 2), ' is asked for.')];
+}
 // What the gates were taken from, in a sentence; the rest for those who ask.
 function statisticsText(row) {
     const s = row.statistics;
@@ -205,8 +212,8 @@ function statisticsText(row) {
 
 // ---- the table of agreement: sorted and filtered by its reader --------------------
 const renderer = row => row.renderer;
-const severityOf = row => row.verdict === 'reported' ? -1 : row.severity ?? Infinity;
-const verdicts = ['reported', 'agree', 'refused', 'differ'];
+const severityOf = row => uncompared(row) ? -1 : row.severity ?? Infinity;
+const verdicts = ['agree', 'not compared', 'refused', 'differ'];
 // heading, what it sorts by (numbers: the largest first), numeric
 const columns = [['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900)], ['of limit', severityOf, true],
     ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', row => row.b],
@@ -223,18 +230,18 @@ function agreementRow(row, at) {
     const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
     const worst = asked(row)[0];
     const limit = el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null},
-        row.verdict === 'reported' ? '–' : [worst ? el('small', {}, `${words[worst.gate] || worst.name} `) : '', ratio(row, 2)]);
+        uncompared(row) ? '–' : [worst ? el('small', {}, `${words[worst.gate] || worst.name} `) : '', ratio(row, 2)]);
     const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
     return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
-        cell(row.verdict, false, row.verdict), limit, cell(String(row.level), true),
-        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, ` ${row.a}`)),
+        cell(row.verdict, false, style(row.verdict)), limit, cell(String(row.level), true),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, row.a ? ` ${row.a}` : '')),
         withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.gate === 'error_bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
         withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
 function arrange() {
     const wanted = order.text.toLowerCase().split(/\s+/).filter(Boolean);
     const passes = row => filters.every(([name, of]) => !order.filter[name] || of(row) === order.filter[name]) &&
-        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a} ${row.b} ${row.verdict}`.toLowerCase().includes(w));
+        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a || ''} ${row.b} ${row.verdict}`.toLowerCase().includes(w));
     order.rows = data.agreement.map((row, at) => at).filter(at => passes(data.agreement[at]));
     if (order.column >= 0) {
         const key = at => columns[order.column][1](data.agreement[at]) ?? -Infinity, sign = order.down ? -1 : 1;
@@ -310,6 +317,17 @@ function failures() {
     for (const [why, rows] of reasons)
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `${rows.length} case${rows.length === 1 ? '' : 's'} refused: ${[...new Set(rows.map(renderer))].join(', ')}`), el('p', {}, why),
             el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));
+}
+
+// What nobody compared, by the reason: a sentence with the row's own numbers stands beside each.
+const reasons = {signal: 'show too little for their limits', trait: 'ask for what the renderer does not have', stage: 'did not run'};
+function notCompared() {
+    const groups = new Map();
+    for (const row of data.agreement.filter(uncompared)) groups.set(row.not_compared, [...groups.get(row.not_compared) || [], row]);
+    $('uncompared').hidden = groups.size === 0;
+    for (const [reason, rows] of groups)
+        $('uncompared').append(el('details', {open: rows.length <= 8}, el('summary', {}, `${rows.length} ${reason === 'stage' ? 'stage' : 'case'}${rows.length === 1 ? '' : 's'}: ${reasons[reason] || reason}`),
+            el('ul', {}, rows.map(row => el('li', {}, `${title(row)}: ${row.why}.`)))));
 }
 
 // ---- inspector ----------------------------------------------------------------
@@ -459,10 +477,10 @@ async function inspect(at, scroll) {
     loaded = {row, a, b, d};
     parts.select.value = String(at);
     // Where all is within the limits, all differences show; else those beyond the limit.
-    const gate = row.verdict === 'agree' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
+    const gate = row.verdict !== 'differ' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
     view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
-    parts.text.replaceChildren(el('p', {}, el('span', {class: row.verdict}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
-        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...statisticsText(row), command(row.command) || '');
+    parts.text.replaceChildren(el('p', {}, el('span', {class: style(row.verdict)}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || '');
     // The address names the case, so that it can be passed on.
     if (scroll !== null && location.hash !== `#case-${row.number}`) history.replaceState(null, '', `#case-${row.number}`);
     show();
@@ -533,6 +551,7 @@ function colophon() {
 }
 
 failures();
+notCompared();
 if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
 $('agreement').append(...agreementTable());
 if (cases.length > 0) {

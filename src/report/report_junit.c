@@ -156,33 +156,39 @@ typedef struct suite {
     void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
 } suite;
 
-/* The scenes of whose rows none was compared, each once; "" where there are no rows at all. Nothing is shown to agree there,
- * which is a failure, though no row differs. New; NULL when memory ends. */
-static json_t *scenes_not_compared(const json_t *rows)
+static void put_open_case(FILE *f, const char *scene, const char *renderer)
 {
-    json_t *open = json_object(), *row;
-    size_t i;
-    if (json_array_size(rows) == 0)
-        json_object_set_new(open, "", json_true());
-    json_array_foreach(rows, i, row) json_object_set_new(open, iso_row_text(row, "scene"), json_true());
-    json_array_foreach(rows, i, row) if (has_verdict(row, ISO_VERDICT_AGREE) || has_verdict(row, ISO_VERDICT_DIFFER))
-        json_object_del(open, iso_row_text(row, "scene"));
-    return open;
+    fputs("    <testcase classname=\"agreement.", f);
+    put_xml(f, scene);
+    fputs("\" time=\"0.000\" name=\"something is compared", f);
+    put_xml(f, renderer ? " of " : "");
+    put_xml(f, renderer);
+    fputs("\">\n      <failure type=\"not compared\" message=\"nothing was compared, so nothing is shown to agree\"/>\n"
+          "    </testcase>\n",
+          f);
 }
 
-static void put_scenes_not_compared(FILE *f, json_t *scenes)
+/* What nothing was compared of: iso_rows_unanswered(). f: NULL to count them alone. */
+static size_t put_open_cases(FILE *f, json_t *unanswered)
 {
     const char *scene;
-    json_t *unused;
-    json_object_foreach(scenes, scene, unused)
+    json_t *renderers, *renderer;
+    size_t i, count = 0;
+    json_object_foreach(unanswered, scene, renderers)
     {
-        fputs("    <testcase classname=\"agreement.", f);
-        put_xml(f, scene);
-        fputs(
-            "\" time=\"0.000\" name=\"something is compared\">\n      <failure type=\"not compared\" message=\"nothing was compared, "
-            "so nothing is shown to agree\"/>\n    </testcase>\n",
-            f);
+        if (json_array_size(renderers) == 0) {
+            ++count;
+            if (f)
+                put_open_case(f, scene, NULL);
+        }
+        json_array_foreach(renderers, i, renderer)
+        {
+            ++count;
+            if (f)
+                put_open_case(f, scene, json_string_value(renderer));
+        }
     }
+    return count;
 }
 
 static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
@@ -192,15 +198,16 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     double seconds = 0;
     char host[256] = "";
     const char *key;
-    json_t *row, *version, *open = s->put_case == put_agreement_case ? scenes_not_compared(rows) : NULL;
-    failures = json_object_size(open);
+    json_t *row, *version, *open = s->put_case == put_agreement_case ? iso_rows_unanswered(rows) : NULL;
+    const size_t open_count = put_open_cases(NULL, open);
+    failures = open_count;
     json_array_foreach(rows, i, row)
     {
         const bool failed = has_verdict(row, ISO_VERDICT_DIFFER) || has_verdict(row, ISO_VERDICT_FAIL),
                    nothing = json_is_null(json_object_get(row, "value"));
         failures += failed && !nothing;
         errors += failed && nothing;
-        skipped += has_verdict(row, ISO_VERDICT_REFUSED) || has_verdict(row, ISO_VERDICT_REPORTED);
+        skipped += has_verdict(row, ISO_VERDICT_REFUSED) || has_verdict(row, ISO_VERDICT_NOT_COMPARED);
         seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
     }
     gethostname(host, sizeof host - 1);
@@ -208,14 +215,14 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
             iso_row_text(root, "made"));
     put_xml(f, host[0] ? host : "localhost");
     fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
-            s->put_case ? json_array_size(rows) + json_object_size(open) : 0, failures, errors, skipped, seconds);
+            s->put_case ? json_array_size(rows) + open_count : 0, failures, errors, skipped, seconds);
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
     json_object_foreach(json_object_get(root, "versions"), key, version)
         put_property(f, key, json_string_value(version));
     json_array_foreach(rows, i, row) if (s->put_facts) s->put_facts(f, row);
     fputs("    </properties>\n", f);
     json_array_foreach(rows, i, row) if (s->put_case) s->put_case(f, row);
-    put_scenes_not_compared(f, open);
+    put_open_cases(f, open);
     json_decref(open);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
 }

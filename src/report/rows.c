@@ -47,6 +47,86 @@ iso_verdict iso_row_verdict(const json_t *row)
     return iso_verdict_from(json_object_get(row, "verdict"));
 }
 
+static const struct {
+    const char *word, *one, *several;
+} reasons[ISO_UNCOMPARED_COUNT] = {
+#define ISO_UNCOMPARED_ROW(name, word, one, several) [name] = {word, one, several},
+    ISO_UNCOMPARED_LIST(ISO_UNCOMPARED_ROW)
+#undef ISO_UNCOMPARED_ROW
+};
+
+const char *iso_uncompared_word(iso_uncompared reason)
+{
+    return reasons[reason].word;
+}
+
+const char *iso_uncompared_text(iso_uncompared reason, size_t count)
+{
+    return count == 1 ? reasons[reason].one : reasons[reason].several;
+}
+
+iso_uncompared iso_row_uncompared(const json_t *row)
+{
+    const char *word = iso_row_text(row, "not_compared");
+    for (int i = 0; i < ISO_UNCOMPARED_COUNT; ++i)
+        if (strcmp(word, reasons[i].word) == 0)
+            return (iso_uncompared)i;
+    return ISO_UNCOMPARED_NOT;
+}
+
+/* What is known of scenes so far, by their names: was anything compared, could it have been, and of each renderer whether
+ * a row of it was (true), or all were too faint (false). */
+typedef struct scenes_seen {
+    json_t *compared, *asked, *renderers;
+} scenes_seen;
+
+static void note_row(scenes_seen *seen, const json_t *row)
+{
+    const char *scene = iso_row_text(row, "scene");
+    const iso_verdict verdict = iso_row_verdict(row);
+    const iso_row_identity id = iso_row_identify(row);
+    const bool compared = verdict == ISO_VERDICT_AGREE || verdict == ISO_VERDICT_DIFFER,
+               faint = verdict == ISO_VERDICT_REPORTED ||
+                       (verdict == ISO_VERDICT_NOT_COMPARED && iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT);
+    json_t *renderers = json_object_get(seen->renderers, scene);
+    if (!renderers) {
+        renderers = json_object();
+        json_object_set_new(seen->renderers, scene, renderers);
+    }
+    if (compared)
+        json_object_set_new(seen->compared, scene, json_true());
+    if (compared || faint || verdict == ISO_VERDICT_REFUSED)
+        json_object_set_new(seen->asked, scene, json_true());
+    if (compared || (faint && !json_object_get(renderers, id.renderer)))
+        json_object_set_new(renderers, id.renderer, json_boolean(compared));
+}
+
+json_t *iso_rows_unanswered(const json_t *rows)
+{
+    scenes_seen seen = {json_object(), json_object(), json_object()};
+    json_t *open = json_object(), *row, *asked, *answered;
+    const char *scene, *renderer;
+    size_t i;
+    json_array_foreach((json_t *)rows, i, row) note_row(&seen, row);
+    json_object_foreach(seen.asked, scene, asked)
+    {
+        json_t *list = json_array();
+        const bool compared = json_object_get(seen.compared, scene);
+        json_object_foreach(json_object_get(seen.renderers, scene), renderer,
+                            answered) if (compared && json_is_false(answered))
+            json_array_append_new(list, json_string(renderer));
+        if (json_array_size(list) > 0 || !compared)
+            json_object_set(open, scene, list);
+        json_decref(list);
+    }
+    if (json_object_size(seen.compared) == 0 && json_object_size(open) == 0)
+        json_object_set_new(open, "", json_array());
+    json_decref(seen.compared);
+    json_decref(seen.asked);
+    json_decref(seen.renderers);
+    return open;
+}
+
 const char *iso_comparison_word(iso_comparison comparison)
 {
     return comparisons[comparison].word;
@@ -114,8 +194,8 @@ iso_row_identity iso_row_identify(const json_t *row)
 void iso_row_name(const char *renderer, iso_comparison comparison, const char *variant, char name[ISO_ROW_NAME_BYTES])
 {
     const char *said = comparisons[comparison].said;
-    snprintf(name, ISO_ROW_NAME_BYTES, "%s%s%s%s%s", renderer, said[0] ? ", " : "", said, variant[0] ? ", " : "",
-             variant);
+    snprintf(name, ISO_ROW_NAME_BYTES, "%s%s%s%s%s", renderer, renderer[0] && said[0] ? ", " : "", said,
+             variant[0] ? ", " : "", variant);
 }
 
 void iso_row_name_of(const json_t *row, char name[ISO_ROW_NAME_BYTES])

@@ -6,6 +6,8 @@
 #ifndef ISO_REPORT_ROWS_H
 #define ISO_REPORT_ROWS_H
 
+#include <stddef.h>
+
 #include "base/json.h"
 
 /* What is said of a row: enum, word in report.json, how little it says. What is less certain is worse, also where nothing
@@ -34,6 +36,32 @@ int iso_verdict_doubt(iso_verdict verdict);
 iso_verdict iso_verdict_from(const json_t *word);
 iso_verdict iso_row_verdict(const json_t *row);
 
+/* Why a row is not compared: enum, word in report.json, how the sentence tells of one and of several. */
+/* clang-format off */
+#define ISO_UNCOMPARED_LIST(X)                                                             \
+    X(ISO_UNCOMPARED_NOT, "", "", "") /* it is compared */                                 \
+    X(ISO_UNCOMPARED_FAINT, "signal", "case that shows too little for its limit", "cases that show too little for their limits") \
+    X(ISO_UNCOMPARED_TRAIT, "trait", "case that asks for what its renderer does not have", "cases that ask for what their renderer does not have") \
+    X(ISO_UNCOMPARED_STAGE, "stage", "stage that did not run", "stages that did not run")
+/* clang-format on */
+
+typedef enum iso_uncompared {
+#define ISO_UNCOMPARED_ENUM(name, word, one, several) name,
+    ISO_UNCOMPARED_LIST(ISO_UNCOMPARED_ENUM)
+#undef ISO_UNCOMPARED_ENUM
+        ISO_UNCOMPARED_COUNT
+} iso_uncompared;
+
+const char *iso_uncompared_word(iso_uncompared reason);
+const char *iso_uncompared_text(iso_uncompared reason, size_t count);
+iso_uncompared iso_row_uncompared(const json_t *row);
+
+/* Of rows of agreement: the scenes that keep a question open, each with the renderers of which no row was compared because
+ * the scene shows too little; an empty list where nothing at all was compared. "": of the whole report. A renderer that
+ * does not have what a scene asks for, and a stage that did not run, keep no question open while something else is
+ * compared. New. */
+json_t *iso_rows_unanswered(const json_t *rows);
+
 /* How image b was compared: enum, word in report.json, what the row's name says of it. */
 /* clang-format off */
 #define ISO_COMPARISON_LIST(X)                                                             \
@@ -41,7 +69,8 @@ iso_verdict iso_row_verdict(const json_t *row);
     X(ISO_COMPARISON_EXACT, "exact lookups", "exact lookups") /* and nothing rounded */    \
     X(ISO_COMPARISON_LIMIT, "limit", "limit")                /* extrapolated to step 0 */  \
     X(ISO_COMPARISON_FIRST_HIT, "first hit", "")                                           \
-    X(ISO_COMPARISON_CLOSED_FORM, "closed form", "")         /* the reference itself */
+    X(ISO_COMPARISON_CLOSED_FORM, "closed form", "")         /* the reference itself */    \
+    X(ISO_COMPARISON_STAGE, "stage", "stage")                /* its variant did not run */
 /* clang-format on */
 
 typedef enum iso_comparison {

@@ -69,28 +69,55 @@ static void begin_row(iso_validation *v, size_t level, const char *what)
     v->row_start = iso_clock_seconds();
 }
 
-static bool shows_nothing(const iso_image *image)
-{
-    for (size_t i = 0; i < image->width * image->height; ++i)
-        if (image->rgba[4 * i + 3] != 0)
-            return false;
-    return true;
-}
-
 /* An image that is compared with a truth, and what made it. */
 typedef struct compared {
     const char *what; /* in the image's name */
     const iso_image *image;
     const iso_renderer_info *renderer;
     const char *options; /* of the command that makes it again */
+    double held_to;      /* what holds the image as a whole, of an extrapolated limit; 0: the row's tolerances */
 } compared;
+
+/* What holds the image as a whole: for first hits the difference that 99 % of the pixels stay below, since their RMSE is
+ * left to the few rays that graze the surface; else RMSE, or the largest difference where that alone is asked. */
+static double limit_of_the_picture(const iso_report_agreement *row, const compared *with, iso_signal_measure *measure)
+{
+    const bool first_hit = row->comparison == ISO_COMPARISON_FIRST_HIT;
+    *measure = first_hit ? ISO_SIGNAL_P99 : ISO_SIGNAL_RMS;
+    return with->held_to > 0          ? with->held_to
+           : first_hit                ? row->tolerances.p99_abs
+           : row->tolerances.rmse > 0 ? row->tolerances.rmse
+                                      : row->tolerances.max_abs;
+}
+
+/* Images that show little beside their limits prove nothing. Where a formula says that nothing is shown, emptiness is the
+ * scene's point: then the image has to be the background in every bit. */
+static iso_status ask_for_a_signal(const iso_validation *v, const truth *a, const compared *with,
+                                   iso_report_agreement *row, char why[512], iso_error *err)
+{
+    iso_signal_measure measure;
+    const double limit = limit_of_the_picture(row, with, &measure);
+    if (v->scene->agreement.tier == ISO_TIER_CLOSED_FORM && iso_image_is_empty(&a->image, v->view->background)) {
+        row->tolerances = (iso_tolerances){0};
+        row->gate_count = 0;
+        row->why = "the formula says that nothing is shown, so the image has to be the background in every bit";
+        return ISO_OK;
+    }
+    iso_status status = iso_signal_of(&a->image, v->view->background, limit, measure, &row->signal, err);
+    if (status == ISO_OK && !iso_signal_suffices(&row->signal)) {
+        iso_signal_explain(&row->signal, why, 512);
+        row->uncompared = ISO_UNCOMPARED_FAINT;
+        row->uncompared_why = why;
+    }
+    return status;
+}
 
 /* A row, its image b and what they have in common; *row has its comparison, tier, tolerances and gates. */
 static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement *row, const truth *a,
                           const compared *with, iso_error *err)
 {
     const iso_image *b = with->image;
-    char name[96], caption[ISO_ROW_NAME_BYTES];
+    char name[96], caption[ISO_ROW_NAME_BYTES], faint[512];
     name_image(v, level, with->what, name);
     row->renderer = with->renderer->name;
     row->variant = v->variant;
@@ -104,11 +131,8 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     iso_status status = add_image(v, name, b, caption, err);
     if (status == ISO_OK)
         status = iso_metrics_measure(&a->image, b, &row->metrics, err);
-    /* Two empty images prove nothing, unless emptiness is the scene's point. */
-    if (v->scene->agreement.tier != ISO_TIER_CLOSED_FORM && shows_nothing(&a->image) && shows_nothing(b)) {
-        row->informative = true;
-        row->why = "the transfer function shows nothing of this level";
-    }
+    if (status == ISO_OK)
+        status = ask_for_a_signal(v, a, with, row, faint, err);
     char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->tolerances);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
@@ -118,22 +142,27 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     return status;
 }
 
-/* Is the renderer not compared? Fills why: it is missing or failed its calibration, or does not have what the scene asks
- * for. */
-static bool is_refused(const iso_validation *v, const iso_renderer_info *renderer, char why[512])
+/* Is there nothing to compare: the renderer is missing, failed its calibration, or does not have what the scene asks for?
+ * Then *row says so, in the words of why. */
+static bool cannot_compare(const iso_validation *v, const iso_renderer_info *renderer, iso_report_agreement *row,
+                           char why[512])
 {
     const iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
-    const char *lacks = iso_renderer_lacks(renderer, v->view, false);
-    if (refusal->status != ISO_OK)
+    const char *lacks = iso_renderer_lacks(renderer, v->view, row->comparison == ISO_COMPARISON_FIRST_HIT);
+    if (refusal->status != ISO_OK) {
         snprintf(why, 512, "%s", refusal->why);
-    else if (lacks)
-        snprintf(why, 512, "does not render %s", lacks);
+        row->refused = why;
+    } else if (lacks) {
+        snprintf(why, 512, "%s does not render %s", renderer->name, lacks);
+        row->uncompared = ISO_UNCOMPARED_TRAIT;
+        row->uncompared_why = why;
+    }
     return refusal->status != ISO_OK || lacks;
 }
 
-/* The same of a row that is refused: *row has its comparison and tier. */
-static iso_status add_refusal(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
-                              const iso_renderer_info *renderer, const char *why, iso_error *err)
+/* A row without images: *row has its comparison, its tier and what cannot_compare() said. */
+static iso_status add_without_images(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
+                                     const iso_renderer_info *renderer, iso_error *err)
 {
     row.level = level;
     row.order = v->order;
@@ -143,7 +172,6 @@ static iso_status add_refusal(iso_validation *v, size_t level, iso_report_agreem
     row.variant = v->variant;
     row.error_bar = NAN;
     row.tolerances = (iso_tolerances){0};
-    row.refused = why;
     return iso_report_add_agreement(v->report, &row, err);
 }
 
@@ -173,7 +201,7 @@ static iso_status check_reference(iso_validation *v, size_t level, const truth *
                                 .why = v->scene->agreement.why};
     iso_status status = render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, formula, &(compared){"reference", &image, iso_renderers_truth(), ""}, err);
+        status = add_row(v, level, &row, formula, &(compared){"reference", &image, iso_renderers_truth(), "", 0}, err);
     iso_image_destroy(&image);
     return status;
 }
@@ -224,7 +252,7 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *
                                                               v->progress},
                                         &image, NULL, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups"}, err);
+        status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups", 0}, err);
     iso_image_destroy(&image);
     return status;
 }
@@ -242,8 +270,8 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
                                 .error_bar = NAN,
                                 .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
-    if (is_refused(v, renderer, why))
-        return add_refusal(v, level, row, same.name, renderer, why, err);
+    if (cannot_compare(v, renderer, &row, why))
+        return add_without_images(v, level, row, same.name, renderer, err);
     snprintf(what, sizeof what, "%s-lockstep", renderer->name);
     begin_row(v, level, what);
     opt.threads = v->threads;
@@ -261,7 +289,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
                                  &image, NULL, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, &same, &(compared){what, &image, renderer, options}, err);
+        status = add_row(v, level, &row, &same, &(compared){what, &image, renderer, options, 0}, err);
     if (status == ISO_OK && lock->exact.max_abs > 0 && v->scene->agreement.sharp)
         status = exact_lock_step(v, level, &same, opt, err);
     iso_image_destroy(&same.image);
@@ -282,14 +310,17 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
                                 .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE
                                                                                     : asked->tier),
                                 .why = asked->why};
-    if (is_refused(v, renderer, why))
-        return add_refusal(v, level, row, a->name, renderer, why, err);
+    if (cannot_compare(v, renderer, &row, why))
+        return add_without_images(v, level, row, a->name, renderer, err);
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
-    iso_status status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL,
-                                                             v->progress},
-                                       &a->image, renderer, &opt, &limit, err);
+    iso_signal signal;
+    iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
+    opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;
+    if (status == ISO_OK)
+        status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL, v->progress},
+                                &a->image, renderer, &opt, &limit, err);
     if (status == ISO_OK) {
         if (limit.intervals)
             snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
@@ -299,7 +330,8 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
             snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
         iso_validate_limit_row(asked, &limit, &row);
         row.statistics = iso_validate_limit_to_json(&limit);
-        status = add_row(v, level, &row, a, &(compared){what, &limit.image, renderer, options}, err);
+        status = add_row(v, level, &row, a,
+                         &(compared){what, &limit.image, renderer, options, iso_extrapolated_held_to(&limit)}, err);
     }
     json_decref(row.statistics);
     iso_extrapolated_destroy(&limit);
@@ -313,7 +345,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     const iso_level *l0 = &v->pyramid->levels[0];
     truth a = {.name = "reference, first hit"};
     iso_render_options opt = iso_render_defaults(iso_renderers_truth());
-    char options[64];
+    char options[64], why[512];
     opt.isosurface = true;
     opt.iso = l0->min + v->scene->suite_isosurface * (l0->max - l0->min);
     opt.threads = v->threads;
@@ -335,10 +367,10 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
                                     .error_bar = NAN,
                                     .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4},
                                     .why = v->scene->agreement.why};
-        if (!iso_renderer_has(renderer, ISO_HAS_ISOSURFACES) || renderer == iso_renderers_truth() || !v->wanted[i])
+        if (renderer == iso_renderers_truth() || !v->wanted[i])
             continue;
-        if (v->refused[i].status != ISO_OK) {
-            status = add_refusal(v, level, row, a.name, renderer, v->refused[i].why, err);
+        if (cannot_compare(v, renderer, &row, why)) {
+            status = add_without_images(v, level, row, a.name, renderer, err);
             continue;
         }
         opt.renderer = renderer;
@@ -346,7 +378,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
                                  &image, NULL, err);
         if (status == ISO_OK)
-            status = add_row(v, level, &row, &a, &(compared){renderer->name, &image, renderer, options}, err);
+            status = add_row(v, level, &row, &a, &(compared){renderer->name, &image, renderer, options, 0}, err);
         iso_image_destroy(&image);
     }
     iso_image_destroy(&a.image);

@@ -220,13 +220,29 @@ static iso_status measure_method(iso_validation *v, const iso_method *m, const i
     return status;
 }
 
+/* All views are of one renderer. */
+static bool is_possible(const iso_validation *v)
+{
+    const size_t usual = iso_renderer_index(iso_renderers_usual());
+    return v->refused[usual].status == ISO_OK && v->wanted[usual];
+}
+
+/* One level alone has nothing to be consistent with, so that nothing is missing then. */
+static iso_status not_possible(const iso_validation *v, iso_error *err)
+{
+    const iso_renderer_info *usual = iso_renderers_usual();
+    char why[700];
+    snprintf(why, sizeof why, "the views of all levels are drawn by %s: %s", usual->name,
+             v->wanted[iso_renderer_index(usual)] ? v->refused[iso_renderer_index(usual)].why : "it was not asked for");
+    return v->pyramid->level_count < 2 ? ISO_OK : iso_validate_stage_not_run(v, "consistency", why, err);
+}
+
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
 {
     iso_image finest[max_views] = {{0}};
     iso_status status = ISO_OK;
-    const size_t usual = iso_renderer_index(iso_renderers_usual());
-    if (v->refused[usual].status != ISO_OK || !v->wanted[usual])
-        return ISO_OK; /* all views are of one renderer */
+    if (!is_possible(v))
+        return not_possible(v, err);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &finest[i], err);
     if (status == ISO_OK)

@@ -105,9 +105,17 @@ iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_i
     return status;
 }
 
+/* Finer steps make the bar narrower, down to what noise and rounding leave. */
+static bool is_narrow(const iso_extrapolated *l, const iso_limit_options *opt)
+{
+    const bool possible = opt->wanted_held_to > fmax(ISO_EXTRAPOLATION_ROUNDING, opt->factor * l->noise_bar / 10);
+    return !possible || iso_extrapolated_held_to(l) <= opt->wanted_held_to;
+}
+
 static bool is_good(const iso_extrapolated *l, const iso_limit_options *opt)
 {
-    return l->bar <= opt->wanted_bar && l->rmse <= l->allowed && iso_extrapolated_error_left(l) <= opt->wanted_left &&
+    return l->bar <= opt->wanted_bar && is_narrow(l, opt) && l->rmse <= l->allowed &&
+           iso_extrapolated_error_left(l) <= opt->wanted_left &&
            (opt->wanted_ssim_dissimilarity <= 0 || l->ssim_dissimilarity <= opt->wanted_ssim_dissimilarity) &&
            (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }

@@ -6,6 +6,7 @@
  *   - the error bar is wider than wanted;
  *   - the limit differs from the reference by more than its error bar;
  *   - halving does not reduce the error as second order should;
+ *   - the error bar is wider than a faint image allows;
  *   - a person would see the difference (FLIP, SSIM), where the scene asks for that.
  * A renderer that is right passes in the end. The difference of one that is wrong stays, while its bar shrinks. */
 #ifndef ISO_VALIDATE_LIMITS_H
@@ -19,6 +20,7 @@ typedef struct iso_limit_options {
     double finest_voxels; /* where halving ends */
     double wanted_bar;    /* RMSE, factor included */
     double factor;        /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
+    double wanted_held_to; /* the most that iso_extrapolated_held_to() may be, for a faint image; 0: anything */
     double wanted_left;   /* part of the error that halving may leave: iso_extrapolated_error_left() */
     double hopeless; /* give up when the limit is so many bars off and halving hardly changes it; INFINITY: never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not checked */

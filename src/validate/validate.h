@@ -101,6 +101,11 @@ enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
+/* A row of the report for a stage that compared nothing, and why. */
+iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage, const char *why, iso_error *err);
+/* Rows of agreement so far. */
+size_t iso_validate_row_count(const iso_validation *v);
+
 /* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL where
  * there is no such command. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,

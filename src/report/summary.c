@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* summary.c - what a report says as a whole: how much was asked for, what of it was compared, and the sentence. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "report/report.h"
+#include "report/report_files.h"
+
+static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict verdict)
+{
+    size_t i, count = 0;
+    json_t *row;
+    json_array_foreach(json_object_get(iso_report_json(r), list), i, row) count += iso_row_verdict(row) == verdict;
+    return count;
+}
+
+static void add(iso_report_summary *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add(iso_report_summary *s, const char *format, ...)
+{
+    const size_t used = strlen(s->sentence);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(s->sentence + used, sizeof s->sentence - used, format, arguments);
+    va_end(arguments);
+}
+
+/* "; not compared: 3 cases that show too little for their limits, 1 stage that did not run" */
+static void add_not_compared(iso_report_summary *s)
+{
+    const char *before = "; not compared: ";
+    for (int i = 0; i < ISO_UNCOMPARED_COUNT; ++i)
+        if (s->by_reason[i] > 0) {
+            add(s, "%s%zu %s", before, s->by_reason[i], iso_uncompared_text((iso_uncompared)i, s->by_reason[i]));
+            before = ", ";
+        }
+}
+
+/* The first of what nothing was compared of, and how many there are besides. */
+static void add_unanswered(iso_report_summary *s, json_t *unanswered)
+{
+    const char *scene, *first_scene = NULL, *first = NULL;
+    json_t *renderers;
+    json_object_foreach(unanswered, scene, renderers) if (!first_scene)
+    {
+        first_scene = scene;
+        first = json_string_value(json_array_get(renderers, 0));
+    }
+    add(s, "nothing was compared%s%s in the scene %s", first ? " of " : "", first ? first : "",
+        first_scene ? first_scene : "");
+    if (s->unanswered > 1)
+        add(s, " (nor in %zu case%s more)", s->unanswered - 1, s->unanswered == 2 ? "" : "s");
+}
+
+static const char *plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+static void tell(iso_report_summary *s, json_t *unanswered)
+{
+    const size_t judged = s->agreed + s->differed + s->refused, asked = judged + s->not_compared;
+    if (judged == 0)
+        add(s, "Nothing was compared, so nothing is shown to agree");
+    else if (s->good && s->not_compared == 0)
+        add(s, "The renderers agree: %s %zu comparison%s within %s limits", judged == 1 ? "the" : "all", judged,
+            judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
+    else if (s->good)
+        add(s, "The renderers agree: of %zu comparisons asked for %zu %s within %s limits", asked, judged,
+            judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
+    else if (s->differed == 0 && s->refused > 0)
+        add(s, "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration",
+            s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
+    else if (s->differed == 0 && s->unanswered > 0) {
+        add(s, "%zu comparison%s agree%s, but ", s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "");
+        add_unanswered(s, unanswered);
+    } else if (s->differed == 0)
+        add(s, "%zu of %zu calibrations failed, though all %zu comparisons agree", s->calibrations_failed,
+            s->calibrations_failed + s->calibrations_passed, judged);
+    else {
+        add(s, "The renderers do not all agree: of %zu comparison%s %zu differ%s", judged, plural(judged), s->differed,
+            s->differed == 1 ? "s" : "");
+        if (s->refused > 0)
+            add(s, ", %zu %s refused", s->refused, s->refused == 1 ? "was" : "were");
+    }
+    add_not_compared(s);
+    add(s, ".");
+}
+
+iso_report_summary iso_report_summarise(const iso_report *r)
+{
+    iso_report_summary s = {
+        .agreed = count_verdicts(r, "agreement", ISO_VERDICT_AGREE),
+        .differed = count_verdicts(r, "agreement", ISO_VERDICT_DIFFER),
+        .refused = count_verdicts(r, "agreement", ISO_VERDICT_REFUSED),
+        .not_compared = count_verdicts(r, "agreement", ISO_VERDICT_NOT_COMPARED),
+        .calibrations_passed = count_verdicts(r, "calibration", ISO_VERDICT_PASS),
+        .calibrations_failed = count_verdicts(r, "calibration", ISO_VERDICT_FAIL),
+    };
+    const json_t *rows = json_object_get(iso_report_json(r), "agreement");
+    json_t *row, *renderers, *unanswered = iso_rows_unanswered(rows);
+    const char *scene;
+    size_t i;
+    json_array_foreach(rows, i, row) if (iso_row_verdict(row) ==
+                                         ISO_VERDICT_NOT_COMPARED)++ s.by_reason[iso_row_uncompared(row)];
+    json_object_foreach(unanswered, scene, renderers)
+        s.unanswered += json_array_size(renderers) > 0 ? json_array_size(renderers) : 1;
+    s.good = s.agreed > 0 && s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
+    tell(&s, unanswered);
+    json_decref(unanswered);
+    return s;
+}
