@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "brick/pack.h"
 #include "render/gl/bricks_gl.h"
 #include "render/reference.h"
@@ -42,10 +43,10 @@ static void make_scene(scene *s, iso_field_kind kind)
     file.width = 64, file.height = 56;
     assert_ok(iso_scene_resolve(&file, &g, stats.min, stats.max, &s->view, &err));
     iso_scene_destroy(&file);
-    srand(11);
+    iso_random random = {3};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
     for (size_t i = 0; i < sizeof s->levels; ++i)
-        s->levels[i] = (uint8_t)(rand() % 4);
+        s->levels[i] = (uint8_t)iso_random_below(&random, 4);
 }
 
 static void destroy_scene(scene *s)

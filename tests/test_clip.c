@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/random.h"
 #include "render/gl/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
@@ -45,10 +46,10 @@ static void make_scene(scene *s)
     file.clips[1].at = NAN;
     assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
     iso_scene_destroy(&file);
-    srand(5);
+    iso_random random = {5};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
     for (size_t i = 0; i < sizeof s->levels; ++i)
-        s->levels[i] = (uint8_t)(rand() % 3);
+        s->levels[i] = (uint8_t)iso_random_below(&random, 3);
 }
 
 static void destroy_scene(scene *s)

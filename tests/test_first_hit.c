@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "render/gl/bricks_gl.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
@@ -50,10 +51,10 @@ static void make_scene(scene *s, iso_field_kind kind, double part_of_range, size
     assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
     iso_scene_destroy(&file);
     s->iso = level->min + part_of_range * (level->max - level->min);
-    srand(11);
+    iso_random random = {11};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
     for (size_t i = 0; i < sizeof s->levels; ++i)
-        s->levels[i] = (uint8_t)(rand() % 4);
+        s->levels[i] = (uint8_t)iso_random_below(&random, 4);
 }
 
 static void destroy_scene(scene *s)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "brick/lattice.h"
 #include "brick/pack.h"
 #include "brick/store.h"
@@ -20,6 +21,7 @@ typedef struct scene {
     uint8_t *levels, *drawn, *seen;
     iso_tf_table tf; /* a band: transparent below and above */
     iso_brick_field field;
+    iso_random random;
 } scene;
 
 static void make_scene(scene *s, iso_field_kind kind, unsigned seed)
@@ -38,12 +40,12 @@ static void make_scene(scene *s, iso_field_kind kind, unsigned seed)
     for (size_t i = 40; i < 50; ++i)
         s->tf.entries[4 * i + 3] = 1;
     s->field = (iso_brick_field){&s->nodes, s->levels, ISO_FACES_BAKED};
-    srand(seed);
+    s->random = (iso_random){seed};
     for (size_t i = 0; i < count; ++i)
-        s->levels[i] = (uint8_t)(rand() % LEVELS);
+        s->levels[i] = (uint8_t)iso_random_below(&s->random, LEVELS);
     iso_brick_cull(&s->field, &s->tf, 1, s->drawn);
     for (size_t i = 0; i < count; ++i) {
-        s->seen[i] = rand() % 4 > 0;
+        s->seen[i] = iso_random_below(&s->random, 4) > 0;
         s->drawn[i] = s->drawn[i] && s->seen[i];
     }
 }
@@ -100,6 +102,7 @@ static void sample_lattice(const iso_lattice *l, const double q[3], double out[I
 static double largest_difference(const scene *s, const iso_lattice *l, bool merged, size_t *shown)
 {
     double worst = 0, range = s->nodes.max - s->nodes.min;
+    iso_random random = {6};
     *shown = 0;
     for (int i = 0; i < 20000; ++i) {
         double q[3], a[ISO_NODE_CHANNELS], b[ISO_NODE_CHANNELS];
@@ -108,7 +111,7 @@ static double largest_difference(const scene *s, const iso_lattice *l, bool merg
             double last = (double)(s->nodes.geometry.size[k] - 1);
             /* Merged at level 0 the edge goes on, as far as the box. */
             double rim = merged && l->level == 0 ? 0.5 : 0;
-            q[k] = -rim + (last + 2 * rim) * rand() / RAND_MAX;
+            q[k] = -rim + (last + 2 * rim) * iso_random_unit(&random);
             double at = fmin(fmax(q[k], 0), last) / BRICK;
             brick[k] = (size_t)at < s->nodes.count[k] ? (size_t)at : s->nodes.count[k] - 1;
         }
@@ -284,9 +287,9 @@ static void an_update_leaves_what_baking_from_nothing_leaves(void **state)
         iso_brick_store scratch = {0};
         size_t baked, all;
         for (int k = 0; k < round % 4; ++k, ++changed)
-            s.levels[(size_t)rand() % count] = (uint8_t)(rand() % LEVELS);
+            s.levels[iso_random_below(&s.random, count)] = (uint8_t)iso_random_below(&s.random, LEVELS);
         if (round % 3 == 0)
-            s.drawn[(size_t)rand() % count] ^= 1;
+            s.drawn[iso_random_below(&s.random, count)] ^= 1;
         assert_ok(iso_brick_store_update(&store, &s.field, s.drawn, 1 + round % 2, &baked, &err));
         assert_ok(iso_brick_store_update(&scratch, &s.field, s.drawn, 1, &all, &err));
         assert_true(iso_brick_store_equal(&store, &scratch, &s.nodes));

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/random.h"
 #include "brick/occupancy.h"
 
 static const size_t size[3] = {21, 9, 14};
@@ -13,9 +14,9 @@ static float *random_scalar(void)
     size_t count = size[0] * size[1] * size[2];
     float *scalar = malloc(count * sizeof *scalar);
     assert_non_null(scalar);
-    srand(7);
+    iso_random random = {7};
     for (size_t i = 0; i < count; ++i)
-        scalar[i] = (float)(rand() % 1000);
+        scalar[i] = (float)iso_random_below(&random, 1000);
     return scalar;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "volume/synthetic.h"
 
 /* Unequal sizes and spacings, turned and off the origin: a swapped axis shows. */
@@ -16,12 +17,6 @@ static iso_field turned_field(iso_field_kind kind)
     f.geometry.index_to_world = (iso_mat3){{{c, -s * 0.8, 0}, {s, c * 0.8, 0}, {0, 0, 1.5}}};
     f.geometry.origin_mm = iso_v3(100, -50, 7);
     return f;
-}
-
-static double random_unit(uint64_t *state)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-53;
 }
 
 /* A kink between the two points of a difference makes it no gradient. */
@@ -39,12 +34,13 @@ static bool near_kink(const iso_field *f, iso_vec3 world)
 static void gradients_equal_numerical_differences_of_the_values(void **state)
 {
     (void)state;
-    uint64_t random = 11;
+    iso_random random = {11};
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
         double steepest = 0;
         for (int i = 0; i < 2000; ++i) {
-            iso_vec3 index = iso_v3(40 * random_unit(&random), 56 * random_unit(&random), 33 * random_unit(&random));
+            iso_vec3 index = iso_v3(40 * iso_random_unit(&random), 56 * iso_random_unit(&random),
+                                    33 * iso_random_unit(&random));
             iso_vec3 at = iso_geometry_to_world(&f.geometry, index), g;
             iso_field_value(&f, at, &g);
             if (near_kink(&f, at))

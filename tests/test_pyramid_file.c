@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* Pyramids on disk: as they were, and refused where they are damaged. */
+#include "folder.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "pyramids.h"
+#include "same_levels.h"
+
+/* ---- files ---- */
+
+static void a_saved_pyramid_is_loaded_as_it_was(void **state)
+{
+    (void)state;
+    const iso_type types[] = {ISO_U8, ISO_I16, ISO_U16, ISO_F32, ISO_F64};
+    char *dir = iso_path_join(folder, "trip.iso");
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        iso_geometry g = plain(7, 5, 6);
+        g.index_to_world.m[0][1] = 1.0 / 3;
+        iso_volume v;
+        assert_ok(iso_volume_create(&v, &g, types[t], "test", &err));
+        for (size_t i = 0; i < 210 * iso_type_bytes(types[t]); ++i)
+            ((uint8_t *)v.data)[i] = types[t] == ISO_F32 || types[t] == ISO_F64 ? 0x3f : (uint8_t)(i * 91);
+        iso_pyramid_options opt = keeping((iso_direction_filter)(t % ISO_DIRECTION_COUNT));
+        opt.keep_float = t % 2;
+        opt.code = t % 2 ? ISO_CODE_REGION48 : ISO_CODE_SNORM;
+        iso_pyramid p = build(&v, &opt), q;
+        assert_ok(iso_pyramid_save(&p, dir, &err)); /* and replaces the one before */
+        assert_true(iso_pyramid_is_one(dir));
+        assert_ok(iso_pyramid_load(dir, &q, &err));
+        assert_true(same_levels(&p, &q));
+        assert_string_equal(p.source, q.source);
+        q.options.threads = p.options.threads; /* not a property of the result */
+        assert_int_equal(q.options.direction_filter, p.options.direction_filter);
+        assert_int_equal(q.options.code, p.options.code);
+        assert_true(q.options.keep_float == p.options.keep_float && q.options.keep_magnitude);
+        iso_pyramid_destroy(&p);
+        iso_pyramid_destroy(&q);
+        iso_volume_destroy(&v);
+    }
+    free(dir);
+}
+
+/* Applies a change to one file of a fresh pyramid, and wants the load to fail. */
+static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status wanted)
+{
+    iso_volume v = noise(6, 5, 4);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *dir = iso_path_join(folder, "bad.iso"), *path, *data;
+    size_t size;
+    assert_ok(iso_pyramid_save(&p, dir, &err));
+    assert_ok(iso_pyramid_load(dir, &q, &err));
+    iso_pyramid_destroy(&q);
+    path = iso_path_join(dir, name);
+    assert_ok(iso_file_read(path, &data, &size, &err));
+    if (flip_at >= 0)
+        data[flip_at] ^= 4;
+    assert_ok(iso_file_write(path, data, keep_bytes ? keep_bytes : size, &err));
+    if (keep_bytes == 0 && flip_at < 0)
+        unlink(path);
+    assert_status(iso_pyramid_load(dir, &q, &err), wanted);
+    free(data);
+    free(path);
+    free(dir);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void truncated_tampered_and_missing_files_are_refused(void **state)
+{
+    (void)state;
+    refuse("level_0.nrrd", 400, -1, ISO_E_FORMAT);
+    refuse("level_1_dir.nrrd", 300, -1, ISO_E_FORMAT);
+    refuse("level_0.nrrd", 0, 500, ISO_E_FORMAT);
+    refuse("level_0_dir.nrrd", 0, 20, ISO_E_FORMAT);
+    refuse("level_1.nrrd", 0, -1, ISO_E_IO);
+    refuse("pyramid.json", 100, -1, ISO_E_FORMAT);
+    refuse("pyramid.json", 0, 30, ISO_E_FORMAT); /* the schema's name */
+}
+
+static void a_description_with_impossible_values_is_refused(void **state)
+{
+    (void)state;
+    const struct {
+        const char *from, *to;
+        iso_status status;
+    } changes[] = {
+        {"\"moments\"", "\"moment!\"", ISO_E_FORMAT}, {"\"float\"", "\"flint\"", ISO_E_USAGE},
+        {"\"float\"", "\"int32\"", ISO_E_FORMAT},     {"\"level_1.nrrd\"", "\"../el_1.nrrd\"", ISO_E_FORMAT},
+        {"\"fit\"", "\"fat\"", ISO_E_FORMAT},         {"\"box_index\"", "\"box_indey\"", ISO_E_FORMAT},
+    };
+    iso_volume v = noise(6, 5, 4);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *dir = iso_path_join(folder, "odd.iso"), *path = iso_path_join(dir, "pyramid.json"), *text;
+    size_t size;
+    for (size_t c = 0; c < sizeof changes / sizeof *changes; ++c) {
+        assert_ok(iso_pyramid_save(&p, dir, &err));
+        assert_ok(iso_file_read(path, &text, &size, &err));
+        char *at = strstr(text, changes[c].from), changed[16384];
+        assert_non_null(at);
+        int n = snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - text), text, changes[c].to,
+                         at + strlen(changes[c].from));
+        assert_ok(iso_file_write(path, changed, (size_t)n, &err));
+        iso_error why = {""};
+        iso_status status = iso_pyramid_load(dir, &q, &why);
+        assert_true(status == changes[c].status || status == ISO_E_FORMAT);
+        assert_true(why.text[0] != 0);
+        free(text);
+    }
+    free(path);
+    free(dir);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void a_folder_that_is_not_a_pyramid_is_left_alone(void **state)
+{
+    (void)state;
+    iso_volume v = noise(3, 3, 3);
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_pyramid p = build(&v, &opt), q;
+    char *inside = iso_path_join(folder, "precious.txt");
+    assert_ok(iso_file_write(inside, "x", 1, &err));
+    assert_status(iso_pyramid_save(&p, folder, &err), ISO_E_IO);
+    assert_true(iso_path_exists(inside));
+    assert_false(iso_pyramid_is_one(folder));
+    assert_status(iso_pyramid_load(folder, &q, &err), ISO_E_IO);
+    free(inside);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_saved_pyramid_is_loaded_as_it_was),
+        cmocka_unit_test(truncated_tampered_and_missing_files_are_refused),
+        cmocka_unit_test(a_description_with_impossible_values_is_refused),
+        cmocka_unit_test(a_folder_that_is_not_a_pyramid_is_left_alone),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
