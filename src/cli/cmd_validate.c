@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "report/levels.h"
 #include "scene/subject.h"
 #include "validate/validate.h"
 
@@ -91,15 +92,19 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
     return status;
 }
 
-/* What the exit code says: nothing differed; a difference; or a renderer that could not be compared. */
-static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, iso_error *err)
+/* What the exit code says: nothing differed; a difference, of renderers or of levels; or a renderer that could not be
+ * compared. */
+static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, const iso_levels_summary *levels,
+                          iso_error *err)
 {
     if (v->foreign[0])
         return iso_fail(err, ISO_E_DIFFERS, "%s: %s", v->volume_path, v->foreign);
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->refused[i].status != ISO_OK)
             return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
-    return summary->good ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
+    if (!summary->good)
+        return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
+    return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
 }
 
 /* What was asked for and not compared, with the reason; the page has all of them. */
@@ -125,13 +130,15 @@ static void print_not_compared(const iso_report *r)
 }
 
 static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v,
-                         const iso_report_summary *s)
+                         const iso_report_summary *s, const iso_levels_summary *levels)
 {
     if (cli->json) {
         json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
         putchar('\n');
     } else {
         puts(s->sentence);
+        if (levels->sentence[0])
+            puts(levels->sentence);
         print_not_compared(v->report);
         printf("report: %s/index.html\n", a->output);
     }
@@ -140,7 +147,8 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
 /* Summary, charts and page; the verdict. */
 static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
-    iso_report_summary summary = iso_report_summarise(v->report);
+    const iso_report_summary summary = iso_report_summarise(v->report);
+    const iso_levels_summary levels = iso_levels_summarize(json_object_get(iso_report_json(v->report), "levels"));
     iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
@@ -149,8 +157,8 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;
-    print_result(a, cli, v, &summary);
-    return verdict(v, &summary, err);
+    print_result(a, cli, v, &summary, &levels);
+    return verdict(v, &summary, &levels, err);
 }
 
 static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
@@ -363,12 +371,13 @@ const iso_command iso_command_validate = {
         "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
         "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
         "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
-        "adapted to a level? How far is each level from level 0? --suite asks the first two for a folder of scenes that are\n"
-        "known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
+        "adapted to a level? How far is each level from level 0: no further than the scene asks (\"levels\"), and not behind\n"
+        "gradients on the fly under the original transfer function? --suite asks the first two for a folder of scenes that\n"
+        "are known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
         "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"
-        "Exit code 0: all that was compared agrees; 1: something differs, or nothing was compared: at all, in a scene, or of a\n"
+        "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all, in a scene, or of a\n"
         "renderer whose images of a scene show too little; 7: a renderer is missing; 9: a renderer failed its calibration.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"

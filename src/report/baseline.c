@@ -109,8 +109,8 @@ iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso
 {
     static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", "error_bar", NULL};
     static const char *const calibration_keys[] = {"value", "limit", NULL};
-    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg",
-                                                   NULL};
+    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "rmse_mean",
+                                                   "gradient_angle_mean_deg", NULL};
     *baseline = NULL;
     if (strcmp(string_of(report, "schema"), "isoshade.validate/1") != 0)
         return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted isoshade.validate/1",

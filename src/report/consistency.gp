@@ -11,6 +11,9 @@ stats data skip 1 using (strcol(8) eq 'adapted') nooutput
 adapted = STATS_max > 0
 stats data skip 1 using 9 nooutput
 kept = STATS_max > 0
+# Where the TF shows nothing there is no direction to measure; gnuplot draws no picture of no point.
+angles = 0
+stats data skip 1 using (strstrt(strcol(6), 'nan') ? 0 : (angles = 1, 0)) nooutput
 stats data skip 1 using 2 nooutput
 count = words(methods)
 width = 980
@@ -54,6 +57,12 @@ do for [column = 4:5] {
     }
 }
 set title 'direction error, ° (dotted: 95th percentile)'
-plot for [i = 1:count] data skip 1 using (of(i, 'original') ? $2 : NaN):6 with linespoints lt i, \
-     for [i = 1:count] data skip 1 using (of(i, 'original') ? $2 : NaN):7 with lines lt i dt 3 lw 1
+if (angles) {
+    plot for [i = 1:count] data skip 1 using (of(i, 'original') ? $2 : NaN):6 with linespoints lt i, \
+         for [i = 1:count] data skip 1 using (of(i, 'original') ? $2 : NaN):7 with lines lt i dt 3 lw 1
+} else {
+    set yrange [0:1]
+    set label 103 'none to measure' at graph 0.5, 0.5 center
+    plot -1 notitle
+}
 unset multiplot

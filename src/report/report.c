@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/machine.h"
 #include "base/parallel.h"
+#include "report/levels.h"
 #include "report/report_files.h"
 
 struct iso_report {
@@ -55,10 +56,10 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
     r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
-    r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}",
+    r->root = json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}",
                         "schema", "isoshade.validate/1", "command", text(about->command), "options", "title",
                         text(about->title), "volume", text(about->volume), "scene", text(about->scene), "made", stamp,
-                        "verdict", "", "sentence", "", "agreement", "consistency", "calibration", "images", "machine",
+                        "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels", "consistency", "calibration", "images", "machine",
                         "versions", "seconds");
     if (!r->root || !r->inlined) {
         iso_report_destroy(r);
@@ -293,13 +294,20 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
         status = check_image_name(r, row->reference_image, err);
     if (status != ISO_OK)
         return status;
-    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level,
+    json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "level", (json_int_t)row->level,
                           "method", text(row->method), "tf", row->adapted ? "adapted" : "original", "original_kept",
                           text(row->original_kept), "views", (json_int_t)row->views, "ssim_dissimilarity_mean",
                           iso_json_number(row->ssim_dissimilarity_mean), "flip_mean", iso_json_number(row->flip_mean),
+                          "rmse_mean", iso_json_number(row->rmse_mean),
                           "gradient_angle_mean_deg", iso_json_number(row->gradient_angle_mean_deg),
                           "gradient_angle_p95_deg", iso_json_number(row->gradient_angle_p95_deg), "image",
                           text(row->image), "reference_image", text(row->reference_image));
+    if (row->by_view.ssim_dissimilarity)
+        json_object_set_new(o, "by_view",
+                            json_pack("{s:o, s:o, s:o}", "ssim_dissimilarity",
+                                      iso_json_numbers(row->by_view.ssim_dissimilarity, row->views), "flip",
+                                      iso_json_numbers(row->by_view.flip, row->views), "rmse",
+                                      iso_json_numbers(row->by_view.rmse, row->views)));
     return json_array_append_new(json_object_get(r->root, "consistency"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
@@ -372,9 +380,12 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     if (status != ISO_OK)
         return status;
     iso_report_summary summary = iso_report_summarise(r);
+    const iso_levels_summary levels = iso_levels_summarize(json_object_get(r->root, "levels"));
+    const bool good = summary.good && levels.differed == 0;
     json_object_set_new(r->root, "verdict",
-                        json_string(iso_verdict_word(summary.good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
+                        json_string(iso_verdict_word(good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
     json_object_set_new(r->root, "sentence", json_string(summary.sentence));
+    json_object_set_new(r->root, "levels_sentence", json_string(levels.sentence));
     if (!json_object_get(json_object_get(r->root, "seconds"), "total"))
         iso_report_put(r, "seconds", "total", json_real(iso_clock_seconds() - r->start_seconds));
     iso_error missing = {""};

@@ -107,14 +107,17 @@ double iso_report_severity(const iso_report_agreement *row);
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 
 /* How far a level is from level 0, which is always under the original TF, with one way to shade it. NaN: not measured.
- * In report.json: level, views, method, tf ("original" or "adapted"), original_kept, the four figures, image and
+ * In report.json: level, views, method, tf ("original" or "adapted"), original_kept, the five figures, by_view, image and
  * reference_image. Rows of older reports have no tf: theirs is the original. */
 typedef struct iso_report_consistency {
     size_t level, views;
     const char *method;
     bool adapted;              /* the TF to the level */
     const char *original_kept; /* why adapting was refused, so that the figures are the original's; else NULL */
-    double ssim_dissimilarity_mean, flip_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
+    double ssim_dissimilarity_mean, flip_mean, rmse_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
+    struct {
+        const double *ssim_dissimilarity, *flip, *rmse;
+    } by_view; /* `views` of each, whose means stand above; borrowed, or NULL */
     const char *image, *reference_image; /* one of the views at this level and at level 0, or NULL */
 } iso_report_consistency;
 iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);

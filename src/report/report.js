@@ -495,6 +495,43 @@ function followHash() {
     return Boolean(found);
 }
 
+// ---- levels ---------------------------------------------------------------------
+const wayOf = r => `${r.method === 'on-the-fly' ? 'gradients on the fly' : r.method}, ${r.tf} TF`;
+// The difference of the default to another way, with half of its interval; ahead and behind as they were judged.
+function against(row, way, key) {
+    const f = way.figures.find(x => x.figure === key), margin = Math.max(row.margin, f.half_width ?? Infinity);
+    const word = f.better ? 'behind' : -f.difference > margin ? 'ahead' : 'within the scatter';
+    const plusMinus = f.half_width === null ? ', one view' : ` ± ${plain(f.half_width)}`;
+    return {text: `${f.difference < 0 ? '−' : '+'}${plain(Math.abs(f.difference))}${plusMinus}`, word, f};
+}
+function levelVerdicts() {
+    const rows = data.levels || [];
+    if (rows.length === 0) return;
+    const good = rows.every(r => r.verdict === 'agree');
+    $('levels').hidden = $('levels-verdict').hidden = false;
+    $('levels-verdict').textContent = `${good ? '✓' : '✗'} ${data.levels_sentence}`;
+    $('levels-verdict').classList.add(good ? 'good' : 'bad');
+    const lines = [];
+    for (const row of rows) row.figures.forEach((f, i) => {
+        const simple = against(row, row.simple, f.figure);
+        // The other method that is nearest to level 0 by this figure, ahead or not.
+        const best = [...row.rivals].sort((a, b) => a.figures[i].value - b.figures[i].value)[0];
+        const rival = best ? against(row, best, f.figure) : null;
+        lines.push(el('tr', {'data-level': row.level, 'data-verdict': row.verdict}, cell(i ? '' : String(row.level), true), cell(i ? '' : row.verdict, false, i ? '' : row.verdict),
+            cell(i ? '' : wayOf(row)), cell(f.name), cell(number(f.value), true, f.held ? '' : 'differ'), cell(f.asked === null ? 'not asked' : number(f.asked), true),
+            cell(`${simple.text}, ${simple.word}`, true, simple.word === 'behind' ? 'differ' : ''),
+            cell(rival ? `${wayOf(best)}: ${rival.text}, ${rival.word}` : '–', false, rival && rival.word === 'behind' ? 'named' : '')));
+    });
+    $('levels').append(table(`Levels. Differences are the default's figure less the other's, means over ${rows[0].views} views with half of the ${plain(100 * rows[0].confidence)} % interval; ` +
+        `below a margin of ${plain(rows[0].margin)} nobody sees one.${rows[0].views < 6 ? ' So few views have wide intervals.' : ''}`,
+        [['level', 1], ['verdict'], ['default'], ['figure'], ['value', 1], ['at most', 1], ['to the simple way', 1], ['to the nearest of the others']], lines));
+    const options = rows.flatMap(r => r.rivals.filter(x => x.better).map(x => el('li', {}, `Level ${r.level}: ${wayOf(x)}, by ${x.figures.filter(f => f.better).map(f => `${f.name} (${plain(f.value)} against ${plain(f.value + f.difference)})`).join(' and ')}: `, el('code', {}, x.option))));
+    if (options.length) $('levels').append(el('p', {}, 'Ahead of the default in a figure, beyond the scatter, and behind it in none:'), el('ul', {class: 'rivals'}, options));
+    const wrong = rows.filter(r => !r.stored.held);
+    $('levels').append(el('p', {}, wrong.length === 0 ? 'Every level was made again from level 0 and is the one that is stored.' :
+        wrong.map(r => `Level ${r.level} is not what level 0 makes: its values are off by up to ${plain(r.stored.scalar)} of their range, its directions by ${plain(r.stored.direction_deg)} degrees on average. `)));
+}
+
 // ---- consistency, calibration, colophon ----------------------------------------
 function consistency() {
     if (data.consistency.length === 0) return;
@@ -502,7 +539,8 @@ function consistency() {
     section.hidden = false;
     if (inlined.charts.consistency) section.append(el('figure', {}, el('img', {src: inlined.charts.consistency, alt: 'error against level 0 for each level and method'}),
         figcaption('Error against level 0 for each level and method. Data and script: charts/consistency.csv, charts/consistency.gp.')));
-    const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'], rows = [];
+    const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'rmse_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'].filter(key => data.consistency.some(r => key in r)), rows = [];
+    const heads = {ssim_dissimilarity_mean: '1 − SSIM', flip_mean: 'FLIP', rmse_mean: 'RMSE', gradient_angle_mean_deg: 'direction, mean °', gradient_angle_p95_deg: 'direction, 95 % °'};
     const tf = r => r.tf === 'adapted' ? 'adapted' : 'original', adapted = data.consistency.some(r => tf(r) === 'adapted');
     for (const k of levels) {
         const group = data.consistency.filter(r => r.level === k);
@@ -511,7 +549,7 @@ function consistency() {
             adapted ? cell([tf(r), r.original_kept ? el('small', {class: 'reported', title: r.original_kept}, ' refused, original kept') : '']) : null, cell(String(r.views), true),
             keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
     }
-    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ...(adapted ? [['TF']] : []), ['views', 1], ['1 − SSIM', 1], ['FLIP', 1], ['direction, mean °', 1], ['direction, 95 % °', 1]], rows));
+    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ...(adapted ? [['TF']] : []), ['views', 1], ...keys.map(key => [heads[key], 1])], rows));
     const kept = new Map(data.consistency.filter(r => r.original_kept).map(r => [r.level, r.original_kept]));
     for (const [k, why] of kept) section.append(el('p', {class: 'kept'}, `Level ${k}: adapting was refused. ${why[0].toUpperCase()}${why.slice(1)}.`));
     const pictured = data.consistency.filter(r => r.image), shown = levels.filter(k => pictured.some(r => r.level === k));
@@ -560,6 +598,7 @@ if (cases.length > 0) {
 }
 if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
     figcaption('RMSE of each comparison on a log axis, the 40 worst at most. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
+levelVerdicts();
 consistency();
 calibration();
 colophon();

@@ -174,11 +174,12 @@ static void put_consistency_line(FILE *f, const json_t *row)
 {
     const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
     put_field(f, iso_row_text(row, "method"));
-    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d\n", (long long)json_integer_value(json_object_get(row, "level")),
+    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d,%.9g\n", (long long)json_integer_value(json_object_get(row, "level")),
             (long long)json_integer_value(json_object_get(row, "views")),
             iso_row_number(row, "ssim_dissimilarity_mean"), iso_row_number(row, "flip_mean"),
             iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
-            adapted ? "adapted" : "original", iso_row_text(row, "original_kept")[0] != 0);
+            adapted ? "adapted" : "original", iso_row_text(row, "original_kept")[0] != 0,
+            iso_row_number(row, "rmse_mean"));
 }
 
 /* One block a method and TF, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
@@ -188,7 +189,7 @@ static void put_consistency_csv(FILE *f, const json_t *rows)
     size_t i, j;
     char name[ISO_CONSISTENCY_NAME_BYTES], other_name[ISO_CONSISTENCY_NAME_BYTES];
     fputs(
-        "method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept\n",
+        "method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept,rmse_mean\n",
         f);
     json_array_foreach(rows, i, row)
     {

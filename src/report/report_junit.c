@@ -151,6 +151,33 @@ static void put_consistency_facts(FILE *f, const json_t *row)
     }
 }
 
+/* A level that does not hold is a failure; what another method does better is a fact. */
+static void put_level_case(FILE *f, const json_t *row)
+{
+    const json_t *stored = json_object_get(row, "stored");
+    json_t *figure;
+    size_t i;
+    put_case(f, "levels", iso_row_text(row, "method"), row);
+    fprintf(f, "level %lld against level 0", (long long)json_integer_value(json_object_get(row, "level")));
+    if (has_verdict(row, ISO_VERDICT_AGREE)) {
+        fputs("\"/>\n", f);
+        return;
+    }
+    fputs("\">\n      <failure type=\"level\" message=\"", f);
+    put_unheld(f, "values against level 0's", iso_row_number(stored, "scalar"), iso_row_number(stored, "scalar_limit"));
+    put_unheld(f, "directions against level 0's, degrees", iso_row_number(stored, "direction_deg"),
+               iso_row_number(stored, "direction_limit_deg"));
+    json_array_foreach(json_object_get(row, "figures"), i, figure) if (!json_is_true(json_object_get(figure, "held")))
+        put_unheld(f, iso_row_text(figure, "name"), iso_row_number(figure, "value"), iso_row_number(figure, "asked"));
+    json_array_foreach(json_object_get(json_object_get(row, "simple"), "figures"), i,
+                       figure) if (json_is_true(json_object_get(figure, "better")))
+    {
+        put_xml(f, iso_row_text(figure, "name"));
+        fprintf(f, " %.3g behind gradients on the fly under the original TF; ", iso_row_number(figure, "difference"));
+    }
+    fputs("\"/>\n    </testcase>\n", f);
+}
+
 typedef struct suite {
     const char *name, *rows;
     void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
@@ -231,6 +258,7 @@ iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_err
 {
     const suite suites[] = {{"calibration", "calibration", put_calibration_case, NULL},
                             {"agreement", "agreement", put_agreement_case, NULL},
+                            {"levels", "levels", put_level_case, NULL},
                             {"consistency", "consistency", NULL, put_consistency_facts}};
     char *xml = NULL;
     size_t size = 0;
@@ -238,8 +266,8 @@ iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_err
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", f);
-    for (int i = 0; i < 3; ++i)
-        if (suites[i].put_case || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
+    for (int i = 0; i < 4; ++i)
+        if (i < 2 || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
             put_suite(f, r, i, &suites[i]);
     fputs("</testsuites>\n", f);
     iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err)

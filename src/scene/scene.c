@@ -164,6 +164,43 @@ static void read_agreement(iso_json_reader *r, const json_t *root, iso_scene *s)
         snprintf(s->agreement.why, sizeof s->agreement.why, "%s", why);
 }
 
+double iso_scene_level_limit(const iso_scene_level_limits *limits, size_t level)
+{
+    if (limits->count == 0 || level == 0)
+        return NAN;
+    return limits->limits[(level < limits->count ? level : limits->count) - 1];
+}
+
+static void read_level_limits(iso_json_reader *r, const json_t *levels, const char *key, iso_scene_level_limits *limits)
+{
+    const double most = 2; /* of 1 - SSIM; the other two end at 1 */
+    const json_t *value = json_object_get(levels, key);
+    if (json_is_array(value) && r->status == ISO_OK) {
+        limits->count = json_array_size(value);
+        if (limits->count == 0 || limits->count > ISO_SCENE_LEVELS) {
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"%s\" has limits for %zu levels, must have 1 to %d",
+                                 r->path, key, limits->count, ISO_SCENE_LEVELS);
+            return;
+        }
+        iso_json_get_numbers(r, levels, key, true, &(iso_json_list){limits->limits, limits->count, 0, most});
+    } else if (value) {
+        iso_json_get_number(r, levels, key, true, 0, most, &limits->limits[0]);
+        limits->count = 1;
+    }
+}
+
+static void read_levels(iso_json_reader *r, const json_t *root, iso_scene *s)
+{
+    static const char *const keys[] = {"ssim_dissimilarity", "flip", "rmse", NULL};
+    json_t *levels = iso_json_get_object(r, root, "levels", false);
+    if (!levels)
+        return;
+    iso_json_only_keys(r, levels, "\"levels\"", keys);
+    read_level_limits(r, levels, "ssim_dissimilarity", &s->levels.ssim_dissimilarity);
+    read_level_limits(r, levels, "flip", &s->levels.flip);
+    read_level_limits(r, levels, "rmse", &s->levels.rmse);
+}
+
 static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
     static const char *const keys[] = {"make", "isosurface", NULL};
@@ -205,7 +242,7 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
 {
     static const char *const keys[] = {"schema",  "comment",     "image",       "camera", "lights",
                                        "shading", "background",  "step_voxels", "tf",     "agreement",
-                                       "suite",   "clip_planes", NULL};
+                                       "suite",   "clip_planes", "levels",      NULL};
     static const char *const image_keys[] = {"width", "height", NULL};
     static const char *const schemas[] = {"isoshade.scene/1", NULL};
     *scene = (iso_scene){.width = 160,
@@ -235,6 +272,7 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
     iso_json_get_numbers(&r, root, "background", false, &(iso_json_list){scene->background, 3, 0, 1});
     iso_json_get_number(&r, root, "step_voxels", false, 1e-3, 100, &scene->step_voxels);
     read_agreement(&r, root, scene);
+    read_levels(&r, root, scene);
     read_suite(&r, root, scene);
     read_tf(&r, root, scene);
     if (r.status == ISO_OK && !(scene->path = strdup(path)))

@@ -21,6 +21,7 @@
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
  *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
  *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   what validation asks; optional
+ *     "levels": {"ssim_dissimilarity": 0.1, "flip": [0.05, 0.1], "rmse": 0.02},   how far levels may be from level 0; optional
  *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   the volume, as options of isoshade make; optional
  *
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
@@ -83,6 +84,16 @@ typedef struct iso_scene_agreement {
     char why[512];
 } iso_scene_agreement;
 
+/* How far the pictures of a coarse level may be from those of level 0, means over the views. A number is for all levels; of
+ * a list the first is for level 1, and the last one for all that are coarser. */
+enum { ISO_SCENE_LEVELS = 16 };
+typedef struct iso_scene_level_limits {
+    size_t count; /* 0: not asked */
+    double limits[ISO_SCENE_LEVELS];
+} iso_scene_level_limits;
+/* NaN where nothing is asked. */
+double iso_scene_level_limit(const iso_scene_level_limits *limits, size_t level);
+
 typedef struct iso_scene {
     char *path; /* where it came from */
     size_t width, height;
@@ -102,6 +113,9 @@ typedef struct iso_scene {
     double step_voxels;
     iso_tf tf;
     iso_scene_agreement agreement;
+    struct iso_scene_asked {
+        iso_scene_level_limits ssim_dissimilarity, flip, rmse;
+    } levels;
     char *suite_make;        /* what follows `isoshade make`, without -o; NULL: no scene of a suite */
     double suite_isosurface; /* the surface's value, as a fraction of the volume's range; NaN: none */
 } iso_scene;

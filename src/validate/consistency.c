@@ -6,9 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "validate/validate.h"
-#include "scene/views.h"
-#include "render/sampler.h"
+#include "validate/measured.h"
 
 const iso_method iso_methods[] = {
     {"on-the-fly", ISO_DIRECTION_MOMENTS, ISO_FROM_ON_THE_FLY},
@@ -37,6 +35,14 @@ typedef struct level_shown {
     iso_direction_source source;
     bool adapted;
 } level_shown;
+
+static bool shows_something(const iso_image *image)
+{
+    for (size_t i = 0; i < image->width * image->height; ++i)
+        if (image->rgba[4 * i + 3] >= 1 / 255.0f)
+            return true;
+    return false;
+}
 
 static iso_status render_view(iso_validation *v, const level_shown *s, size_t i, iso_image *image, iso_error *err)
 {
@@ -69,86 +75,63 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
     return ISO_OK;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* The angle between a level's normals and level 0's, at fine voxels that the TF
- * shows and that have a direction; at most about 1e5 of them, evenly strided. */
-static iso_status measure_angles(const iso_validation *v, const iso_pyramid *p, size_t level,
-                                 iso_direction_source source, double *mean, double *p95, iso_error *err)
-{
-    enum { wanted = 100000 };
-    iso_sampler fine, coarse = {0};
-    const iso_geometry *g = &v->pyramid->levels[0].geometry;
-    size_t count = 0, total = iso_geometry_voxel_count(g), stride = total / wanted | 1;
-    double *angles = malloc((total / stride + 1) * sizeof *angles), sum = 0;
-    *mean = *p95 = NAN;
-    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES,
-                                           err);
-    if (status == ISO_OK)
-        status = iso_sampler_create(&coarse, &p->levels[level], p->options.code, source, err);
-    if (status == ISO_OK && !angles)
-        status = iso_fail(err, ISO_E_MEMORY, "no memory for the angles of %zu voxels", total / stride);
-    for (size_t i = 0; i < total && status == ISO_OK; i += stride) {
-        iso_vec3 at = {(double)(i % g->size[0]) + 0.5, (double)(i / g->size[0] % g->size[1]) + 0.5,
-                       (double)(i / (g->size[0] * g->size[1])) + 0.5};
-        double rgbs[4];
-        iso_tf_lookup(&v->view->tf, (double)v->pyramid->levels[0].scalar[i], rgbs);
-        iso_vec3 a = iso_sample_normal(&fine, at);
-        if (rgbs[3] <= 0 || iso_norm(a) < 0.5)
-            continue;
-        iso_vec3 b = iso_normalize(iso_sample_normal(&coarse, iso_scale(at, 1 / (double)((size_t)1 << level))));
-        /* No direction at all counts as a right angle. */
-        double angle = acos(fmin(fmax(iso_dot(iso_normalize(a), b), -1), 1)) * (180 / 3.14159265358979323846);
-        angles[count++] = angle;
-        sum += angle;
-    }
-    if (count > 0) {
-        qsort(angles, count, sizeof *angles, compare_doubles);
-        *mean = sum / (double)count;
-        *p95 = angles[(size_t)(0.95 * (double)(count - 1))];
-    }
-    free(angles);
-    iso_sampler_destroy(&fine);
-    iso_sampler_destroy(&coarse);
-    return status;
-}
+/* What all methods share: the pictures of level 0, the levels made again from it, and what is measured. */
+typedef struct levels_run {
+    iso_image finest[max_views];
+    iso_pyramid rebuilt;
+    iso_measured measured;
+} levels_run;
 
 /* The figures of all views, and the picture row->image of the first. */
-static iso_status measure_images(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
-                                 iso_report_consistency *row, iso_error *err)
+static iso_status measure_images(iso_validation *v, const levels_run *run, const iso_pyramid *p, const iso_method *m,
+                                 iso_report_consistency *row, iso_measured_level *views, iso_error *err)
 {
     iso_status status = ISO_OK;
-    row->ssim_dissimilarity_mean = row->flip_mean = 0;
+    row->ssim_dissimilarity_mean = row->flip_mean = row->rmse_mean = 0;
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
         iso_image image = {0};
         iso_metrics metrics;
         status = render_view(v, &(level_shown){p, row->level, m->source, row->adapted}, i, &image, err);
         if (status == ISO_OK)
-            status = iso_metrics_measure(&finest[i], &image, &metrics, err);
+            status = iso_metrics_measure(&run->finest[i], &image, &metrics, err);
         if (status == ISO_OK && i == 0)
             status = add_picture(v, row->image, &image, row->adapted ? "adapted TF" : m->name, err);
         if (status == ISO_OK) {
             row->ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
             row->flip_mean += metrics.flip_mean / (double)v->consistency_views;
+            row->rmse_mean += metrics.rmse / (double)v->consistency_views;
+            views->figures[ISO_LEVEL_SSIM][i] = 1 - metrics.ssim;
+            views->figures[ISO_LEVEL_FLIP][i] = metrics.flip_mean;
+            views->figures[ISO_LEVEL_RMSE][i] = metrics.rmse;
         }
         iso_image_destroy(&image);
     }
     return status;
 }
 
+/* Keeps a row, and what was measured in its views. */
+static iso_status keep(iso_validation *v, levels_run *run, iso_report_consistency *row, const iso_measured_level *views,
+                       iso_error *err)
+{
+    iso_measured *all = &run->measured;
+    if (all->count == all->room)
+        return iso_fail(err, ISO_E_RANGE, "more than %zu rows of levels", all->room);
+    all->levels[all->count++] = *views;
+    row->by_view.ssim_dissimilarity = views->figures[ISO_LEVEL_SSIM];
+    row->by_view.flip = views->figures[ISO_LEVEL_FLIP];
+    row->by_view.rmse = views->figures[ISO_LEVEL_RMSE];
+    return iso_report_add_consistency(v->report, row, err);
+}
+
 /* The row of the level's own TF after that of the original one: directions are the same, and where adapting is refused
  * the images are as well. */
-static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const iso_method *m, const iso_image *finest,
-                                  iso_report_consistency row, iso_error *err)
+static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_pyramid *p,
+                                  iso_report_consistency row, iso_measured_level views, iso_error *err)
 {
     const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
     char name[64], why[160];
     iso_status status = ISO_OK;
-    row.adapted = true;
+    row.adapted = views.adapted = true;
     if (judgment->use_original) {
         if (judgment->seen)
             snprintf(why, sizeof why,
@@ -161,29 +144,33 @@ static iso_status measure_adapted(iso_validation *v, const iso_pyramid *p, const
                      judgment->rms_adapted, judgment->rms_original);
         row.original_kept = why;
     } else {
-        snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", m->name, row.level);
+        snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", row.method, row.level);
         row.image = name;
-        status = measure_images(v, p, m, finest, &row, err);
+        status = measure_images(v, run, p, views.method, &row, &views, err);
     }
-    return status == ISO_OK ? iso_report_add_consistency(v->report, &row, err) : status;
+    return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
 }
 
-static iso_status measure_level(iso_validation *v, const iso_pyramid *p, size_t level, const iso_method *m,
-                                const iso_image *finest, iso_error *err)
+static iso_status measure_level(iso_validation *v, levels_run *run, const iso_pyramid *p, size_t level,
+                                const iso_method *m, iso_error *err)
 {
     char name[64];
+    iso_measured_level views = {.level = level, .method = m};
+    iso_level_angles angles = {NAN, NAN};
     iso_report_consistency row = {.level = level,
                                   .views = v->consistency_views,
                                   .method = m->name,
                                   .image = name,
                                   .reference_image = "consistency-level-0"};
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
-    iso_status status = measure_images(v, p, m, finest, &row, err);
+    iso_status status = measure_images(v, run, p, m, &row, &views, err);
     if (status == ISO_OK)
-        status = measure_angles(v, p, level, m->source, &row.gradient_angle_mean_deg, &row.gradient_angle_p95_deg, err);
+        status = iso_validate_angles(v, p, level, m->source, &angles, err);
+    row.gradient_angle_mean_deg = angles.mean;
+    row.gradient_angle_p95_deg = angles.p95;
     if (status == ISO_OK)
-        status = iso_report_add_consistency(v->report, &row, err);
-    return status == ISO_OK ? measure_adapted(v, p, m, finest, row, err) : status;
+        status = keep(v, run, &row, &views, err);
+    return status == ISO_OK ? measure_adapted(v, run, p, row, views, err) : status;
 }
 
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
@@ -201,22 +188,46 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
     return status;
 }
 
-static iso_status measure_method(iso_validation *v, const iso_method *m, const iso_image *finest, iso_error *err)
+/* Gradients on the fly are those of the levels that level 0 makes: what a stored level got wrong is not forgiven because
+ * another method shows it as well. */
+static iso_status measure_method(iso_validation *v, levels_run *run, const iso_method *m, iso_error *err)
 {
-    iso_pyramid own = {0};
-    const iso_pyramid *p = v->pyramid;
+    iso_pyramid other = {0};
+    const iso_pyramid *p = m == run->measured.own ? v->pyramid : m->source == ISO_FROM_CODES ? &other : &run->rebuilt;
     iso_status status = ISO_OK;
-    if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
-        status = iso_validate_build_with(v, m->filter, &own, err);
-        p = &own;
-    }
-    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
+    if (p == &other)
+        status = iso_validate_build_with(v, m->filter, &other, err);
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         char stage[64];
         snprintf(stage, sizeof stage, "consistency: %s, level %zu", m->name, level);
         iso_progress_report(v->progress, stage, 0);
-        status = measure_level(v, p, level, m, finest, err);
+        status = measure_level(v, run, p, level, m, err);
     }
-    iso_pyramid_destroy(&own);
+    iso_pyramid_destroy(&other);
+    return status;
+}
+
+/* The methods of the table; own: where the pyramid's filter is none of them. */
+static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_method *own, iso_error *err)
+{
+    iso_measured *all = &run->measured;
+    iso_status status = ISO_OK;
+    all->own = own;
+    for (size_t i = 0; i < iso_method_count; ++i) {
+        const iso_method *m = &iso_methods[i];
+        if (m->source == ISO_FROM_ON_THE_FLY)
+            all->on_the_fly = m;
+        else if (m->filter == own->filter)
+            all->own = m;
+    }
+    all->room = 2 * (iso_method_count + 1) * v->pyramid->level_count;
+    all->levels = calloc(all->room, sizeof *all->levels);
+    if (!all->levels)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu rows of levels", all->room);
+    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
+        status = measure_method(v, run, &iso_methods[i], err);
+    if (status == ISO_OK && all->own == own)
+        status = measure_method(v, run, own, err);
     return status;
 }
 
@@ -239,17 +250,27 @@ static iso_status not_possible(const iso_validation *v, iso_error *err)
 
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
 {
-    iso_image finest[max_views] = {{0}};
+    const iso_direction_filter filter = v->pyramid->options.direction_filter;
+    const iso_method own = {iso_direction_filter_name(filter), filter, ISO_FROM_CODES};
+    levels_run run = {0};
     iso_status status = ISO_OK;
     if (!is_possible(v))
         return not_possible(v, err);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &finest[i], err);
+        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &run.finest[i], err);
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
+        run.measured.shown = run.measured.shown || shows_something(&run.finest[i]);
     if (status == ISO_OK)
-        status = add_picture(v, "consistency-level-0", &finest[0], "level 0", err);
-    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
-        status = measure_method(v, &iso_methods[i], finest, err);
+        status = add_picture(v, "consistency-level-0", &run.finest[0], "level 0", err);
+    if (status == ISO_OK)
+        status = iso_validate_build_with(v, filter, &run.rebuilt, err);
+    if (status == ISO_OK)
+        status = measure_methods(v, &run, &own, err);
+    if (status == ISO_OK)
+        status = iso_validate_judge_levels(v, &run.measured, &run.rebuilt, err);
     for (size_t i = 0; i < max_views; ++i)
-        iso_image_destroy(&finest[i]);
+        iso_image_destroy(&run.finest[i]);
+    iso_pyramid_destroy(&run.rebuilt);
+    free(run.measured.levels);
     return status;
 }

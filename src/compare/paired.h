@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* paired.h - is one way worse than another, or is it the scatter over the views?
+ *
+ * Both are measured in the same views, so that what makes a view hard for both cancels: the mean of the differences view
+ * by view, and an interval that holds the mean over all views with a given confidence, by Student's t with count - 1
+ * degrees of freedom. Few views have wide intervals: at 95 % half the width is 2.48 standard deviations of the
+ * differences for 3 views, 1.05 for 6 and .47 for 20. */
+#ifndef ISO_PAIRED_H
+#define ISO_PAIRED_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct iso_paired {
+    double difference, half_width; /* a - b; infinite of one pair */
+} iso_paired;
+
+iso_paired iso_paired_compare(const double *a, const double *b, size_t count, double confidence);
+/* a is larger than b by more than the interval and more than the margin. NaN counts as larger. */
+bool iso_paired_is_larger(iso_paired p, double margin);
+
+/* t with P(|T| <= t) = confidence. */
+double iso_student_quantile(double confidence, double degrees_of_freedom);
+
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT */
+#include "report/levels.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *key, *name;
+} figures[ISO_LEVEL_FIGURE_COUNT] = {
+#define ISO_LEVEL_FIGURE_ROW(name, key, text) [name] = {key, text},
+    ISO_LEVEL_FIGURE_LIST(ISO_LEVEL_FIGURE_ROW)
+#undef ISO_LEVEL_FIGURE_ROW
+};
+
+/* ---- one level ---- */
+
+static bool within_what_is_asked(const iso_report_level *row, int k)
+{
+    return isnan(row->asked[k]) || row->value[k] <= row->asked[k];
+}
+
+static bool is_behind(const iso_report_level *row, const iso_report_rival *rival, int k)
+{
+    return iso_paired_is_larger(rival->behind[k], row->margin);
+}
+
+static bool is_ahead(const iso_report_level *row, const iso_report_rival *rival, int k)
+{
+    const iso_paired turned = {-rival->behind[k].difference, rival->behind[k].half_width};
+    return iso_paired_is_larger(turned, row->margin);
+}
+
+static bool is_as_made(const iso_report_level *row)
+{
+    return row->scalar_off <= row->scalar_limit && row->direction_off_deg <= row->direction_limit_deg;
+}
+
+static bool is_not_behind(const iso_report_level *row, const iso_report_rival *rival)
+{
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
+        if (is_behind(row, rival, k))
+            return false;
+    return true;
+}
+
+iso_verdict iso_report_level_verdict(const iso_report_level *row)
+{
+    bool good = is_as_made(row) && is_not_behind(row, &row->simple);
+    if (!row->shown && is_as_made(row))
+        return ISO_VERDICT_NOT_COMPARED;
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
+        good = good && within_what_is_asked(row, k);
+    return good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER;
+}
+
+static const char *tf_word(bool adapted)
+{
+    return adapted ? "adapted" : "original";
+}
+
+static json_t *rival_json(const iso_report_level *row, const iso_report_rival *rival)
+{
+    json_t *list = json_array();
+    bool better = false, worse = false;
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
+        const bool here = is_behind(row, rival, k);
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:b}", "figure", figures[k].key, "name",
+                                              figures[k].name, "value", iso_json_number(rival->value[k]), "difference",
+                                              iso_json_number(rival->behind[k].difference), "half_width",
+                                              iso_json_number(rival->behind[k].half_width), "better", here));
+        better = better || here;
+        worse = worse || is_ahead(row, rival, k);
+    }
+    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted), "option",
+                     rival->option, "better", better && !worse, "figures", list);
+}
+
+static json_t *figures_json(const iso_report_level *row)
+{
+    json_t *list = json_array();
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:b}", "figure", figures[k].key, "name",
+                                              figures[k].name, "value", iso_json_number(row->value[k]), "asked",
+                                              iso_json_number(row->asked[k]), "held", within_what_is_asked(row, k)));
+    return list;
+}
+
+iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_error *err)
+{
+    json_t *rivals = json_array(), *rows = json_object_get(iso_report_json(r), "levels");
+    for (size_t i = 0; i < row->rival_count; ++i)
+        json_array_append_new(rivals, rival_json(row, &row->rivals[i]));
+    json_t *o = json_pack("{s:I, s:I, s:s, s:s, s:s, s:f, s:f, s:o, s:o, s:o}", "level", (json_int_t)row->level,
+                          "views", (json_int_t)row->views, "method", row->method, "tf", tf_word(row->adapted),
+                          "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
+                          "margin", row->margin, "figures", figures_json(row), "simple",
+                          rival_json(row, &row->simple), "rivals", rivals);
+    json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
+    json_object_set_new(o, "stored",
+                        json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
+                                  "scalar_limit", row->scalar_limit, "direction_deg",
+                                  iso_json_number(row->direction_off_deg), "direction_limit_deg",
+                                  row->direction_limit_deg, "held", is_as_made(row)));
+    return json_array_append_new(rows, o) == 0 ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+}
+
+/* ---- all levels ---- */
+
+static void add(iso_levels_summary *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add(iso_levels_summary *s, const char *format, ...)
+{
+    const size_t used = strlen(s->sentence);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(s->sentence + used, sizeof s->sentence - used, format, arguments);
+    va_end(arguments);
+}
+
+static bool is_true(const json_t *row, const char *key)
+{
+    return json_is_true(json_object_get(row, key));
+}
+
+/* "naive directions under the adapted TF" */
+static void add_way(iso_levels_summary *s, const json_t *way)
+{
+    const char *method = iso_row_text(way, "method");
+    const bool fly = strcmp(method, "on-the-fly") == 0;
+    add(s, "%s%s under the %s TF", fly ? "gradients on the fly" : method, fly ? "" : " directions",
+        iso_row_text(way, "tf"));
+}
+
+/* "1-SSIM 0.067 against 0.071, 0.004 +- 0.003 less", for each figure by which the rival is better. */
+static void add_by_how_much(iso_levels_summary *s, const json_t *rival)
+{
+    const char *before = "";
+    json_t *f;
+    size_t i;
+    json_array_foreach(json_object_get(rival, "figures"), i, f)
+    {
+        const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
+        if (!is_true(f, "better"))
+            continue;
+        add(s, "%s%s %.3g against %.3g, %.2g +- %.2g less", before, iso_row_text(f, "name"), value, value + difference,
+            difference, iso_row_number(f, "half_width"));
+        before = "; ";
+    }
+}
+
+static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *rival)
+{
+    add(s, " Level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
+    add_way(s, rival);
+    add(s, " look more like level 0 (");
+    add_by_how_much(s, rival);
+    add(s, "): %s.", iso_row_text(rival, "option"));
+}
+
+/* What fails. */
+static void add_failures(iso_levels_summary *s, const json_t *row)
+{
+    const long long level = (long long)json_integer_value(json_object_get(row, "level"));
+    const json_t *stored = json_object_get(row, "stored");
+    json_t *f;
+    size_t i;
+    if (!is_true(stored, "held"))
+        add(s, " Level %lld is not what level 0 makes: its values are off by up to %.2g of their range, its directions by %.3g degrees on average.",
+            level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
+    json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
+        add(s, " Level %lld: %s is %.3g, asked for is at most %.3g.", level, iso_row_text(f, "name"),
+            iso_row_number(f, "value"), iso_row_number(f, "asked"));
+    if (!is_true(row, "simple_held"))
+        add_rival(s, row, json_object_get(row, "simple"));
+}
+
+/* The largest of the parts by which a rival's figures are smaller; 0 where it is not better. */
+static double advantage(const json_t *rival)
+{
+    double most = 0;
+    json_t *f;
+    size_t i;
+    if (!is_true(rival, "better"))
+        return 0;
+    json_array_foreach(json_object_get(rival, "figures"), i, f)
+    {
+        const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
+        if (is_true(f, "better"))
+            most = fmax(most, difference / fmax(value + difference, 1e-9));
+    }
+    return most;
+}
+
+static const json_t *best_rival(const json_t *row)
+{
+    const json_t *best = NULL;
+    json_t *rival;
+    size_t i;
+    json_array_foreach(json_object_get(row, "rivals"), i, rival)
+    {
+        if (advantage(rival) > (best ? advantage(best) : 0))
+            best = rival;
+    }
+    return best;
+}
+
+static void tell(iso_levels_summary *s, const json_t *rows)
+{
+    const json_t *first = json_array_get(rows, 0);
+    const size_t count = json_array_size(rows);
+    const double views = iso_row_number(first, "views");
+    if (s->differed == 0)
+        add(s, "The levels hold: %s%s within what is asked, and not behind gradients on the fly under the original TF.",
+            count == 1 ? "the coarse one" : "all", count == 1 ? " is" : " are");
+    else
+        add(s, "The levels do not hold: of %zu %zu fail%s.", count, s->differed, s->differed == 1 ? "s" : "");
+    size_t i;
+    json_t *row;
+    json_array_foreach(rows, i, row) add_failures(s, row);
+    json_array_foreach(rows, i, row) if (best_rival(row)) add_rival(s, row, best_rival(row));
+    if (views < 6)
+        add(s, " Of %.0f views intervals are wide.", views);
+}
+
+iso_levels_summary iso_levels_summarize(const json_t *rows)
+{
+    iso_levels_summary s = {0};
+    json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row)
+    {
+        const iso_verdict verdict = iso_row_verdict(row);
+        s.agreed += verdict == ISO_VERDICT_AGREE;
+        s.not_compared += verdict == ISO_VERDICT_NOT_COMPARED;
+        s.differed += verdict != ISO_VERDICT_AGREE && verdict != ISO_VERDICT_NOT_COMPARED;
+    }
+    if (s.agreed + s.differed > 0)
+        tell(&s, rows);
+    else if (s.not_compared > 0)
+        add(&s, "The levels are not compared: level 0 shows nothing in any view.");
+    return s;
+}

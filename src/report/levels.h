@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+/* levels.h - the verdict on a level: what was asked of it, and what it was compared with.
+ *
+ * A level is shown by the default method, with the pyramid's own directions and under the TF that is adapted to it
+ * where adapting is not refused. It holds when
+ *  - each figure is at most what the scene asks for, where it asks;
+ *  - it is not worse than the simple way, gradients on the fly under the original TF, beyond the scatter over the views
+ *    (paired.h) and a margin below which nobody sees a difference;
+ *  - what is stored is what level 0 makes.
+ * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
+ * option that has it, and fails nothing. */
+#ifndef ISO_REPORT_LEVELS_H
+#define ISO_REPORT_LEVELS_H
+
+#include "compare/paired.h"
+#include "report/report.h"
+
+/* How far a level's pictures are from those of level 0, means over the views: enum, key in report.json, name. */
+/* clang-format off */
+#define ISO_LEVEL_FIGURE_LIST(X)                       \
+    X(ISO_LEVEL_SSIM, "ssim_dissimilarity", "1-SSIM")  \
+    X(ISO_LEVEL_FLIP, "flip", "FLIP")                  \
+    X(ISO_LEVEL_RMSE, "rmse", "RMSE")
+/* clang-format on */
+
+typedef enum iso_level_figure {
+#define ISO_LEVEL_FIGURE_ENUM(name, key, text) name,
+    ISO_LEVEL_FIGURE_LIST(ISO_LEVEL_FIGURE_ENUM)
+#undef ISO_LEVEL_FIGURE_ENUM
+        ISO_LEVEL_FIGURE_COUNT
+} iso_level_figure;
+
+/* Another way to show the level. */
+typedef struct iso_report_rival {
+    const char *method;
+    bool adapted;
+    const char *option;                        /* what chooses it */
+    double value[ISO_LEVEL_FIGURE_COUNT];      /* its own figures */
+    iso_paired behind[ISO_LEVEL_FIGURE_COUNT]; /* the default's figures less its own */
+} iso_report_rival;
+
+typedef struct iso_report_level {
+    bool shown; /* level 0 shows something; else its pictures are alike whatever is wrong, and nothing is compared */
+    size_t level, views;
+    const char *method; /* the default */
+    bool adapted;
+    double confidence, margin;
+    double value[ISO_LEVEL_FIGURE_COUNT];
+    double asked[ISO_LEVEL_FIGURE_COUNT]; /* by the scene; NaN: not asked */
+    iso_report_rival simple;
+    size_t rival_count;
+    const iso_report_rival *rivals;
+    /* Against what level 0 makes: the scalar's largest difference as a part of the range, the mean angle between
+     * directions, and what is allowed of them. */
+    double scalar_off, scalar_limit, direction_off_deg, direction_limit_deg;
+} iso_report_level;
+
+/* Keeps the row under "levels", with its verdict. */
+iso_status iso_report_add_level(iso_report *report, const iso_report_level *row, iso_error *err);
+/* Agree, differ, or not compared. */
+iso_verdict iso_report_level_verdict(const iso_report_level *row);
+
+typedef struct iso_levels_summary {
+    size_t agreed, differed, not_compared;
+    char sentence[1024]; /* "" where no level was judged */
+} iso_levels_summary;
+/* Of report.json's "levels". */
+iso_levels_summary iso_levels_summarize(const json_t *rows);
+
+#endif

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* level_verdict.c - may a level stand for level 0? What was measured in the views becomes a verdict (report/levels.h). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "validate/measured.h"
+
+/* Each interval by itself. */
+static const double confidence = 0.95;
+/* A quarter of a step of 8 bits: nobody sees a picture change by so little, and smooth volumes differ by less. */
+static const double margin = 1e-3;
+/* Samples of coarse levels are floats, and rebuilding gives the same ones; another order of the sums would round them. */
+static const double scalar_limit = 1e-5;
+/* A last bit of a code is up to .5 degrees (snorm), where rounding turns it; on average it hardly ever does. */
+static const double direction_limit_deg = 0.1;
+
+/* ---- is a level what level 0 makes? ---- */
+
+static double scalar_difference(const iso_level *a, const iso_level *b)
+{
+    const double range = b->max > b->min ? b->max - b->min : 1;
+    double most = 0;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&a->geometry); ++i)
+        most = fmax(most, fabs((double)a->scalar[i] - (double)b->scalar[i]) / range);
+    return most;
+}
+
+static iso_vec3 direction_of(const iso_level *l, iso_code code, size_t voxel)
+{
+    double e[3], d[3];
+    iso_code_lattice(code, l->codes + 3 * voxel, e);
+    iso_code_decode(code, e, d);
+    return iso_v3(d[0], d[1], d[2]);
+}
+
+/* Mean over the voxels that have a direction in either, weighted by how long the longer one is: short ones are grain. */
+static double direction_difference_deg(const iso_level *a, const iso_level *b, iso_code code)
+{
+    double sum = 0, weights = 0;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&a->geometry); ++i) {
+        const iso_vec3 x = direction_of(a, code, i), y = direction_of(b, code, i);
+        const double weight = fmax(iso_norm(x), iso_norm(y));
+        const double cosine = iso_dot(iso_normalize(x), iso_normalize(y));
+        if (weight <= 0)
+            continue;
+        sum += weight * (memcmp(a->codes + 3 * i, b->codes + 3 * i, 3) == 0
+                             ? 0
+                             : acos(fmin(fmax(cosine, -1), 1)) * (180 / 3.14159265358979323846));
+        weights += weight;
+    }
+    return weights > 0 ? sum / weights : 0;
+}
+
+static void compare_with_rebuilt(const iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row)
+{
+    const iso_level *a = &v->pyramid->levels[row->level], *b = &rebuilt->levels[row->level];
+    row->scalar_limit = scalar_limit;
+    row->direction_limit_deg = direction_limit_deg;
+    row->scalar_off = scalar_difference(a, b);
+    row->direction_off_deg = direction_difference_deg(a, b, v->pyramid->options.code);
+}
+
+/* ---- against other methods ---- */
+
+static double mean(const double *values, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; ++i)
+        sum += values[i] / (double)count;
+    return sum;
+}
+
+static void name_option(const iso_measured_level *m, const iso_measured_level *own, char *text, size_t size)
+{
+    const bool fly = m->method->source == ISO_FROM_ON_THE_FLY, same = m->method == own->method;
+    const char *tf = m->adapted == own->adapted ? "" : m->adapted ? "--adapt" : "without --adapt";
+    snprintf(text, size, "%s%s%s%s", same ? "" : fly ? "--shading-from on-the-fly" : "build --direction-filter ",
+             same || fly ? "" : iso_direction_filter_name(m->method->filter), !same && tf[0] ? ", " : "", tf);
+}
+
+enum { OPTION_BYTES = 96 };
+
+static iso_report_rival rival_of(const iso_measured_level *own, const iso_measured_level *m, size_t views,
+                                 char option[OPTION_BYTES])
+{
+    iso_report_rival r = {.method = m->method->name, .adapted = m->adapted, .option = option};
+    name_option(m, own, option, OPTION_BYTES);
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
+        r.value[k] = mean(m->figures[k], views);
+        r.behind[k] = iso_paired_compare(own->figures[k], m->figures[k], views, confidence);
+    }
+    return r;
+}
+
+static const iso_measured_level *find(const iso_measured *all, size_t level, const iso_method *method, bool adapted)
+{
+    for (size_t i = 0; i < all->count; ++i)
+        if (all->levels[i].level == level && all->levels[i].method == method && all->levels[i].adapted == adapted)
+            return &all->levels[i];
+    return NULL;
+}
+
+static iso_status judge(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
+                        iso_error *err)
+{
+    char options[ISO_MEASURED_MOST][OPTION_BYTES], simple[OPTION_BYTES];
+    iso_report_rival rivals[ISO_MEASURED_MOST];
+    const bool adapted = !v->level_tfs[level].judgment.use_original;
+    const iso_measured_level *own = find(all, level, all->own, adapted), *fly = find(all, level, all->on_the_fly, false);
+    const struct iso_scene_asked *asked = &v->scene->levels;
+    const iso_scene_level_limits *limits[] = {&asked->ssim_dissimilarity, &asked->flip, &asked->rmse};
+    iso_report_level row = {.shown = all->shown,
+                            .level = level,
+                            .views = v->consistency_views,
+                            .method = all->own->name,
+                            .adapted = adapted,
+                            .confidence = confidence,
+                            .margin = margin,
+                            .rivals = rivals,
+                            .simple = rival_of(own, fly, v->consistency_views, simple)};
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
+        row.value[k] = mean(own->figures[k], row.views);
+        row.asked[k] = iso_scene_level_limit(limits[k], level);
+    }
+    for (size_t i = 0; i < all->count && row.rival_count < ISO_MEASURED_MOST; ++i) {
+        const iso_measured_level *m = &all->levels[i];
+        if (m->level != level || m == own || m == fly || (m->adapted && !adapted)) /* refused: the original's pictures */
+            continue;
+        rivals[row.rival_count] = rival_of(own, m, row.views, options[row.rival_count]);
+        ++row.rival_count;
+    }
+    compare_with_rebuilt(v, rebuilt, &row);
+    return iso_report_add_level(v->report, &row, err);
+}
+
+iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
+                                     iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level)
+        status = judge(v, all, rebuilt, level, err);
+    return status;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* measured.h - what consistency.c measured of the levels, for levels.c to judge. */
+#ifndef ISO_VALIDATE_MEASURED_H
+#define ISO_VALIDATE_MEASURED_H
+
+#include "report/levels.h"
+#include "scene/views.h"
+#include "validate/validate.h"
+
+/* A level as one method shows it, in each view. */
+typedef struct iso_measured_level {
+    size_t level;
+    const iso_method *method;
+    bool adapted;
+    double figures[ISO_LEVEL_FIGURE_COUNT][ISO_DIAGONAL_VIEWS];
+} iso_measured_level;
+
+enum { ISO_MEASURED_MOST = 16 }; /* ways to show a level */
+typedef struct iso_measured {
+    const iso_method *own, *on_the_fly; /* the pyramid's own directions */
+    bool shown; /* level 0 shows something */
+    size_t count, room;
+    iso_measured_level *levels;
+} iso_measured;
+
+/* rebuilt: of level 0, with the pyramid's own options. */
+iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
+                                     iso_error *err);
+
+/* The angle between a level's normals and level 0's, in degrees, at fine voxels that the TF shows and that have a
+ * direction; at most about 1e5 of them, evenly strided. Level 0 is that of v->pyramid, the level one of p. NaN where there
+ * is no such voxel. */
+typedef struct iso_level_angles {
+    double mean, p95;
+} iso_level_angles;
+iso_status iso_validate_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
+                               iso_level_angles *angles, iso_error *err);
+
+#endif
