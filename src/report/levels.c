@@ -205,20 +205,52 @@ static const json_t *best_rival(const json_t *row)
     return best;
 }
 
+/* Figures in which another method has the smaller mean, though the intervals do not tell them apart. */
+static void add_near_ones(iso_levels_summary *s, const json_t *rows)
+{
+    size_t i, k, r, all = 0, smaller = 0;
+    json_t *row, *f, *rival;
+    json_array_foreach(rows, i, row) json_array_foreach(json_object_get(row, "figures"), k, f)
+    {
+        bool behind = false;
+        json_array_foreach(json_object_get(row, "rivals"), r, rival)
+        {
+            const json_t *its = json_array_get(json_object_get(rival, "figures"), k);
+            behind = behind || (iso_row_number(its, "difference") > 0 && !is_true(its, "better"));
+        }
+        ++all;
+        smaller += behind;
+    }
+    if (smaller > 0)
+        add(s, " In %zu of %zu figures another method has the smaller mean, within the scatter over the views.", smaller,
+            all);
+}
+
+static bool is_anything_asked(const json_t *rows)
+{
+    size_t i, k;
+    json_t *row, *f;
+    json_array_foreach(rows, i, row) json_array_foreach(json_object_get(row, "figures"), k,
+                                                        f) if (json_is_number(json_object_get(f, "asked"))) return true;
+    return false;
+}
+
 static void tell(iso_levels_summary *s, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
     const size_t count = json_array_size(rows);
     const double views = iso_row_number(first, "views");
     if (s->differed == 0)
-        add(s, "The levels hold: %s%s within what is asked, and not behind gradients on the fly under the original TF.",
-            count == 1 ? "the coarse one" : "all", count == 1 ? " is" : " are");
+        add(s, "The levels hold: %snone is behind gradients on the fly under the original TF%s.",
+            is_anything_asked(rows) ? "all are within what the scene asks, and " : "",
+            is_anything_asked(rows) ? "" : ", which is all that is asked where the scene says nothing");
     else
         add(s, "The levels do not hold: of %zu %zu fail%s.", count, s->differed, s->differed == 1 ? "s" : "");
     size_t i;
     json_t *row;
     json_array_foreach(rows, i, row) add_failures(s, row);
     json_array_foreach(rows, i, row) if (best_rival(row)) add_rival(s, row, best_rival(row));
+    add_near_ones(s, rows);
     if (views < 6)
         add(s, " Of %.0f views intervals are wide.", views);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* measured.h - what consistency.c measured of the levels, for levels.c to judge. */
+/* measured.h - what consistency.c measured of the levels, for level_verdict.c to judge. */
 #ifndef ISO_VALIDATE_MEASURED_H
 #define ISO_VALIDATE_MEASURED_H
 
