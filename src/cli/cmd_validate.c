@@ -377,8 +377,9 @@ const iso_command iso_command_validate = {
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
         "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"
-        "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all, in a scene, or of a\n"
-        "renderer whose images of a scene show too little; 7: a renderer is missing; 9: a renderer failed its calibration.",
+        "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
+        "in a scene, or of a renderer whose images of a scene show too little; 7: a renderer is missing; 9: one failed its\n"
+        "calibration.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
