@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A region of interest: no seam, measured, with a hard edge and a foreign TF planted; and one definition in every renderer. */
+#include "rendered.h"
 #include "test.h"
 #include "cycles.h"
 
@@ -16,8 +17,6 @@
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 
-static iso_renderers renderers;
-
 /* scale: of the number of voxels along an axis, in as large a box */
 static iso_pyramid field_pyramid(iso_field_kind kind, size_t scale, bool turned)
 {
@@ -27,14 +26,7 @@ static iso_pyramid field_pyramid(iso_field_kind kind, size_t scale, bool turned)
     for (int i = 0; turned && i < 9; ++i)
         g.index_to_world.m[i / 3][i % 3] = rotation[i / 3][i % 3] * h[i % 3];
     const iso_field field = {.kind = kind, .geometry = g, .seed = 3};
-    iso_volume v;
-    iso_pyramid p;
-    iso_pyramid_options opt = iso_pyramid_defaults();
-    opt.level_count = 3;
-    assert_ok(iso_field_sample(&field, ISO_U8, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "field", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
-    return p;
+    return build_field(&field, 3);
 }
 
 static iso_scene make_scene(void)
@@ -44,33 +36,13 @@ static iso_scene make_scene(void)
                                     {0.55, {0.9, 0.8, 0.3}, 0.2},
                                     {0.65, {0.2, 0.5, 0.9}, 0.02},
                                     {1, {0.3, 0.9, 0.5}, 0.3}};
-    return (iso_scene){.path = "test",
-                       .width = 32,
-                       .height = 26,
-                       .camera_fit = true,
-                       .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
-                       .camera_up = {0, 0, 1},
-                       .margin = 1.05,
-                       .fov_y_deg = 30,
-                       .light_count = 1,
-                       .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.9}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12},
-                       .background = {0.1, 0.2, 0.05},
-                       .step_voxels = 0.5,
-                       .tf = {.fit_range = true,
-                              .unit_distance = 1,
-                              .unit_is_voxels = true,
-                              .table_size = 256,
-                              .point_count = 5,
-                              .points = points}};
+    return scene_of_points(points, 5);
 }
 
 static iso_view make_view(const iso_pyramid *p)
 {
     const iso_scene scene = make_scene();
-    iso_view view;
-    assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
-    return view;
+    return view_of(&scene, p);
 }
 
 static iso_tf_table adapted_table(const iso_pyramid *p, size_t level, const iso_tf_table *tf)
@@ -385,13 +357,6 @@ static void inside_the_box_nothing_but_the_finer_level_is_seen(void **state)
     iso_image_destroy(&want);
     iso_roi_destroy(&f);
     close_subject(&s);
-}
-
-static int end_renderers(void **state)
-{
-    (void)state;
-    iso_renderers_end(&renderers);
-    return 0;
 }
 
 int main(void)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* 2D transfer functions: what the second value is, and that every renderer looks up one definition. Sizes and
  * spacings are unequal, the grid is rotated. */
+#include "rendered.h"
 #include "test.h"
 #include "cycles.h"
 
@@ -21,8 +22,6 @@
 #define POVRAY_MAX_ABS 2e-5
 #define CYCLES_RMSE 4e-4
 
-static iso_renderers renderers;
-
 static iso_geometry rotated_geometry(void)
 {
     const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
@@ -37,14 +36,7 @@ static iso_geometry rotated_geometry(void)
 static iso_pyramid noise_pyramid(void)
 {
     const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(), .seed = 3};
-    iso_volume v;
-    iso_pyramid p;
-    iso_pyramid_options opt = iso_pyramid_defaults();
-    opt.level_count = 2;
-    assert_ok(iso_field_sample(&field, ISO_U8, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "noise", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
-    return p;
+    return build_field(&field, 2);
 }
 
 /* Soft, in colours that differ; a second light and highlights, so that nothing is left out. */
@@ -55,29 +47,11 @@ static iso_view make_view(const iso_pyramid *p)
                                     {0.55, {0.9, 0.8, 0.3}, 0.2},
                                     {0.7, {0.2, 0.5, 0.9}, 0.02},
                                     {1, {0.3, 0.9, 0.5}, 0.3}};
-    const iso_scene scene = {.path = "test",
-                             .width = 32,
-                             .height = 26,
-                             .camera_fit = true,
-                             .camera_direction = iso_normalize(iso_v3(1, 2, -0.7)),
-                             .camera_up = {0, 0, 1},
-                             .margin = 1.05,
-                             .fov_y_deg = 30,
-                             .light_count = 2,
-                             .lights = {{.direction = iso_normalize(iso_v3(-1, 0.5, 2)), .intensity = 0.8},
-                                        {.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 0.2}},
-                             .shading = {.ambient = 0.3, .diffuse = 0.6, .specular = 0.2, .power = 12},
-                             .background = {0.1, 0.2, 0.05},
-                             .step_voxels = 0.5,
-                             .tf = {.fit_range = true,
-                                    .unit_distance = 1,
-                                    .unit_is_voxels = true,
-                                    .table_size = 256,
-                                    .point_count = 5,
-                                    .points = points}};
-    iso_view view;
-    assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
-    return view;
+    iso_scene scene = scene_of_points(points, 5);
+    scene.light_count = 2;
+    scene.lights[0].intensity = 0.8;
+    scene.lights[1] = (iso_light){.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 0.2};
+    return view_of(&scene, p);
 }
 
 static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value second, const iso_view *view)
@@ -261,13 +235,6 @@ static void the_envelope_bounds_every_row(void **state)
     iso_tf_2d_destroy(&t);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
-}
-
-static int end_renderers(void **state)
-{
-    (void)state;
-    iso_renderers_end(&renderers);
-    return 0;
 }
 
 int main(void)

@@ -71,7 +71,7 @@ static void folded_weights(size_t i, size_t n, float out[2 * REACH + 1])
 
 /* out = sum of w_k (after_k - before_k). Samples of 8 and 16 bits are subtracted as integers, which is exact. */
 /* clang-format off */
-#define PAIRS(suffix, ctype, wide)                                                                                \
+#define PAIRS(type, suffix, ctype, wide)                                                                               \
     ISO_SIMD static void pairs_##suffix(const void *const before[REACH], const void *const after[REACH],          \
                                         const float w[REACH], size_t n, float *restrict out)                      \
     {                                                                                                             \
@@ -88,28 +88,9 @@ static void folded_weights(size_t i, size_t n, float out[2 * REACH + 1])
     }
 /* clang-format on */
 
-PAIRS(u8, uint8_t, int)
-PAIRS(i8, int8_t, int)
-PAIRS(u16, uint16_t, int)
-PAIRS(i16, int16_t, int)
-PAIRS(u32, uint32_t, float)
-PAIRS(i32, int32_t, float)
-PAIRS(f32, float, float)
-PAIRS(f64, double, float)
-
-ISO_SIMD static void add_weighted(float weight, const float *restrict row, size_t n, float *restrict sum)
-{
-    for (size_t x = 0; x < n; ++x)
-        sum[x] += weight * row[x];
-}
+ISO_SAMPLE_TYPES(PAIRS)
 
 _Static_assert((int)REACH <= (int)ISO_GRADIENT_MOST_REACH, "scratch rows are too short");
-
-static const void *row_at(const iso_planes *p, size_t y, size_t z)
-{
-    const size_t row = (z - p->first) * p->size[1] + y;
-    return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
-}
 
 static void inside_across(const iso_planes *p, bool along_z, size_t y, size_t z, float *restrict out)
 {
@@ -118,18 +99,14 @@ static void inside_across(const iso_planes *p, bool along_z, size_t y, size_t z,
     const size_t n = p->size[0];
     interior_weights(w);
     for (size_t k = 1; k <= REACH; ++k) {
-        before[k - 1] = along_z ? row_at(p, y, z - k) : row_at(p, y - k, z);
-        after[k - 1] = along_z ? row_at(p, y, z + k) : row_at(p, y + k, z);
+        before[k - 1] = along_z ? iso_planes_row_at(p, y, z - k) : iso_planes_row_at(p, y - k, z);
+        after[k - 1] = along_z ? iso_planes_row_at(p, y, z + k) : iso_planes_row_at(p, y + k, z);
     }
     switch (p->type) {
-    case ISO_U8: pairs_u8(before, after, w, n, out); break;
-    case ISO_I8: pairs_i8(before, after, w, n, out); break;
-    case ISO_U16: pairs_u16(before, after, w, n, out); break;
-    case ISO_I16: pairs_i16(before, after, w, n, out); break;
-    case ISO_U32: pairs_u32(before, after, w, n, out); break;
-    case ISO_I32: pairs_i32(before, after, w, n, out); break;
-    case ISO_F32: pairs_f32(before, after, w, n, out); break;
-    case ISO_F64: pairs_f64(before, after, w, n, out); break;
+#define PAIRS_OF(type, suffix, ctype, wide) \
+    case type: pairs_##suffix(before, after, w, n, out); break;
+        ISO_SAMPLE_TYPES(PAIRS_OF)
+#undef PAIRS_OF
     }
 }
 
@@ -150,7 +127,7 @@ static void across(const iso_planes *p, bool along_z, size_t y, size_t z, float 
         if (w[j] == 0 || i + j < REACH || i + j - REACH >= n)
             continue;
         iso_planes_row(p, along_z ? y : i + j - REACH, along_z ? i + j - REACH : z, row);
-        add_weighted(w[j], row, p->size[0], out);
+        iso_add_weighted_row(w[j], row, p->size[0], out);
     }
 }
 

@@ -9,7 +9,7 @@
  * equal, and so no gradient. Samples of 8 and 16 bits are subtracted as
  * integers, which is exact and leaves fewer conversions. */
 /* clang-format off */
-#define CENTRAL(suffix, ctype, wide)                                                                              \
+#define CENTRAL(type, suffix, ctype, wide)                                                                             \
     static inline void central_at_##suffix(const ctype *const row[5], const float factor[3], size_t left, size_t x, \
                                            size_t right, float d[3])                                              \
     {                                                                                                             \
@@ -57,20 +57,7 @@
     }
 /* clang-format on */
 
-CENTRAL(u8, uint8_t, int)
-CENTRAL(i8, int8_t, int)
-CENTRAL(u16, uint16_t, int)
-CENTRAL(i16, int16_t, int)
-CENTRAL(u32, uint32_t, float)
-CENTRAL(i32, int32_t, float)
-CENTRAL(f32, float, float)
-CENTRAL(f64, double, float)
-
-static const void *row_at(const iso_planes *p, size_t y, size_t z)
-{
-    const size_t row = (z - p->first) * p->size[1] + y;
-    return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
-}
+ISO_SAMPLE_TYPES(CENTRAL)
 
 static void central_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                         size_t z, float *scratch, float *const g[3])
@@ -79,18 +66,14 @@ static void central_row(const iso_planes *p, iso_gradient_method method, const i
     const size_t nx = p->size[0], ny = p->size[1], nz = p->size[2];
     const size_t y0 = y > 0 ? y - 1 : 0, y1 = y + 1 < ny ? y + 1 : y;
     const size_t z0 = z > 0 ? z - 1 : 0, z1 = z + 1 < nz ? z + 1 : z;
-    const void *const rows[5] = {row_at(p, y, z), row_at(p, y0, z), row_at(p, y1, z), row_at(p, y, z0),
-                                 row_at(p, y, z1)};
+    const void *const rows[5] = {iso_planes_row_at(p, y, z), iso_planes_row_at(p, y0, z), iso_planes_row_at(p, y1, z),
+                                 iso_planes_row_at(p, y, z0), iso_planes_row_at(p, y, z1)};
     const float factor[3] = {0.5f, y1 - y0 == 2 ? 0.5f : 1, z1 - z0 == 2 ? 0.5f : 1};
     switch (p->type) {
-    case ISO_U8: central_u8(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_I8: central_i8(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_U16: central_u16(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_I16: central_i16(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_U32: central_u32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_I32: central_i32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_F32: central_f32(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
-    case ISO_F64: central_f64(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+#define CENTRAL_OF(type, suffix, ctype, wide) \
+    case type: central_##suffix(rows, factor, nx, matrix, g[0], g[1], g[2]); break;
+        ISO_SAMPLE_TYPES(CENTRAL_OF)
+#undef CENTRAL_OF
     }
 }
 
@@ -123,6 +106,12 @@ void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso
                       size_t z, float *scratch, float *const g[3])
 {
     iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, g);
+}
+
+ISO_SIMD void iso_add_weighted_row(float weight, const float *restrict row, size_t n, float *restrict sum)
+{
+    for (size_t x = 0; x < n; ++x)
+        sum[x] += weight * row[x];
 }
 
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row)

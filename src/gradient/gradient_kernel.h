@@ -14,6 +14,24 @@ typedef struct iso_planes {
     size_t first, count;
 } iso_planes;
 
+/* What kernels are made for: X(type, suffix, type in C, type that holds a difference exactly or in float). */
+#define ISO_SAMPLE_TYPES(X) \
+    X(ISO_U8, u8, uint8_t, int) \
+    X(ISO_I8, i8, int8_t, int) \
+    X(ISO_U16, u16, uint16_t, int) \
+    X(ISO_I16, i16, int16_t, int) \
+    X(ISO_U32, u32, uint32_t, float) \
+    X(ISO_I32, i32, int32_t, float) \
+    X(ISO_F32, f32, float, float) \
+    X(ISO_F64, f64, double, float)
+
+/* The samples of the row (y, z), in their type. */
+static inline const void *iso_planes_row_at(const iso_planes *p, size_t y, size_t z)
+{
+    const size_t row = (z - p->first) * p->size[1] + y;
+    return (const char *)p->data + row * p->size[0] * iso_type_bytes(p->type);
+}
+
 /* The matrix, as float and row-major, and whether only its diagonal counts. */
 typedef struct iso_gradient_matrix {
     float m[9];
@@ -39,6 +57,9 @@ enum { ISO_GRADIENT_MOST_REACH = 12 };
 /* Turns a row of index gradients into world gradients, in place. */
 void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
                            float *restrict gz);
+
+/* sum += weight * row */
+void iso_add_weighted_row(float weight, const float *restrict row, size_t n, float *restrict sum);
 
 /* The row (y, z) as floats. */
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);

@@ -50,12 +50,6 @@ static void smoothing_weights(size_t i, size_t n, float w[OFFSETS])
 
 static const float only_middle[OFFSETS] = {0, 0, 1, 0, 0};
 
-ISO_SIMD static void add_weighted(float weight, const float *restrict row, size_t n, float *restrict sum)
-{
-    for (size_t x = 0; x < n; ++x)
-        sum[x] += weight * row[x];
-}
-
 /* sum = the rows around (y, z), weighted along both axes. */
 static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFFSETS], const float wz[OFFSETS],
                      float *row, float *restrict sum)
@@ -66,7 +60,7 @@ static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFF
             if (wy[b] == 0 || wz[c] == 0)
                 continue;
             iso_planes_row(p, y + b - MIDDLE, z + c - MIDDLE, row);
-            add_weighted(wy[b] * wz[c], row, p->size[0], sum);
+            iso_add_weighted_row(wy[b] * wz[c], row, p->size[0], sum);
         }
 }
 
@@ -127,7 +121,7 @@ static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, f
         const size_t rows[4][2] = {{y, z}, {y1, z}, {y, z1}, {y1, z1}};
         for (size_t r = 0; r < 4; ++r) {
             iso_planes_row(p, rows[r][0], rows[r][1], row);
-            add_weighted(0.25f * weight, row, p->size[0], sum);
+            iso_add_weighted_row(0.25f * weight, row, p->size[0], sum);
         }
     }
 }

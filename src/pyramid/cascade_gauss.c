@@ -137,17 +137,18 @@ static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_
         for (size_t i = 0; i < w->filtered; ++i) {
             memset(b->filtered, 0, coarse[0] * sizeof(float));
             for (size_t t = 0; t < taps; ++t)
-                iso_weigh_row(w->taps.weight[t],
-                              b->narrow +
-                                  ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) * coarse[0],
-                              coarse[0], b->filtered);
+                iso_add_weighted_row(w->taps.weight[t],
+                                     b->narrow +
+                                         ((iso_taps_source(&w->taps, j, t, fine[1]) - first) * w->components + i) *
+                                             coarse[0],
+                                     coarse[0], b->filtered);
             for (size_t p = open_first; p <= open_last; ++p) {
                 float *to = slot(r, k + 1, p) + (i * coarse[1] + j) * coarse[0];
                 if (iso_taps_source(&w->taps, p, 0, fine[2]) == z)
                     memset(to, 0, coarse[0] * sizeof(float));
                 for (size_t t = 0; t < taps; ++t)
                     if (iso_taps_source(&w->taps, p, t, fine[2]) == z)
-                        iso_weigh_row(w->taps.weight[t], b->filtered, coarse[0], to);
+                        iso_add_weighted_row(w->taps.weight[t], b->filtered, coarse[0], to);
             }
         }
 }

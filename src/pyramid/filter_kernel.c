@@ -278,12 +278,6 @@ void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, flo
         weigh_pairs(taps->weight[t], padded + t, half, out);
 }
 
-ISO_SIMD void iso_weigh_row(float weight, const float *restrict row, size_t n, float *restrict acc)
-{
-    for (size_t i = 0; i < n; ++i)
-        acc[i] += weight * row[i];
-}
-
 /* [diaz-garcia-2017] Eq. 1: the sums of G m g and of m g have been taken; their
  * quotient is the filtered gradient, whose own length weighs the next level. */
 ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent)

@@ -58,8 +58,6 @@ void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restric
  * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
                   float *restrict out);
-/* acc += weight * row */
-void iso_weigh_row(float weight, const float *restrict row, size_t n, float *restrict acc);
 /* Eq. 1: sums of m^p G g and m^p g to the filtered gradient's own state, in place. */
 void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent);
 

@@ -33,6 +33,19 @@ static bool starts_like_nifti(const unsigned char *head, size_t size)
     return first == 348 || swapped == 348 || first == 540 || swapped == 540;
 }
 
+/* The arrays that both versions of the header have, in types of their own. */
+#define TAKE_ARRAYS(out, h) \
+    memcpy(out.magic, h->magic, 3); \
+    for (int i = 0; i < 8; ++i) { \
+        out.dim[i] = h->dim[i]; \
+        out.pixdim[i] = h->pixdim[i]; \
+    } \
+    for (int c = 0; c < 4; ++c) { \
+        out.srow[0][c] = h->srow_x[c]; \
+        out.srow[1][c] = h->srow_y[c]; \
+        out.srow[2][c] = h->srow_z[c]; \
+    }
+
 static nifti_header from_nifti_1(const nifti_1_header *h)
 {
     nifti_header out = {.version = "NIfTI-1",
@@ -48,16 +61,7 @@ static nifti_header from_nifti_1(const nifti_1_header *h)
                         .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z},
                         .least_offset = 352};
     out.known = out.one_file || memcmp(h->magic, "ni1", 4) == 0;
-    memcpy(out.magic, h->magic, 3);
-    for (int i = 0; i < 8; ++i) {
-        out.dim[i] = h->dim[i];
-        out.pixdim[i] = h->pixdim[i];
-    }
-    for (int c = 0; c < 4; ++c) {
-        out.srow[0][c] = h->srow_x[c];
-        out.srow[1][c] = h->srow_y[c];
-        out.srow[2][c] = h->srow_z[c];
-    }
+    TAKE_ARRAYS(out, h)
     return out;
 }
 
@@ -100,16 +104,7 @@ static nifti_header from_nifti_2(const nifti_2_header *h)
                         .qoffset = {h->qoffset_x, h->qoffset_y, h->qoffset_z},
                         .least_offset = 544};
     out.known = out.one_file || memcmp(h->magic, "ni2\0\r\n\032\n", 8) == 0;
-    memcpy(out.magic, h->magic, 3);
-    for (int i = 0; i < 8; ++i) {
-        out.dim[i] = h->dim[i];
-        out.pixdim[i] = h->pixdim[i];
-    }
-    for (int c = 0; c < 4; ++c) {
-        out.srow[0][c] = h->srow_x[c];
-        out.srow[1][c] = h->srow_y[c];
-        out.srow[2][c] = h->srow_z[c];
-    }
+    TAKE_ARRAYS(out, h)
     return out;
 }
 
