@@ -58,7 +58,9 @@ static iso_noise_test run(size_t count, double shift, double gain, double offset
         assert_ok(iso_samples_add(&s, &image, &err));
         iso_image_destroy(&image);
     }
-    assert_ok(iso_samples_test(&s, 0.001, tolerance, tolerance, &test, &err));
+    assert_ok(iso_samples_test(
+        &s, &(iso_noise_options){.significance = 0.001, .tolerance = tolerance, .bias_tolerance = tolerance}, &test,
+        &err));
     iso_samples_destroy(&s);
     iso_image_destroy(&reference);
     return test;
@@ -160,7 +162,7 @@ static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double
             }
             assert_ok(iso_samples_add(&s, &image, &err));
         }
-        assert_ok(iso_samples_test(&s, significance, 0, 0, &t, &err));
+        assert_ok(iso_samples_test(&s, &(iso_noise_options){.significance = significance}, &t, &err));
         r.pixels += (t.rejected > 0) / (double)repetitions;
         r.bias += t.biased / (double)repetitions;
         iso_samples_destroy(&s);
@@ -255,9 +257,11 @@ static void a_planted_offset_is_caught_as_often_as_computed(void **state)
 static void critical_values_are_those_of_the_header(void **state)
 {
     (void)state;
-    const double n[] = {3, 4, 8, 16}, pixel[] = {2023, 208, 19.4, 8.85}, bias[] = {63.2, 20.6, 6.81, 4.77};
+    const double n[] = {3, 4, 8, 16}, pixel[] = {2023, 208, 19.4, 8.85}, bias[] = {63.2, 20.6, 6.81, 4.77},
+                 beside[] = {25.4, 19.4, 11.2, 7.80};
     for (int i = 0; i < 4; ++i) {
         assert_within(critical(1 - pow(0.999, 1.0 / 4096), n[i] - 1) / pixel[i], 1, 3e-3); /* as printed */
+        assert_within(critical(1 - pow(0.999, 1.0 / 4096), n[i] - 1 + ISO_NOISE_NEIGHBORS) / beside[i], 1, 4e-3);
         assert_within(critical(1 - pow(0.999, 0.25), n[i] - 1) / bias[i], 1, 3e-3);
     }
 }
@@ -280,7 +284,7 @@ static void channels_do_not_cancel_and_alpha_counts(void **state)
                 image.rgba[i] = (float)(0.005 * normal(&random) + offsets[k][i % 4]);
             assert_ok(iso_samples_add(&s, &image, &err));
         }
-        assert_ok(iso_samples_test(&s, 0.001, 0, 0, &t, &err));
+        assert_ok(iso_samples_test(&s, &(iso_noise_options){.significance = 0.001}, &t, &err));
         assert_true(t.biased);
         assert_true(k == 0 ? t.bias_channel == 0 || t.bias_channel == 2 : t.bias_channel == 3);
         iso_samples_destroy(&s);
@@ -300,7 +304,7 @@ static void mean_and_bias_are_those_of_the_images(void **state)
     assert_ok(iso_samples_create(&s, &reference, &err));
     assert_ok(iso_samples_add(&s, &a, &err));
     assert_ok(iso_samples_add(&s, &b, &err));
-    assert_ok(iso_samples_test(&s, 0.01, 0, 0, &t, &err));
+    assert_ok(iso_samples_test(&s, &(iso_noise_options){.significance = 0.01}, &t, &err));
     assert_within(s.mean[0], truth(0, 0, 0) + 0.02, 1e-7); /* float images */
     assert_within(t.bias, 0.02, 1e-7);
     assert_within(t.bias_error, 0.01, 1e-7); /* deviation .0141, over the root of 2 */
@@ -320,16 +324,18 @@ static void bad_samples_are_refused(void **state)
     assert_ok(iso_image_create(&small, 3, 3, &err));
     assert_status(iso_samples_create(&s, &none, &err), ISO_E_RANGE);
     assert_ok(iso_samples_create(&s, &reference, &err));
-    assert_status(iso_samples_test(&s, 0.01, 0, 0, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, &(iso_noise_options){.significance = 0.01}, &t, &err), ISO_E_RANGE);
     assert_status(iso_samples_add(&s, &small, &err), ISO_E_RANGE);
     bad.rgba[5] = NAN;
     assert_status(iso_samples_add(&s, &bad, &err), ISO_E_RANGE);
     assert_ok(iso_samples_add(&s, &reference, &err));
     assert_ok(iso_samples_add(&s, &reference, &err));
     assert_int_equal(s.count, 2);
-    assert_status(iso_samples_test(&s, 0, 0, 0, &t, &err), ISO_E_RANGE);
-    assert_status(iso_samples_test(&s, 0.01, NAN, 0, &t, &err), ISO_E_RANGE);
-    assert_status(iso_samples_test(&s, 0.01, 0, -1, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, &(iso_noise_options){.significance = 0}, &t, &err), ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, &(iso_noise_options){.significance = 0.01, .tolerance = NAN}, &t, &err),
+                  ISO_E_RANGE);
+    assert_status(iso_samples_test(&s, &(iso_noise_options){.significance = 0.01, .bias_tolerance = -1}, &t, &err),
+                  ISO_E_RANGE);
     iso_samples_destroy(&s);
     iso_image_destroy(&reference);
     iso_image_destroy(&bad);

@@ -284,7 +284,9 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     iso_extrapolated limit = {0};
     iso_report_agreement row = {0};
     iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->seeds, c->threads);
+    const iso_render_options truth = truth_options(c, ISO_POWER_LIMIT, renderer);
     opt.first_seed = c->first_seed;
+    opt.truth = &truth;
     opt.hopeless = 5; /* spares the last halvings of gross faults: tests/test_limits.c shows that verdicts stay */
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
@@ -355,8 +357,11 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
         s.mean[i] = noisy ? s.mean[i] : (double)others->rgba[i];
     }
     if (status == ISO_OK)
-        status = iso_samples_test(&s, -expm1(4 * (double)(others->width * others->height) * log1p(-ISO_POWER_NOISE_P)),
-                                  0, 0, &test, err);
+        status = iso_samples_test(&s,
+                                  &(iso_noise_options){
+                                      .significance = -expm1(4 * (double)(others->width * others->height) *
+                                                             log1p(-ISO_POWER_NOISE_P))},
+                                  &test, err);
     if (status == ISO_OK)
         out->below += test.rejected;
     iso_samples_destroy(&s);
@@ -377,7 +382,8 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     }
     for (size_t g = 0; g < groups && status == ISO_OK; ++g) {
         iso_extrapolated limit = {.seeds = n};
-        status = iso_extrapolate(images + 2 * n * g, n, &c->converged, factor, &limit, err);
+        status = iso_extrapolate(&(iso_extrapolation_input){images + 2 * n * g, n, &c->converged, factor, NULL}, &limit,
+                                 err);
         out->groups += 1;
         out->flagged += limit.noise.rejected > 0 || limit.noise.biased;
         iso_extrapolated_destroy(&limit);

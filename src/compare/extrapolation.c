@@ -2,6 +2,7 @@
 #include "compare/extrapolation.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "compare/metrics.h"
 
@@ -145,27 +146,60 @@ static iso_extrapolated_noise noise_of_mean(const iso_image *images, size_t n, c
     return (iso_extrapolated_noise){sum / (double)(4 * pixels), sqrt(squares) / (double)(4 * pixels)};
 }
 
-/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes: a pixel's
- * as far as the largest; the mean over the image hides no single pixel, and is held to the step's difference itself. */
-static iso_status test_noise(const iso_image *limits, size_t count, const iso_image *reference, double factor,
-                             double largest_step_error, iso_extrapolated *out, iso_error *err)
+/* How far the step's error goes at each value: what halving the step changes there, in any seed, in the 3 x 3 pixels around
+ * it, times the factor. The seeds one by one, since their mean may be alike at both steps by chance; the neighbors, since
+ * a bend of the TF may lie where one pixel's samples do not tell it at either step. */
+static void measure_tolerances(const iso_extrapolation_input *of, const iso_image *limits, double *tolerances)
+{
+    const size_t width = of->reference->width, height = of->reference->height;
+    for (size_t i = 0; i < 4 * width * height; ++i)
+        tolerances[i] = 0;
+    for (size_t i = 0; i < 4 * width * height; ++i) {
+        const size_t column = i / 4 % width, row = i / 4 / width;
+        double change = 0;
+        for (size_t k = 0; k < of->seeds; ++k)
+            change = fmax(change, fabs((double)limits[k].rgba[i] - (double)of->images[of->seeds + k].rgba[i]));
+        for (size_t y = row > 0 ? row - 1 : 0; y <= row + 1 && y < height; ++y)
+            for (size_t x = column > 0 ? column - 1 : 0; x <= column + 1 && x < width; ++x) {
+                double *t = &tolerances[4 * (y * width + x) + i % 4];
+                *t = fmax(*t, of->factor * change);
+            }
+    }
+}
+
+/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes around a pixel;
+ * the mean over the image hides no single pixel, and is held to the step's difference itself. */
+static iso_status test_noise(const iso_extrapolation_input *of, const iso_image *limits, iso_extrapolated *out,
+                             iso_error *err)
 {
     iso_samples samples;
+    const size_t count = 4 * of->reference->width * of->reference->height;
     if (!isfinite(out->step_bar)) { /* pixels that are no numbers: the row differs, and the others go on */
         out->noise_bar = INFINITY;
-        out->noise.rejected = out->noise.tests = 4 * reference->width * reference->height;
+        out->noise.rejected = out->noise.tests = count;
         return ISO_OK;
     }
-    iso_status status = iso_samples_create(&samples, reference, err);
-    if (status != ISO_OK)
-        return status;
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+    iso_status status = iso_samples_create(&samples, of->reference, err);
+    double *tolerances = malloc(2 * count * sizeof *tolerances), *excuses = tolerances ? tolerances + count : NULL;
+    if (status == ISO_OK && !tolerances)
+        status = iso_fail(err, ISO_E_MEMORY, "extrapolation: no memory for %zu values", 2 * count);
+    for (size_t i = 0; i < of->seeds && status == ISO_OK; ++i)
         status = iso_samples_add(&samples, &limits[i], err);
-    out->noise_bar = sqrt(noise_of_mean(limits, count, &out->image).square);
-    if (status == ISO_OK)
-        status = iso_samples_test(&samples, ISO_EXTRAPOLATION_SIGNIFICANCE,
-                                  factor * largest_step_error + ISO_EXTRAPOLATION_ROUNDING,
-                                  out->step_bar + ISO_EXTRAPOLATION_ROUNDING, &out->noise, err);
+    if (status == ISO_OK) {
+        out->noise_bar = sqrt(noise_of_mean(limits, of->seeds, &out->image).square);
+        measure_tolerances(of, limits, tolerances);
+        for (size_t i = 0; of->unsteady && i < count; ++i)
+            excuses[i] = fmin((double)of->unsteady->rgba[i], ISO_EXTRAPOLATION_EXCUSE_MOST);
+        const iso_noise_options o = {.significance = ISO_EXTRAPOLATION_SIGNIFICANCE,
+                                     .tolerance = ISO_EXTRAPOLATION_ROUNDING,
+                                     .tolerances = tolerances,
+                                     .excuses = of->unsteady ? excuses : NULL,
+                                     .most_excused = (size_t)(ISO_EXTRAPOLATION_EXCUSE_PART * (double)count),
+                                     .bias_tolerance = out->step_bar + ISO_EXTRAPOLATION_ROUNDING,
+                                     .neighbors = ISO_NOISE_NEIGHBORS};
+        status = iso_samples_test(&samples, &o, &out->noise, err);
+    }
+    free(tolerances);
     iso_samples_destroy(&samples);
     return status;
 }
@@ -178,9 +212,10 @@ static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, 
     return status;
 }
 
-iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
-                           iso_extrapolated *out, iso_error *err)
+iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *out, iso_error *err)
 {
+    const iso_image *const images = of->images, *const reference = of->reference;
+    const size_t seeds = of->seeds;
     iso_image limits[ISO_EXTRAPOLATION_MAX_SEEDS] = {{0}}, coarse = {0};
     iso_extrapolation e = {0}, unused;
     iso_metrics limit = {0};
@@ -198,13 +233,13 @@ iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_imag
     for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
         status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_EXTRAPOLATION_ORDER, &limits[i], &unused, err);
     if (status == ISO_OK && seeds > 1)
-        status = test_noise(limits, seeds, reference, factor, e.error_bar_max, out, err);
+        status = test_noise(of, limits, out, err);
     if (status == ISO_OK && seeds > 1) {
         out->coarse_noise = noise_of_mean(images, seeds, &coarse);
         out->fine_noise = noise_of_mean(images + seeds, seeds, &out->fine);
     }
     out->order = log2(out->coarse_rmse / out->fine_rmse);
-    out->bar = factor * hypot(out->step_bar, out->noise_bar);
+    out->bar = of->factor * hypot(out->step_bar, out->noise_bar);
     out->allowed = out->bar + ISO_EXTRAPOLATION_ROUNDING;
     for (size_t i = 0; i < ISO_EXTRAPOLATION_MAX_SEEDS; ++i)
         iso_image_destroy(&limits[i]);

@@ -78,10 +78,24 @@ typedef struct iso_extrapolated {
 
 void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one */
 
-/* Extrapolates `seeds` images at the double step, followed by `seeds` images at the step; at most
- * ISO_EXTRAPOLATION_MAX_SEEDS. Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
-iso_status iso_extrapolate(const iso_image *images, size_t seeds, const iso_image *reference, double factor,
-                           iso_extrapolated *out, iso_error *err);
+/* Where the reference itself moves with the last bit of single precision of its eye, to and fro, a renderer is not asked to be
+ * more exact than that. The excuse goes no farther than a step of 8 bits, and where more than half a percent of all values
+ * would need one, none is given. */
+#define ISO_EXTRAPOLATION_EXCUSE_MOST (1.0 / 255)
+#define ISO_EXTRAPOLATION_EXCUSE_PART 5e-3
+
+/* What is extrapolated: `seeds` images at the double step, followed by `seeds` images at the step; at most
+ * ISO_EXTRAPOLATION_MAX_SEEDS. */
+typedef struct iso_extrapolation_input {
+    const iso_image *images;
+    size_t seeds;
+    const iso_image *reference;
+    double factor;             /* ISO_EXTRAPOLATION_FACTOR_... */
+    const iso_image *unsteady; /* how far each value of the reference moves with its eye; or NULL: none is excused */
+} iso_extrapolation_input;
+
+/* Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
+iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *out, iso_error *err);
 
 /* The image of the limit alone, created: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);

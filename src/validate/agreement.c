@@ -315,6 +315,10 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
+    iso_render_options reference = iso_render_defaults(iso_renderers_truth());
+    reference.source = a == &t->exported ? ISO_FROM_DECODED : ISO_FROM_CODES;
+    reference.threads = v->threads;
+    opt.truth = &reference;
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
     opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;

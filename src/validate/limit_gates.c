@@ -11,8 +11,6 @@ static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
  * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
  * little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
-/* Of all pixels and channels: none of fewer than 70 x 70 pixels, 5 values of 160 x 160. */
-static const double grazing_part = 5e-5;
 
 /* Of lit scenes: below what a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
@@ -31,6 +29,10 @@ json_t *iso_validate_limit_to_json(const iso_extrapolated *l)
     if (l->seeds < 2)
         return o;
     const iso_noise_test *n = &l->noise;
+    json_object_update_new(o, json_pack("{s:o, s:o, s:I, s:o}", "pixel_tolerance_median",
+                                        iso_json_number(n->tolerance_median), "pixel_tolerance_largest",
+                                        iso_json_number(n->tolerance_largest), "pixels_excused", (json_int_t)n->excused,
+                                        "largest_excused", iso_json_number(n->largest_excused)));
     json_object_update_new(o, json_pack("{s:o, s:I, s:I, s:o, s:o, s:o, s:o, s:o}", "noise_bar",
                                         iso_json_number(l->noise_bar), "pixels_tested", (json_int_t)n->tests,
                                         "pixels_beyond_chance", (json_int_t)n->rejected, "smallest_p",
@@ -53,9 +55,7 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapol
     add_gate(row, ISO_GATE_ERROR_BAR, l->bar, iso_validate_error_bar(asked));
     add_gate(row, ISO_GATE_HALVING, iso_extrapolated_error_left(l), asked->sharp ? sharp_left : smooth_left);
     if (l->seeds > 1) {
-        /* A ray along an edge of an opaque box changes its pixel by 3.6e-4 when it is put 1e-5 mm aside, which is one bit of
-         * single precision at the eye's distance: few values may. The RMSE is held to its bar all the same. */
-        add_gate(row, ISO_GATE_PIXELS, (double)l->noise.rejected, floor(grazing_part * (double)l->noise.tests));
+        add_gate(row, ISO_GATE_PIXELS, (double)l->noise.rejected, 0);
         add_gate(row, ISO_GATE_BIAS, l->noise.biased, 0);
     }
     if (asked->tier == ISO_TIER_LIT) {

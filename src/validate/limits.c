@@ -112,10 +112,72 @@ static bool is_narrow(const iso_extrapolated *l, const iso_limit_options *opt)
     return !possible || iso_extrapolated_held_to(l) <= opt->wanted_held_to;
 }
 
+/* One bit of single precision at the distance from the eye to what is farthest of the box. */
+static double eye_step_mm(const iso_geometry *g, const iso_camera *camera)
+{
+    const iso_vec3 way = iso_sub(iso_geometry_box_center_mm(g), camera->position);
+    const double distance = sqrt(iso_dot(way, way)) + iso_geometry_box_radius_mm(g);
+    return ldexp(1, ilogb(distance) - 23);
+}
+
+/* How far each value of the reference moves when its eye moves by so much, to and fro along three axes: the largest less the
+ * least. Along an edge of an opaque box it is many times as much as elsewhere, and a renderer in single precision cannot
+ * be asked for more. */
+static iso_status measure_unsteadiness(const iso_render_request *what, const iso_render_options *truth,
+                                       iso_image *unsteady, iso_error *err)
+{
+    iso_image least = {0}, moved = {0};
+    iso_view view = *what->view; /* borrows */
+    iso_camera *const c = &view.camera;
+    const iso_vec3 eye = c->position, axes[3] = {c->right, c->up, c->forward};
+    const double step = eye_step_mm(&what->pyramid->levels[what->level].geometry, c);
+    const size_t count = 4 * view.width * view.height;
+    iso_status status = iso_image_create(&least, view.width, view.height, err);
+    if (status == ISO_OK)
+        status = iso_image_create(unsteady, view.width, view.height, err);
+    for (int k = 0; k < 6 && status == ISO_OK; ++k) {
+        c->position = iso_add(eye, iso_scale(axes[k / 2], k % 2 ? -step : step));
+        status = iso_render_with(&(iso_render_request){what->renderers, what->pyramid, what->level, &view, truth,
+                                                       what->progress},
+                                 &moved, NULL, err);
+        for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+            least.rgba[i] = k ? fminf(least.rgba[i], moved.rgba[i]) : moved.rgba[i];
+            unsteady->rgba[i] = k ? fmaxf(unsteady->rgba[i], moved.rgba[i]) : moved.rgba[i];
+        }
+        iso_image_destroy(&moved);
+    }
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        unsteady->rgba[i] -= least.rgba[i];
+    iso_image_destroy(&least);
+    return status;
+}
+
+/* Extrapolates the pair. Only where pixels are beyond chance, the reference is rendered again to see whether it moves there;
+ * *unsteady is kept for the next step. */
+static iso_status extrapolate_pair(const iso_render_request *what, const step_pair *pair, const iso_image *reference,
+                                   const iso_limit_options *opt, iso_image *unsteady, iso_extrapolated *out,
+                                   iso_error *err)
+{
+    iso_extrapolation_input input = {pair->images, pair->seeds, reference, opt->factor,
+                                     unsteady->rgba ? unsteady : NULL};
+    const iso_extrapolated about = *out;
+    iso_status status = iso_extrapolate(&input, out, err);
+    if (status != ISO_OK || pair->seeds < 2 || out->noise.rejected == 0 || input.unsteady || !opt->truth ||
+        !isfinite(out->step_bar))
+        return status;
+    status = measure_unsteadiness(what, opt->truth, unsteady, err);
+    if (status != ISO_OK)
+        return status;
+    input.unsteady = unsteady;
+    iso_extrapolated_destroy(out);
+    *out = about;
+    return iso_extrapolate(&input, out, err);
+}
+
 static bool is_good(const iso_extrapolated *l, const iso_limit_options *opt)
 {
     return l->bar <= opt->wanted_bar && is_narrow(l, opt) && l->rmse <= l->allowed &&
-           iso_extrapolated_error_left(l) <= opt->wanted_left &&
+           iso_extrapolated_error_left(l) <= opt->wanted_left && l->noise.rejected == 0 &&
            (opt->wanted_ssim_dissimilarity <= 0 || l->ssim_dissimilarity <= opt->wanted_ssim_dissimilarity) &&
            (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }
@@ -133,6 +195,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
 {
     iso_render_request q = *what;
     step_pair pair;
+    iso_image unsteady = {0};
     iso_status status = check_seeds(opt, err);
     *out = (iso_extrapolated){0};
     if (status != ISO_OK)
@@ -148,13 +211,14 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
         q.options = pair.frames + first;
         status = iso_render_several(&q, 2 * pair.seeds - first, pair.images + first, err);
         if (status == ISO_OK)
-            status = iso_extrapolate(pair.images, pair.seeds, reference, opt->factor, out, err);
+            status = extrapolate_pair(&q, &pair, reference, opt, &unsteady, out, err);
         step /= 2;
         if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= opt->finest_voxels))
             break;
         halve(&pair, &q.pyramid->levels[q.level], step, opt->finest_voxels, &first);
     }
     destroy_pair(&pair);
+    iso_image_destroy(&unsteady);
     if (status != ISO_OK)
         iso_extrapolated_destroy(out);
     return status;

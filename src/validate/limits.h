@@ -7,6 +7,7 @@
  *   - the limit differs from the reference by more than its error bar;
  *   - halving does not reduce the error as second order should;
  *   - the error bar is wider than a faint image allows;
+ *   - a pixel is beyond chance, and nothing excuses it;
  *   - a person would see the difference (FLIP, SSIM), where the scene asks for that.
  * A renderer that is right passes in the end. The difference of one that is wrong stays, while its bar shrinks. */
 #ifndef ISO_VALIDATE_LIMITS_H
@@ -16,18 +17,21 @@
 #include "compare/extrapolation.h"
 
 typedef struct iso_limit_options {
-    double step_voxels;   /* the finer of the first two, in the level's smallest spacing */
-    double finest_voxels; /* where halving ends */
-    double wanted_bar;    /* RMSE, factor included */
-    double factor;        /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
+    double step_voxels;    /* the finer of the first two, in the level's smallest spacing */
+    double finest_voxels;  /* where halving ends */
+    double wanted_bar;     /* RMSE, factor included */
+    double factor;         /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
     double wanted_held_to; /* the most that iso_extrapolated_held_to() may be, for a faint image; 0: anything */
-    double wanted_left;   /* part of the error that halving may leave: iso_extrapolated_error_left() */
+    double wanted_left;    /* part of the error that halving may leave: iso_extrapolated_error_left() */
     double hopeless; /* give up when the limit is so many bars off and halving hardly changes it; INFINITY: never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not checked */
     size_t seeds;                                  /* of random renderers, at least 2 */
     size_t planes,
         intervals; /* of renderers with intervals, at step_voxels; at its double half of them; 0 intervals: chosen by the step */
     int first_seed, threads;
+    const iso_render_options
+        *truth; /* of the reference; with it, pixels are excused where the reference itself moves with
+                                      * its eye by single precision. NULL: none is */
 } iso_limit_options;
 /* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
 iso_limit_options iso_limit_defaults(void);
