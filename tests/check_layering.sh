@@ -28,7 +28,7 @@ plan:       $shared render compare
 targets:    $shared render vdb povray blender compare plan
 report:     base image compare
 library:    $shared render vdb povray blender renderers compare plan targets
-validate:   $shared render renderers compare report
+validate:   $shared render renderers compare targets report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* target_blender.c - levels, or what a plan leaves, as a scene that Blender renders as it opens. */
+#define _GNU_SOURCE
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/process.h"
 #include "blender/blender.h"
 #include "targets/targets.h"
 
@@ -67,6 +71,26 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
     return status;
 }
 
+/* "blender -b NAME.blend -f 1": the first frame, as the file opens, beside it. */
+static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
+{
+    char *program = NULL, *exr = NULL;
+    const int stem = (int)(strlen(output) - strlen(".blend"));
+    iso_status status = iso_process_find("blender", "blender", &program, err);
+    if (status == ISO_OK && asprintf(&exr, "%.*s_0001.exr", stem, output) < 0)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        const char *argv[] = {program, "-b", output, "-f", "1", NULL};
+        const iso_process_options options = {.timeout_seconds = 600};
+        status = iso_process_run(argv, &options, err);
+    }
+    if (status == ISO_OK)
+        status = iso_image_load_exr(exr, picture, err);
+    free(program);
+    free(exr);
+    return status;
+}
+
 const iso_export_target iso_export_target_blender = {
     .name = "blender",
     .title = "Blender",
@@ -76,4 +100,9 @@ const iso_export_target iso_export_target_blender = {
                ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
     .write = write_blender,
+    .open = open_blender,
+    .renderer = "cycles",
+    .example = "scene.blend",
+    .limit = 5e-4,
+    .why = "the same steps and random numbers: single precision is left, which steep tables multiply",
 };

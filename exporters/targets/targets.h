@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "base/names.h"
+#include "image/image.h"
 #include "plan/planned.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
@@ -70,6 +71,16 @@ typedef struct iso_export_target {
     const char *output;  /* what -o names: "NAME.vdb" */
     unsigned options;    /* of ISO_EXPORT_TAKES(option) */
     iso_status (*write)(const iso_export_job *job, iso_error *err);
+
+    /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person to,
+     * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
+    iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
+    const char *renderer; /* its name among the renderers */
+    const char *example;  /* what -o may be called */
+    size_t intervals;     /* of a ray, in what is written; 0: the scene's step */
+    bool eight_bits;      /* sRGB, a channel; else floats */
+    double limit;         /* RMSE to a picture of the same samples: in steps of 8 bits, or as it is */
+    const char *why;      /* the cause of it */
 } iso_export_target;
 
 #define ISO_EXPORT_TAKES(option) (1u << (option))

@@ -89,6 +89,8 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
         status = run_stage(v, "methods", iso_validate_methods, err);
     if (status == ISO_OK)
         status = run_stage(v, "consistency", iso_validate_consistency, err);
+    if (status == ISO_OK)
+        status = run_stage(v, "artefacts", iso_validate_artefacts, err);
     return status;
 }
 
@@ -374,6 +376,7 @@ const iso_command iso_command_validate = {
         "adapted to a level? How far is each level from level 0: no further than the scene asks (\"levels\"), and not behind\n"
         "gradients on the fly under the original transfer function? --suite asks the first two for a folder of scenes that\n"
         "are known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
+        "What is exported to a program is moved, opened by it as a person would, and has to show the same picture.\n"
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
         "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"

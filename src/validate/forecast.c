@@ -6,7 +6,9 @@
  * end. A row that is refused, or that nobody foresaw, changes nothing but the estimate. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#include "targets/targets.h"
 #include "validate/calibrate.h"
 #include "validate/validate.h"
 
@@ -174,6 +176,23 @@ static void add_consistency(const iso_validation *v, iso_job *job)
         }
 }
 
+/* Two runs of each program, small. */
+static void add_artefacts(const iso_validation *v, iso_job *job)
+{
+    char name[64];
+    iso_job_add_phase(job, "artefacts", 1);
+    iso_job_add_lane(job);
+    for (size_t i = 0; i < iso_export_target_names.count; ++i) {
+        const iso_export_target *target = iso_export_target_at(i);
+        for (size_t r = 0; target->open && r < iso_renderer_count(); ++r) {
+            if (!v->wanted[r] || strcmp(iso_renderer_at(r)->name, target->renderer) != 0)
+                continue;
+            snprintf(name, sizeof name, "artefacts: %s", target->name);
+            iso_job_add_part(job, name, "artefacts", 3 * start_seconds(iso_renderer_at(r)));
+        }
+    }
+}
+
 static void add_report(iso_job *job)
 {
     iso_job_add_phase(job, "report", 1);
@@ -192,6 +211,7 @@ void iso_validate_forecast(const iso_validation *v)
         for (size_t i = 0; i < iso_method_count; ++i)
             add_method(v, job, &iso_methods[i]);
         add_consistency(v, job);
+        add_artefacts(v, job);
         add_report(job);
     }
     iso_progress_line_unlock(v->line);

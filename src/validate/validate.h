@@ -7,6 +7,7 @@
  *                  samples and by extrapolated limits (limits.h), as the scene's tier has it
  *   adaptation     the TF of each level, or why the original is kept
  *   methods        agreement again, for each way to make directions, and for adapted TFs
+ *   artefacts      exports, moved and opened as a person would: do they show what was validated? (artefact.h)
  *   consistency    each level, each way to make directions, and either TF, against level 0
  *
  * All of it goes into one report (report/report.h). */
@@ -128,6 +129,9 @@ double iso_validate_error_bar(const iso_scene_agreement *asked);
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *limit, iso_report_agreement *row);
 /* The statistics of a limit, for its row of the report. */
 json_t *iso_validate_limit_to_json(const iso_extrapolated *limit);
+
+/* A row of calibration for each program renderer: what is exported to it shows what was validated (artefact.h). */
+iso_status iso_validate_artefacts(iso_validation *v, iso_error *err);
 
 /* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
 void iso_validate_forecast(const iso_validation *v);

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+#include "validate/artefact.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "compare/srgb.h"
+
+enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
+
+/* ---- an export that moves ---- */
+
+/* A copy that owns its table. Validation has neither 2D transfer functions nor regions of interest. */
+static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
+{
+    const size_t bytes = from->tf.count * 4 * sizeof(float);
+    *to = *from;
+    to->tf_2d = NULL;
+    to->roi = NULL;
+    to->tf.entries = malloc(bytes);
+    if (!to->tf.entries)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
+    memcpy(to->tf.entries, from->tf.entries, bytes);
+    return ISO_OK;
+}
+
+static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
+{
+    (void)level;
+    return copy_view(job->user, view, err);
+}
+
+static iso_status export_and_open(const iso_artefact *a, const char *here, const char *there, iso_image *picture,
+                                  const iso_progress *progress, iso_error *err)
+{
+    iso_view view;
+    iso_status status = copy_view(a->planted_view ? a->planted_view : a->view, &view, err);
+    char *first = iso_path_join(here, a->target->example), *moved = iso_path_join(there, a->target->example);
+    const iso_export_job job = {.pyramid = a->pyramid,
+                                .level = a->level,
+                                .level_count = 1,
+                                .output = first,
+                                .view = &view,
+                                .threads = a->threads,
+                                .progress = progress,
+                                .view_of_level = view_of_level,
+                                .user = &view};
+    if (status == ISO_OK && !(first && moved))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = a->target->write(&job, err);
+    if (status == ISO_OK && a->tamper)
+        a->tamper(first);
+    if (status == ISO_OK && rename(here, there) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be moved to %s", here, there);
+    if (status == ISO_OK)
+        status = a->target->open(moved, picture, err);
+    free(first);
+    free(moved);
+    iso_view_destroy(&view);
+    return status;
+}
+
+/* ---- what it has to show ---- */
+
+static iso_status render_expected(iso_renderers *renderers, const iso_artefact *a, iso_image *image,
+                                  const iso_progress *progress, iso_error *err)
+{
+    const iso_lock_step *lock = a->renderer->lock_step;
+    iso_render_options opt = iso_render_defaults(lock ? iso_renderers_truth() : a->renderer);
+    if (lock) {
+        opt.quadrature = lock->quadrature;
+        opt.source = iso_code_describe(a->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;
+    }
+    opt.intervals = a->target->intervals;
+    opt.step_voxels = a->target->intervals ? 0 : a->view->step_voxels;
+    opt.threads = a->threads;
+    return iso_render_with(&(iso_render_request){renderers, a->pyramid, a->level, a->view, &opt, progress}, image, NULL,
+                           err);
+}
+
+/* RMSE in steps of 8 bits, as both would be seen; or as they are. Of colors alone: pictures for people are opaque. */
+static double rmse_of_colors(const iso_image *expected, const iso_image *picture, bool in_steps)
+{
+    const size_t pixels = expected->width * expected->height;
+    double sum = 0;
+    for (size_t i = 0; i < 4 * pixels; ++i) {
+        double a = (double)expected->rgba[i], b = (double)picture->rgba[i];
+        if (i % 4 == 3)
+            continue;
+        if (in_steps) {
+            a = isnan(a) ? a : rint(255 * iso_srgb_encode(a));
+            b = rint(255 * iso_srgb_encode(b));
+        }
+        sum += (a - b) * (a - b);
+    }
+    return sqrt(sum / (3 * (double)pixels));
+}
+
+iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a, iso_artefact_result *out,
+                                const iso_progress *progress, iso_error *err)
+{
+    iso_error failed = {""};
+    char *base = iso_make_temp_dir(), *here = base ? iso_path_join(base, "here") : NULL,
+         *there = base ? iso_path_join(base, "there") : NULL;
+    *out = (iso_artefact_result){.value = NAN,
+                                 .limit = a->target->limit,
+                                 .unit = a->target->eight_bits ? "RMSE, steps of 8 bits" : "RMSE"};
+    snprintf(out->why, sizeof out->why, "%s", a->target->why);
+    iso_status status = here && there
+                            ? (mkdir(here, 0777) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be made", here))
+                            : iso_fail(err, ISO_E_IO, "no folder for an export");
+    if (status == ISO_OK)
+        status = render_expected(renderers, a, &out->expected, progress, err);
+    if (status == ISO_OK) {
+        status = export_and_open(a, here, there, &out->picture, progress, &failed);
+        if (status == ISO_OK &&
+            (out->picture.width != out->expected.width || out->picture.height != out->expected.height))
+            snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
+                     out->picture.width, out->picture.height, out->expected.width, out->expected.height);
+        else if (status == ISO_OK)
+            out->value = rmse_of_colors(&out->expected, &out->picture, a->target->eight_bits);
+        else if (status == ISO_E_MEMORY)
+            iso_fail(err, status, "%s", failed.text);
+        else
+            snprintf(out->why, sizeof out->why, "%.500s", failed.text);
+        status = status == ISO_E_MEMORY ? status : ISO_OK;
+    }
+    if (base)
+        iso_remove_tree(base);
+    free(base);
+    free(here);
+    free(there);
+    return status;
+}
+
+void iso_artefact_release(iso_artefact_result *result)
+{
+    iso_image_destroy(&result->expected);
+    iso_image_destroy(&result->picture);
+}
+
+/* ---- the stage ---- */
+
+/* The renderer that shows the target's exports, if it is compared at all. */
+static const iso_renderer_info *renderer_of(const iso_validation *v, const iso_export_target *target)
+{
+    for (size_t i = 0; target->open && i < iso_renderer_count(); ++i)
+        if (strcmp(iso_renderer_at(i)->name, target->renderer) == 0 && v->wanted[i] && v->refused[i].status == ISO_OK)
+            return iso_renderer_at(i);
+    return NULL;
+}
+
+static iso_status add_image(iso_validation *v, const iso_artefact *a, const char *what, const iso_image *image,
+                            iso_error *err)
+{
+    char name[64], caption[128];
+    snprintf(name, sizeof name, "artefact-%s-%s", a->target->name, what);
+    snprintf(caption, sizeof caption, "what %s shows of an export: %s", a->target->title, what);
+    return image->rgba ? iso_report_add_image(v->report, name, image, caption, NULL, err) : ISO_OK;
+}
+
+static iso_status examine(iso_validation *v, const iso_artefact *a, iso_error *err)
+{
+    iso_artefact_result r;
+    char text[64];
+    snprintf(text, sizeof text, "artefacts: %s", a->target->name);
+    iso_progress_report(v->progress, text, 0);
+    iso_status status = iso_artefact_compare(&v->renderers, a, &r, v->progress, err);
+    const iso_report_calibration row = {.renderer = a->renderer->name,
+                                        .check = "what is exported",
+                                        .value = r.value,
+                                        .limit = r.limit,
+                                        .unit = r.unit,
+                                        .detail = r.why};
+    if (status == ISO_OK)
+        status = add_image(v, a, "expected", &r.expected, err);
+    if (status == ISO_OK)
+        status = add_image(v, a, "picture", &r.picture, err);
+    if (status == ISO_OK)
+        status = iso_report_add_calibration(v->report, &row, err);
+    iso_artefact_release(&r);
+    return status;
+}
+
+/* Of the coarsest level, small: what is looked for is in every pixel. */
+iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
+{
+    iso_view view = *v->view;
+    const size_t longest = view.width > view.height ? view.width : view.height;
+    iso_status status = ISO_OK;
+    bool asked = false;
+    for (size_t i = 0; i < iso_export_target_names.count; ++i)
+        asked = asked || renderer_of(v, iso_export_target_at(i));
+    if (asked && v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
+        return iso_validate_stage_not_run(v, "artefacts",
+                                          "exports of volumes are opened, the scene asks for first hits", err);
+    if (longest > MOST_PIXELS) {
+        view.width = (view.width * MOST_PIXELS + longest - 1) / longest;
+        view.height = (view.height * MOST_PIXELS + longest - 1) / longest;
+    }
+    for (size_t i = 0; i < iso_export_target_names.count && status == ISO_OK; ++i) {
+        const iso_export_target *target = iso_export_target_at(i);
+        const iso_artefact a = {.target = target,
+                                .renderer = renderer_of(v, target),
+                                .pyramid = v->pyramid,
+                                .level = v->pyramid->level_count - 1,
+                                .view = &view,
+                                .threads = v->threads};
+        if (a.renderer)
+            status = examine(v, &a, err);
+    }
+    return status;
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+/* test_artefact.c - what is exported is moved, opened by the program itself, and shows what was validated; planted faults
+ * of an export are seen. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "validate/artefact.h"
+#include "volume/synthetic.h"
+#include "test.h"
+#include "cycles.h"
+
+static iso_renderers renderers;
+static iso_pyramid pyramid;
+static iso_view view;
+
+static const char scene_text[] =
+    "{\"schema\": \"isoshade.scene/1\", \"image\": {\"width\": 20, \"height\": 16},"
+    " \"camera\": {\"projection\": \"perspective\", \"fit\": true, \"direction\": [1, 2, -1], \"up\": [0, 0, 1],"
+    "  \"margin\": 1.1, \"fov_y_deg\": 25},"
+    " \"lights\": [{\"direction\": [-0.3, 0.5, 1], \"space\": \"camera\", \"intensity\": 1}],"
+    " \"shading\": {\"ambient\": 0.2, \"diffuse\": 0.6, \"specular\": 0.3, \"power\": 8},"
+    " \"background\": [0.1, 0.5, 0.25], \"step_voxels\": 0.5,"
+    " \"tf\": {\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_voxels\": 1, \"color_space\": \"linear\","
+    "  \"table_size\": 64, \"points\": [{\"value\": 0, \"r\": 0.9, \"g\": 0.3, \"b\": 0.1, \"opacity\": 0},"
+    "  {\"value\": 1, \"r\": 0.2, \"g\": 0.5, \"b\": 0.9, \"opacity\": 0.2}]}}";
+
+static int begin(void **state)
+{
+    (void)state;
+    const size_t size[3] = {11, 9, 12};
+    const double spacing[3] = {1, 1.5, 1};
+    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 5};
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_volume volume;
+    iso_scene scene;
+    json_t *root = json_loads(scene_text, 0, NULL);
+    build.level_count = 1;
+    iso_status status = iso_field_sample(&field, ISO_U16, &volume, NULL);
+    if (status == ISO_OK)
+        status = iso_pyramid_build(&volume, "noise", &build, &pyramid, NULL, NULL);
+    iso_volume_destroy(&volume);
+    if (status == ISO_OK)
+        status = iso_scene_from_json(root, "scene", &scene, NULL);
+    const iso_level *l = &pyramid.levels[0];
+    if (status == ISO_OK)
+        status = iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, NULL);
+    iso_scene_destroy(&scene);
+    json_decref(root);
+    return status == ISO_OK ? 0 : -1;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    iso_renderers_end(&renderers);
+    return 0;
+}
+
+static iso_artefact_result open_export(const char *name, void (*tamper)(const char *), const iso_view *planted)
+{
+    iso_artefact a = {.pyramid = &pyramid, .view = &view, .threads = 1, .tamper = tamper, .planted_view = planted};
+    iso_artefact_result r;
+    for (size_t i = 0; i < iso_export_target_names.count; ++i)
+        if (strcmp(iso_export_target_at(i)->name, name) == 0)
+            a.target = iso_export_target_at(i);
+    assert_ok(iso_renderer_from_name(a.target->renderer, &a.renderer, &err));
+    assert_ok(iso_artefact_compare(&renderers, &a, &r, NULL, &err));
+    return r;
+}
+
+/* 0.02 in one channel of the background: five steps of 8 bits. */
+static iso_view off_background(void)
+{
+    iso_view v = view;
+    v.background[1] -= 0.02;
+    return v;
+}
+
+static void expect_faults_are_seen(const char *name, void (*tamper)(const char *))
+{
+    const iso_view off = off_background();
+    iso_artefact_result r = open_export(name, NULL, NULL);
+    printf("%s: %g, limit %g (%s)\n", name, r.value, r.limit, r.unit);
+    if (!(r.value <= r.limit / 2)) /* not by a hair */
+        fail_msg("%s: %g %s, limit %g: %s", name, r.value, r.unit, r.limit, r.why);
+    iso_artefact_release(&r);
+    r = open_export(name, NULL, &off);
+    assert_more_than(r.value, 2 * r.limit);
+    iso_artefact_release(&r);
+    r = open_export(name, tamper, NULL);
+    assert_false(r.value <= r.limit); /* another picture, or none: NaN */
+    if (isnan(r.value))
+        assert_true(r.why[0]);
+    iso_artefact_release(&r);
+}
+
+static void lose_values(const char *folder)
+{
+    char *path = iso_path_join(folder, "scene_scalar.df3");
+    assert_int_equal(unlink(path), 0);
+    free(path);
+}
+
+static void lose_grids(const char *blend)
+{
+    char *dir = iso_path_dir(blend), *path = iso_path_join(dir, "scene.vdb");
+    assert_int_equal(unlink(path), 0);
+    free(path);
+    free(dir);
+}
+
+static void a_folder_of_povray_is_opened(void **state)
+{
+    (void)state;
+    expect_faults_are_seen("povray", lose_values);
+}
+
+static void a_blend_is_opened(void **state)
+{
+    (void)state;
+    need_cycles();
+    expect_faults_are_seen("blender", lose_grids);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_folder_of_povray_is_opened),
+        cmocka_unit_test(a_blend_is_opened),
+    };
+    return cmocka_run_group_tests(tests, begin, end);
+}
