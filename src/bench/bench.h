@@ -9,6 +9,7 @@
 
 /* clang-format off */
 #define ISO_BENCH_LIST(X) \
+    X(bound) \
     X(build) \
     X(gradient)       \
     X(consistency) \

@@ -17,6 +17,7 @@
 #include "bench/bench.h"
 #include "bench/consistency_report.h"
 #include "bench/figures.h"
+#include "bench/level_tfs.h"
 #include "bench/shading.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
@@ -27,39 +28,6 @@
 #include "volume/synthetic.h"
 
 enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
-
-typedef struct bench_tf {
-    const char *name;
-    size_t point_count;
-    iso_tf_point points[9];
-} bench_tf;
-
-/* Opacities are for one level-0 voxel. */
-static const bench_tf tfs[] = {
-    {"surface",
-     4,
-     {{0, {0.9, 0.7, 0.4}, 0}, {0.3, {0.9, 0.7, 0.4}, 0}, {0.4, {1, 0.9, 0.8}, 0.8}, {1, {1, 0.9, 0.8}, 0.8}}},
-    {"soft",
-     4,
-     {{0, {0.1, 0.2, 0.6}, 0}, {0.1, {0.1, 0.3, 0.7}, 0}, {0.5, {0.8, 0.6, 0.2}, 0.05}, {1, {1, 0.9, 0.6}, 0.2}}},
-    {"two-material",
-     7,
-     {{0, {0.7, 0.2, 0.1}, 0},
-      {0.15, {0.7, 0.2, 0.1}, 0},
-      {0.22, {0.7, 0.2, 0.1}, 0.06},
-      {0.38, {0.7, 0.2, 0.1}, 0.06},
-      {0.45, {0.2, 0.5, 0.9}, 0},
-      {0.55, {0.2, 0.6, 0.9}, 0.6},
-      {1, {0.3, 0.7, 1}, 0.6}}},
-    {"shell",
-     5,
-     {{0, {0.2, 0.8, 0.5}, 0},
-      {0.4, {0.2, 0.8, 0.5}, 0},
-      {0.45, {0.3, 0.9, 0.5}, 0.5},
-      {0.5, {0.8, 0.8, 0.2}, 0},
-      {1, {0.8, 0.8, 0.2}, 0}}},
-};
-enum { TF_COUNT = sizeof tfs / sizeof *tfs };
 
 typedef struct bench_method {
     const char *name;
@@ -102,7 +70,7 @@ typedef struct bench_run {
     double step_voxels;
     char *held, *figures;
     const char *with, *tf_names;
-    bool wanted[METHOD_COUNT], wanted_tf[TF_COUNT];
+    bool wanted[METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
     bool wanted_renderer[ISO_MAX_RENDERERS];
     const iso_renderer_info *renderer; /* the one at work */
     iso_renderers renderers;
@@ -143,7 +111,7 @@ typedef struct bench_case {
     int block;
     const char *volume;
     const iso_pyramid *pyramid;
-    const bench_tf *tf;
+    const iso_level_tf *tf;
     iso_view *views;
     const iso_image *finest; /* a view each, of level 0 */
 } bench_case;
@@ -265,15 +233,10 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
     return status;
 }
 
-static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const bench_tf *tf,
+static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const iso_level_tf *tf,
                          iso_error *err)
 {
-    iso_tf own = {.point_count = tf->point_count,
-                  .points = (iso_tf_point *)tf->points,
-                  .fit_range = true,
-                  .unit_distance = 1,
-                  .unit_is_voxels = true,
-                  .table_size = 256};
+    const iso_tf own = iso_level_tf_of(tf);
     iso_view views[MAX_VIEWS] = {{0}};
     iso_image finest[MAX_VIEWS] = {{0}};
     iso_status status = ISO_OK;
@@ -296,10 +259,10 @@ static iso_status run_pyramid(bench_run *run, int block, const char *name, const
 {
     iso_status status = ISO_OK;
     for (size_t r = 0; r < iso_renderer_count(); ++r)
-        for (int t = 0; run->wanted_renderer[r] && t < TF_COUNT && status == ISO_OK; ++t) {
+        for (int t = 0; run->wanted_renderer[r] && t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t) {
             run->renderer = iso_renderer_at(r);
             if (run->wanted_tf[t])
-                status = run_tf(run, block, name, p, &tfs[t], err);
+                status = run_tf(run, block, name, p, &iso_level_tfs[t], err);
         }
     return status;
 }
@@ -411,8 +374,8 @@ static iso_status choose_tfs(bench_run *run, iso_error *err)
     for (const char *at = run->tf_names; *at;) {
         size_t length = strcspn(at, ",");
         bool known = false;
-        for (int t = 0; t < TF_COUNT; ++t)
-            if (is_word(at, length, tfs[t].name))
+        for (int t = 0; t < ISO_LEVEL_TF_COUNT; ++t)
+            if (is_word(at, length, iso_level_tfs[t].name))
                 run->wanted_tf[t] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell",

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/tf_bound.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "options/adapted.h"
@@ -19,7 +20,7 @@
 typedef struct tf_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
-    char *tf, *output, *volume;
+    char *tf, *output, *volume, *scene, *size;
     int level, level_count;
     const iso_cli *cli;
 } tf_arguments;
@@ -427,6 +428,12 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     return status;
 }
 
+static iso_status bound(const tf_arguments *a, iso_error *err)
+{
+    const iso_tf_bound_arguments b = {a->cli, &a->input, &a->adapted, a->scene, a->size, a->level, a->level_count};
+    return iso_cli_tf_bound(&b, err);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     tf_arguments a = {.level_count = 4};
@@ -439,6 +446,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "bound: the scene", "FILE.scene.json"},
+        {"size", 0, POPT_ARG_STRING, &a.size, 0, "bound: of the image, instead of the scene's", "N|NxM"},
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -456,10 +465,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = strcmp(what, "adapt") == 0     ? adapt(&a, err)
                  : strcmp(what, "convert") == 0 ? convert(&a, err)
                  : strcmp(what, "show") == 0    ? show(&a, err)
+                 : strcmp(what, "bound") == 0   ? bound(&a, err)
                  : strcmp(what, "triangle") == 0
                      ? triangle(&a, err)
                      : iso_fail(err, ISO_E_USAGE,
-                                "unknown action \"%s\", must be one of: adapt, convert, show, triangle", what);
+                                "unknown action \"%s\", must be one of: adapt, bound, convert, show, triangle", what);
     }
     iso_cli_end(&cli);
     return status;
@@ -467,21 +477,24 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_tf = {
     .name = "tf",
-    .summary = "adapt transfer functions to levels, convert and show them",
+    .summary = "adapt transfer functions to levels, bound their error, convert and show them",
     .min_arguments = 1,
     .max_arguments = 16,
     .usage =
-        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
         "         in the pyramid. render and export do the same with --adapt.\n"
+        "bound    says how far the images of a scene's coarse levels can be from level 0's, before any is drawn: an upper\n"
+        "         bound of the RMSE, with its own transfer function and with --adapt.\n"
         "convert  from and to the formats below, by the names' endings.\n"
         "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
         "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
+        "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
         "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
         "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",

@@ -8,7 +8,7 @@
 #include "scene/roi.h"
 
 /* shade(d) of scene/scene.h */
-static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
+double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
 {
     const iso_shading *m = &view->shading;
     double sum = m->ambient;
@@ -45,7 +45,7 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
     classify(l, p, rgbs);
     double scale = 0;
     if (rgbs[3] > 0)
-        scale = rgbs[3] * shade(ray->view, iso_sample_normal(l->sampler, p), ray->to_viewer);
+        scale = rgbs[3] * iso_shade(ray->view, iso_sample_normal(l->sampler, p), ray->to_viewer);
     for (int c = 0; c < 3; ++c)
         color[c] = scale * rgbs[c];
     return rgbs[3];
@@ -268,7 +268,7 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
     const iso_vec3 normal = output == ISO_SURFACE_POSITION ? p : iso_sample_normal(ray->layer->sampler, p);
     double rgbs[4];
     iso_tf_lookup(&ray->view->tf, iso, rgbs);
-    const double light = shade(ray->view, normal, ray->to_viewer), shown[3] = {normal.x, normal.y, normal.z};
+    const double light = iso_shade(ray->view, normal, ray->to_viewer), shown[3] = {normal.x, normal.y, normal.z};
     for (int c = 0; c < 3; ++c)
         s.color[c] = output == ISO_SURFACE_COLOR ? light * rgbs[c] : shown[c];
     s.depth = INFINITY;
@@ -309,7 +309,7 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
             continue;
         iso_vec3 normal = iso_sample_normal(ray->layer->sampler, iso_madd(ray->origin, ray->direction, 0.5 * (a + b)));
         double depth = mean[3] * (b - a);
-        double weight = exp(-s.depth) * -expm1(-depth) / mean[3] * shade(ray->view, normal, ray->to_viewer);
+        double weight = exp(-s.depth) * -expm1(-depth) / mean[3] * iso_shade(ray->view, normal, ray->to_viewer);
         for (int c = 0; c < 3; ++c)
             s.color[c] += weight * mean[c];
         s.depth += depth;

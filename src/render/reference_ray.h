@@ -30,6 +30,9 @@ typedef struct stretch {
     double color[3], depth;
 } stretch;
 
+/* shade(d) of scene/scene.h: n, |n| <= 1, and to_viewer in world axes. */
+double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
+
 /* From t0 to t1, by the quadrature of opt. */
 stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1);
 

@@ -88,7 +88,10 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 /* Whether the adapted TF serves the level better than the original one.
  *
  * It is measured: small_views.h draws the level through both, and the adapted TF is taken where it is nearer to level 0
- * by 1 - SSIM and no farther by RMSE. Otherwise the original is kept, and so it is where the views show nothing.
+ * by 1 - SSIM, beyond twice the standard error of the mean over the views, in no view farther by more than
+ * ISO_ADAPT_WORST_VIEW, and no farther by RMSE. Otherwise the original is kept, and so it is where the views show
+ * nothing. What is thin and flat looks different from each side: a plate gained .03 in twelve views and lost .03 in ten
+ * others, hence the scatter.
  *
  * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied colour and
  * opacity, over the length of a level-0 voxel (the error of Eq. 6 and Figure 7), falls while the image gets worse:
@@ -103,6 +106,7 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * thin structure, the voxels of the tissue are the bulk of the row and the structure
  * is its tail, and a tail beyond 1.75 deviations is cut off. A window of 3 deviations
  * would light the tissue up (doc/results/adaptive-tf.md). */
+#define ISO_ADAPT_WORST_VIEW 0.02
 #define ISO_SMALL_VIEWS_MAX_VOXELS ((size_t)1 << 28)
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted; /* at the voxels */

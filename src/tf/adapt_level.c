@@ -65,6 +65,21 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
     return ISO_OK;
 }
 
+/* Nearer to level 0 by 1 - SSIM, beyond twice the standard error of the views' mean, in no view much farther, and no
+ * farther by RMSE. */
+static bool is_better(const iso_small_views_error *original, const iso_small_views_error *adapted)
+{
+    const double n = ISO_SMALL_VIEWS_COUNT, mean = adapted->ssim_dissimilarity - original->ssim_dissimilarity;
+    double squares = 0, worst = -INFINITY;
+    for (int i = 0; i < ISO_SMALL_VIEWS_COUNT; ++i) {
+        const double d = adapted->of_view[i] - original->of_view[i];
+        squares += (d - mean) * (d - mean);
+        worst = fmax(worst, d);
+    }
+    return mean + 2 * sqrt(squares / (n * (n - 1))) < 0 && worst <= ISO_ADAPT_WORST_VIEW &&
+           adapted->rmse <= original->rmse;
+}
+
 /* Small views of the level through both tables judge, where there are samples to draw. */
 static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_tf_table *adapted,
                        int threads, iso_adapt_judgment *judgment, iso_error *err)
@@ -86,8 +101,7 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     judgment->seen = true;
     judgment->seen_original = errors[0];
     judgment->seen_adapted = errors[1];
-    judgment->use_original = !(errors[1].ssim_dissimilarity < errors[0].ssim_dissimilarity &&
-                               errors[1].rmse <= errors[0].rmse);
+    judgment->use_original = !is_better(&errors[0], &errors[1]);
     return ISO_OK;
 }
 

@@ -19,16 +19,22 @@ typedef struct small_camera {
     long step_count;
 } small_camera;
 
+/* A third of v, mirrored along one axis of the world, or along none where axis is 0. */
+static iso_vec3 turn(iso_vec3 v, int axis)
+{
+    return iso_v3((axis == 1 ? -v.x : v.x) / 3, (axis == 2 ? -v.y : v.y) / 3, (axis == 3 ? -v.z : v.z) / 3);
+}
+
 static small_camera frame_box(const iso_geometry *g, int view)
 {
-    static const iso_vec3 directions[ISO_SMALL_VIEWS_COUNT][3] = {{{2, 2, -1}, {2, -1, 2}, {-1, 2, 2}},
-                                                                  {{2, -1, 2}, {-1, 2, 2}, {2, 2, -1}},
-                                                                  {{-1, 2, 2}, {2, 2, -1}, {2, -1, 2}}};
+    static const iso_vec3 directions[3][3] = {{{2, 2, -1}, {2, -1, 2}, {-1, 2, 2}},
+                                              {{2, -1, 2}, {-1, 2, 2}, {2, 2, -1}},
+                                              {{-1, 2, 2}, {2, 2, -1}, {2, -1, 2}}};
     const iso_vec3 center = iso_geometry_box_center_mm(g);
     iso_vec3 axes[3];
     double half[3] = {0}; /* of the box along the axes */
     for (int a = 0; a < 3; ++a)
-        axes[a] = iso_scale(directions[view][a], 1.0 / 3);
+        axes[a] = turn(directions[view % 3][a], view / 3);
     for (int corner = 0; corner < 8; ++corner) {
         const iso_vec3 index = iso_v3(corner & 1 ? g->box_index[0] : 0, corner & 2 ? g->box_index[1] : 0,
                                       corner & 4 ? g->box_index[2] : 0);
@@ -144,15 +150,17 @@ static void draw_view(const iso_small_views_input *in, int view, iso_image pictu
         }
 }
 
-/* Adds 1 - SSIM and the mean square difference of colour. */
-static iso_status add_error(const iso_image *wanted, const iso_image *seen, iso_small_views_error *e, iso_error *err)
+/* Notes 1 - SSIM of a view, and adds the mean square difference of colour. */
+static iso_status add_error(const iso_image *wanted, const iso_image *seen, int view, iso_small_views_error *e,
+                            iso_error *err)
 {
     double ssim = 0, square = 0;
     const iso_status status = iso_ssim_mean(wanted, seen, &ssim, err);
-    for (size_t i = 0; i < 4 * PIXELS * PIXELS; ++i) {
+    for (size_t i = 0; i < (size_t)4 * PIXELS * PIXELS; ++i) {
         const double d = (double)seen->rgba[i] - (double)wanted->rgba[i];
         square += i % 4 < 3 ? d * d : 0;
     }
+    e->of_view[view] = 1 - ssim;
     e->ssim_dissimilarity += (1 - ssim) / ISO_SMALL_VIEWS_COUNT;
     e->rmse += square / (3.0 * PIXELS * PIXELS * ISO_SMALL_VIEWS_COUNT);
     return status;
@@ -170,7 +178,7 @@ iso_status iso_small_views_compare(const iso_small_views_input *in,
     for (int view = 0; view < ISO_SMALL_VIEWS_COUNT && status == ISO_OK; ++view) {
         draw_view(in, view, pictures);
         for (size_t i = 0; i < in->tf_count && status == ISO_OK; ++i)
-            status = add_error(&pictures[0], &pictures[1 + i], &errors[i], err);
+            status = add_error(&pictures[0], &pictures[1 + i], view, &errors[i], err);
     }
     for (size_t i = 0; i < in->tf_count; ++i)
         errors[i].rmse = sqrt(errors[i].rmse);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* small_views.h - what transfer functions make of a coarse level, seen: a few small pictures of it against level 0.
  *
- * Orthographic views that frame the box, along three directions at right angles, none along an axis of the grid and
- * none of those that benchmarks look along (scene/views.h). Rays take a sample a voxel of level 0 (the smallest
+ * Orthographic views that frame the box, along (2, 2, 1) in all orders of its numbers and with all signs: twelve lines,
+ * none along an axis of the world and none of those that benchmarks look along (scene/views.h). Rays take a sample a voxel of level 0 (the smallest
  * spacing) in the middle of each step, classify after filtering as renderers do, and stop where every picture is opaque.
  * No light: what a transfer function changes is colour and opacity, and a picture without light shows all of it.
  *
- * Cost: 3 * 64^2 rays at most, each of as many samples as it crosses voxels; so by the voxel of level 0 it falls with
+ * Cost: 12 * 64^2 rays at most, each of as many samples as it crosses voxels; so by the voxel of level 0 it falls with
  * the square of the volume's size. Results do not depend on threads. */
 #ifndef ISO_TF_SMALL_VIEWS_H
 #define ISO_TF_SMALL_VIEWS_H
@@ -14,12 +14,12 @@
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
 
-enum { ISO_SMALL_VIEWS_COUNT = 3, ISO_SMALL_VIEWS_PIXELS = 64, ISO_SMALL_VIEWS_MAX_TFS = 4 };
+enum { ISO_SMALL_VIEWS_COUNT = 12, ISO_SMALL_VIEWS_PIXELS = 64, ISO_SMALL_VIEWS_MAX_TFS = 4 };
 
-/* Means over the views. */
 typedef struct iso_small_views_error {
-    double ssim_dissimilarity; /* 1 - SSIM, as compare/ssim.h */
-    double rmse;               /* of linear colour */
+    double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM, as compare/ssim.h */
+    double ssim_dissimilarity;             /* their mean */
+    double rmse;                           /* of linear colour, over all views */
 } iso_small_views_error;
 
 /* What is compared: level 0 through `original` is what `coarse` should look like through each of `tfs`. */

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/tf_bound.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "render/image_bound.h"
+#include "scene/subject.h"
+
+/* The bounds of one level, through the scene's transfer function and through the one that --adapt takes. */
+static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view, size_t level,
+                              double rmse[2], iso_error *err)
+{
+    const char *path = a->cli->arguments[1];
+    iso_adapt_options opt;
+    iso_tf_table table = {0};
+    iso_status status = iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err);
+    if (status == ISO_OK)
+        status = iso_adapt_level(p, iso_pyramid_is_one(path) ? path : NULL, level, &view->tf, &opt, &table, NULL, err);
+    const iso_tf_table *tfs[2] = {&view->tf, &table};
+    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+        const iso_image_bound_input in = {.fine = &p->levels[0],
+                                          .coarse = &p->levels[level],
+                                          .level = level,
+                                          .code = p->options.code,
+                                          .source = ISO_FROM_CODES,
+                                          .view = view,
+                                          .coarse_tf = tfs[i],
+                                          .threads = a->cli->threads};
+        status = iso_image_bound_rmse(&in, &rmse[i], err);
+    }
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
+static iso_status bound_levels(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view,
+                               json_t *levels, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
+        double rmse[2] = {NAN, NAN};
+        if (a->level > 0 && (size_t)a->level != level)
+            continue;
+        status = bound_level(a, p, view, level, rmse, err);
+        if (status != ISO_OK)
+            break;
+        json_array_append_new(levels, json_pack("{s:i, s:f, s:f}", "level", (int)level, "rmse_bound", rmse[0],
+                                                "rmse_bound_adapted", rmse[1]));
+        if (!a->cli->json)
+            printf("level %zu  RMSE at most %.4f, with --adapt %.4f\n", level, rmse[0], rmse[1]);
+    }
+    return status;
+}
+
+iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
+{
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_pyramid p = {0};
+    iso_view view = {0};
+    json_t *levels = json_array();
+    build.threads = a->cli->threads;
+    build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
+    iso_status status = a->cli->argument_count == 2 && a->scene
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_USAGE,
+                                       "wanted: isoshade tf bound VOLUME|PYRAMID.iso --scene FILE.scene.json");
+    if (status == ISO_OK)
+        status = iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err);
+    if (status == ISO_OK && (size_t)a->level >= p.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[1],
+                          a->level, p.level_count - 1);
+    if (status == ISO_OK)
+        status = iso_subject_load_view(a->scene, &p, a->size, &view, err);
+    if (status == ISO_OK)
+        status = bound_levels(a, &p, &view, levels, err);
+    if (status == ISO_OK && a->cli->json) {
+        json_t *root = iso_cli_json(a->cli);
+        json_object_set(root, "levels", levels);
+        iso_cli_print_json(root);
+    }
+    json_decref(levels);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+    return status;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* image_bound.h - how far a coarse level's image can be from level 0's, at most, before either is drawn.
+ *
+ * An upper bound of the RMSE over all pixels and the four channels (as compare/metrics.h has it), for a scene, a level
+ * and its transfer function. Derivation, assumptions and each inequality: doc/method/level-bound.md. In short, with s
+ * the extinction, g the colour times the shade, L the radiance that arrives from behind and T the transmittance in front:
+ *
+ *     C_k - C_0 = integral of T_k [ s_k (g_k - L_0) - s_0 (g_0 - L_0) ] dt      exact
+ *     |C_k - C_0| <= I = integral of sup T_k * sup over L of | ... | dt,  and <= M, what the two can differ by at all
+ *     mean square over a block of pixels <= M min(M, mean of I)
+ *
+ * No ray is followed. The image is cut into blocks of pixels, the depth into slabs; the volume is sampled at points
+ * spread evenly over its voxels, each of which falls into one region (block and slab). Regions keep the ranges of s and g,
+ * from which the ranges of L and T follow slab by slab, and a second pass over the points sums the integrand. */
+#ifndef ISO_IMAGE_BOUND_H
+#define ISO_IMAGE_BOUND_H
+
+#include "scene/field.h"
+#include "scene/scene.h"
+
+typedef struct iso_image_bound_input {
+    const iso_level *fine, *coarse; /* level 0 and the level */
+    size_t level;
+    iso_code code;
+    iso_direction_source source;
+    const iso_view *view;          /* its TF is level 0's */
+    const iso_tf_table *coarse_tf; /* the level's */
+    int threads;
+} iso_image_bound_input;
+
+/* ISO_E_RANGE: a view with clip planes, a 2D transfer function or a region of interest; ISO_E_MEMORY. */
+iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
+
+#endif
