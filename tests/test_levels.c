@@ -303,8 +303,10 @@ static iso_report_level row_with(const double own[], const double fly[], size_t 
 static void a_level_is_held_to_its_limit_and_to_the_simple_way(void **state)
 {
     (void)state;
-    const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051}, less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047},
-                 scatter[] = {0.051, 0.091, 0.061, 0.081, 0.061, 0.071}, near[] = {0.0705, 0.0805, 0.0605, 0.0705, 0.0905, 0.0505};
+    const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051},
+                 less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047},
+                 scatter[] = {0.051, 0.091, 0.061, 0.081, 0.061, 0.071},
+                 near[] = {0.0705, 0.0805, 0.0605, 0.0705, 0.0905, 0.0505};
     iso_report_level row = row_with(own, own, 6, NAN);
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
     row = row_with(own, own, 6, 0.0711); /* their mean is .071 */
@@ -376,10 +378,11 @@ static void what_a_scene_asks_is_held_in_the_run(void **state)
 static void limits_are_read_by_level(void **state)
 {
     (void)state;
-    const char *text = "{\"schema\": \"isoshade.scene/1\", \"camera\": {\"projection\": \"orthographic\", \"fit\": true, "
-                       "\"direction\": [0, 1, 0]}, \"lights\": [{\"direction\": [0, 0, 1], \"space\": \"camera\", \"intensity\": 0}], \"shading\": {\"ambient\": 1, \"diffuse\": 0}, \"tf\": {\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", "
-                       "\"unit_distance_voxels\": 1, \"color_space\": \"linear\", \"points\": [{\"value\": 0, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0}, "
-                       "{\"value\": 1, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 1}]}, \"levels\": %s}";
+    const char *text =
+        "{\"schema\": \"isoshade.scene/1\", \"camera\": {\"projection\": \"orthographic\", \"fit\": true, "
+        "\"direction\": [0, 1, 0]}, \"lights\": [{\"direction\": [0, 0, 1], \"space\": \"camera\", \"intensity\": 0}], \"shading\": {\"ambient\": 1, \"diffuse\": 0}, \"tf\": {\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", "
+        "\"unit_distance_voxels\": 1, \"color_space\": \"linear\", \"points\": [{\"value\": 0, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0}, "
+        "{\"value\": 1, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 1}]}, \"levels\": %s}";
     const struct {
         const char *levels;
         iso_status status;

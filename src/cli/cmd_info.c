@@ -268,7 +268,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_info = {
     .name = "info",
-    .summary = "show a volume's geometry, type, range and histogram; or a pyramid, and whether its levels belong together",
+    .summary =
+        "show a volume's geometry, type, range and histogram; or a pyramid, and whether its levels belong together",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [options]",

@@ -27,8 +27,7 @@ iso_paired iso_paired_compare(const double *a, const double *b, size_t count, do
     if (count < 2)
         return (iso_paired){count == 1 ? mean : NAN, INFINITY};
     const double deviation = sqrt(squares / (double)(count - 1));
-    return (iso_paired){mean,
-                        iso_student_quantile(confidence, (double)(count - 1)) * deviation / sqrt((double)count)};
+    return (iso_paired){mean, iso_student_quantile(confidence, (double)(count - 1)) * deviation / sqrt((double)count)};
 }
 
 bool iso_paired_is_larger(iso_paired p, double margin)

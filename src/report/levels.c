@@ -95,8 +95,8 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
     json_t *o = json_pack("{s:I, s:I, s:s, s:s, s:s, s:f, s:f, s:o, s:o, s:o}", "level", (json_int_t)row->level,
                           "views", (json_int_t)row->views, "method", row->method, "tf", tf_word(row->adapted),
                           "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
-                          "margin", row->margin, "figures", figures_json(row), "simple",
-                          rival_json(row, &row->simple), "rivals", rivals);
+                          "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
+                          "rivals", rivals);
     json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
     json_object_set_new(o, "stored",
                         json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
@@ -166,7 +166,8 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     json_t *f;
     size_t i;
     if (!is_true(stored, "held"))
-        add(s, " Level %lld is not what level 0 makes: its values are off by up to %.2g of their range, its directions by %.3g degrees on average.",
+        add(s,
+            " Level %lld is not what level 0 makes: its values are off by up to %.2g of their range, its directions by %.3g degrees on average.",
             level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
         add(s, " Level %lld: %s is %.3g, asked for is at most %.3g.", level, iso_row_text(f, "name"),
@@ -222,8 +223,8 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
         smaller += behind;
     }
     if (smaller > 0)
-        add(s, " In %zu of %zu figures another method has the smaller mean, within the scatter over the views.", smaller,
-            all);
+        add(s, " In %zu of %zu figures another method has the smaller mean, within the scatter over the views.",
+            smaller, all);
 }
 
 static bool is_anything_asked(const json_t *rows)

@@ -117,7 +117,7 @@ typedef struct iso_report_consistency {
     double ssim_dissimilarity_mean, flip_mean, rmse_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
     struct {
         const double *ssim_dissimilarity, *flip, *rmse;
-    } by_view; /* `views` of each, whose means stand above; borrowed, or NULL */
+    } by_view;                           /* `views` of each, whose means stand above; borrowed, or NULL */
     const char *image, *reference_image; /* one of the views at this level and at level 0, or NULL */
 } iso_report_consistency;
 iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);

@@ -174,7 +174,8 @@ static void put_consistency_line(FILE *f, const json_t *row)
 {
     const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
     put_field(f, iso_row_text(row, "method"));
-    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d,%.9g\n", (long long)json_integer_value(json_object_get(row, "level")),
+    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d,%.9g\n",
+            (long long)json_integer_value(json_object_get(row, "level")),
             (long long)json_integer_value(json_object_get(row, "views")),
             iso_row_number(row, "ssim_dissimilarity_mean"), iso_row_number(row, "flip_mean"),
             iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),

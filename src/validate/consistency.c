@@ -125,8 +125,8 @@ static iso_status keep(iso_validation *v, levels_run *run, iso_report_consistenc
 
 /* The row of the level's own TF after that of the original one: directions are the same, and where adapting is refused
  * the images are as well. */
-static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_pyramid *p,
-                                  iso_report_consistency row, iso_measured_level views, iso_error *err)
+static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency row,
+                                  iso_measured_level views, iso_error *err)
 {
     const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
     char name[64], why[160];

@@ -76,7 +76,10 @@ static void name_option(const iso_measured_level *m, const iso_measured_level *o
 {
     const bool fly = m->method->source == ISO_FROM_ON_THE_FLY, same = m->method == own->method;
     const char *tf = m->adapted == own->adapted ? "" : m->adapted ? "--adapt" : "without --adapt";
-    snprintf(text, size, "%s%s%s%s", same ? "" : fly ? "--shading-from on-the-fly" : "build --direction-filter ",
+    snprintf(text, size, "%s%s%s%s",
+             same  ? ""
+             : fly ? "--shading-from on-the-fly"
+                   : "build --direction-filter ",
              same || fly ? "" : iso_direction_filter_name(m->method->filter), !same && tf[0] ? ", " : "", tf);
 }
 
@@ -108,7 +111,8 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
     char options[ISO_MEASURED_MOST][OPTION_BYTES], simple[OPTION_BYTES];
     iso_report_rival rivals[ISO_MEASURED_MOST];
     const bool adapted = !v->level_tfs[level].judgment.use_original;
-    const iso_measured_level *own = find(all, level, all->own, adapted), *fly = find(all, level, all->on_the_fly, false);
+    const iso_measured_level *own = find(all, level, all->own, adapted),
+                             *fly = find(all, level, all->on_the_fly, false);
     const struct iso_scene_asked *asked = &v->scene->levels;
     const iso_scene_level_limits *limits[] = {&asked->ssim_dissimilarity, &asked->flip, &asked->rmse};
     iso_report_level row = {.shown = all->shown,
@@ -126,7 +130,8 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
     }
     for (size_t i = 0; i < all->count && row.rival_count < ISO_MEASURED_MOST; ++i) {
         const iso_measured_level *m = &all->levels[i];
-        if (m->level != level || m == own || m == fly || (m->adapted && !adapted)) /* refused: the original's pictures */
+        if (m->level != level || m == own || m == fly ||
+            (m->adapted && !adapted)) /* refused: the original's pictures */
             continue;
         rivals[row.rival_count] = rival_of(own, m, row.views, options[row.rival_count]);
         ++row.rival_count;

@@ -18,7 +18,7 @@ typedef struct iso_measured_level {
 enum { ISO_MEASURED_MOST = 16 }; /* ways to show a level */
 typedef struct iso_measured {
     const iso_method *own, *on_the_fly; /* the pyramid's own directions */
-    bool shown; /* level 0 shows something */
+    bool shown;                         /* level 0 shows something */
     size_t count, room;
     iso_measured_level *levels;
 } iso_measured;
