@@ -67,13 +67,19 @@ browse "$page" --screenshot="$dir/report.png" >/dev/null
 # A blank page of this size packs into a few kilobytes.
 check a_screenshot_is_no_blank_page test "$(stat -c %s "$dir/report.png")" -gt 40000
 
-# Levels under the original and the adapted transfer function. Nothing fails on this page, so the rest is not asked of it.
+# Levels under the original and the adapted transfer function. The renderers agree, so the rest is not asked of this page;
+# its scene asks for a level that is nearer to level 0 than 8 x 9 x 7 voxels can be, so the level fails.
 "$ISOSHADE" make shells --size 16x18x14 -o "$dir/v.nrrd"
-expect a_volume_of_two_levels_is_validated 0 "$ISOSHADE" validate "$dir/v.nrrd" --scene refscenes/shells.scene.json --quick --with gl \
+cp refscenes/shells.tf.json "$dir"
+sed 's/"step_voxels"/"levels": {"ssim_dissimilarity": 0.01}, &/' refscenes/shells.scene.json >"$dir/asked.scene.json"
+expect a_level_that_fails_is_exit_1 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene "$dir/asked.scene.json" --quick --with gl \
     --levels 2 --size 24 --quiet -o "$dir/levels"
 findings "$dir/levels/index.html"
 check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
 check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
+check the_level_is_told_with_its_figures found 'levels_told true'
+check the_levels_have_a_verdict_of_their_own found 'levels_verdict ✗ The levels do not hold: of 1 1 fails\. Level 1: 1-SSIM is 0\.[0-9]+, asked for is at most 0\.01\..*'
 page=$dir/levels/index.html
+lost a_level_without_its_verdict_is_noticed 's/f.held ? .. : .differ.//' 'levels_told false'
 lost rows_of_the_wrong_tf_are_noticed "s/r.tf === 'adapted' ? 'adapted' : 'original'/'original'/" 'consistency_rows false'
 exit $failed

@@ -38,6 +38,12 @@
         say('consistency_rows', levels.length === ordered.length && levels.every((tr, i) => told(tr, ordered[i])) && levels.length);
         say('rows_under_the_adapted_tf', levels.filter(tr => tr.dataset.tf === 'adapted').length);
 
+        // A line a figure of each level, the first with the verdict; a figure beyond what was asked for is marked.
+        const figures = (data.levels || []).flatMap(r => r.figures.map((f, i) => ({r, f, i}))), lines2 = [...document.querySelectorAll('#levels tbody tr')];
+        say('levels_told', figures.length > 0 && lines2.length === figures.length && figures.every(({r, f, i}, at) => lines2[at].cells[3].textContent === f.name &&
+            (i > 0 || lines2[at].cells[1].textContent === r.verdict) && lines2[at].cells[4].classList.contains('differ') === !f.held));
+        say('levels_verdict', $('#levels-verdict').textContent);
+
         const failed = $('#failed'), rows = [...document.querySelectorAll('#agreement tbody tr')];
         say('failed_cases_shown', !failed.hidden && failed.querySelectorAll('.failure').length);
         say('failed_cases_on_top', Boolean(failed.compareDocumentPosition($('#agreement')) & Node.DOCUMENT_POSITION_FOLLOWING));
