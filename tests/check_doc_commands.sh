@@ -26,7 +26,7 @@ STANDS_FOR = [
 
 # The last of an option that is given twice counts: what makes a command small, by its first words.
 SMALL = [
-    ("make", "--size 24x28x20"),
+    ("make", "--size 32x36x28"),
     ("render .*--roi", "--size 12 --level 1 --roi 2,3,4,9,12,14"),
     ("render", "--size 12"),
     ("export .*--to (blender|povray)", "--size 12"),
