@@ -131,6 +131,16 @@ static void print_not_compared(const iso_report *r)
         printf("not compared: %zu more, which the report lists\n", count - most);
 }
 
+/* What was asked of scenes that do not say it. */
+static void print_assumed(const iso_report *r)
+{
+    const char *scene;
+    json_t *asked;
+    json_object_foreach(json_object_get(iso_report_json(r), "asked"), scene,
+                        asked) if (json_is_true(json_object_get(asked, "assumed")))
+        printf("assumed: %s: %s\n", scene, iso_row_text(asked, "why"));
+}
+
 static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v,
                          const iso_report_summary *s, const iso_levels_summary *levels)
 {
@@ -142,6 +152,7 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
         if (levels->sentence[0])
             puts(levels->sentence);
         print_not_compared(v->report);
+        print_assumed(v->report);
         printf("report: %s/index.html\n", a->output);
     }
 }
@@ -195,6 +206,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
+        iso_validate_assume(&pyramid->levels[0], &view, &scene->agreement);
+        iso_validate_report_asked(&v);
         iso_validate_forecast(&v);
         status = run_stages(&v, err);
     }

@@ -71,6 +71,7 @@ $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
     parts.push(`made ${data.made.replace('T', ' ').replace('Z', ' UTC')}`);
     if (data.seconds.total) parts.push(`in ${Number(data.seconds.total.toPrecision(3))} s`);
     $('about').textContent = parts.join(', ') + '.';
+    for (const [scene, asked] of Object.entries(data.asked || {}).filter(([, a]) => a.assumed)) $('about').after(el('p', {class: 'about assumed'}, `${scene}: ${asked.why}.`));
     if (data.command) $('again').append(command(data.command));
 }
 

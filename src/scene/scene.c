@@ -158,6 +158,7 @@ static void read_agreement(iso_json_reader *r, const json_t *root, iso_scene *s)
     iso_json_get_word(r, agreement, "tier", true, tier_names, &tier);
     iso_json_get_word(r, agreement, "tf", true, kinds, &sharp);
     iso_json_get_string(r, agreement, "why", true, &why);
+    s->agreement.assumed = false;
     s->agreement.tier = (iso_tier)tier;
     s->agreement.sharp = sharp;
     if (why)
@@ -254,7 +255,7 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
                          .step_voxels = 0.5,
                          .suite_isosurface = NAN,
                          .agreement = {ISO_TIER_CONVERGENCE, true,
-                                       "the scene states no agreement: its TF is taken for sharp"}};
+                                       "the scene states no agreement: its TF is taken for sharp", true}};
     iso_json_reader r = {.path = path, .err = err};
     int schema = 0;
     iso_json_only_keys(&r, root, "the scene", keys);

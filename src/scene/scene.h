@@ -82,6 +82,7 @@ typedef struct iso_scene_agreement {
     iso_tier tier;
     bool sharp;
     char why[512];
+    bool assumed; /* the scene does not state it */
 } iso_scene_agreement;
 
 /* How far the pictures of a coarse level may be from those of level 0, means over the views. A number is for all levels; of

@@ -57,6 +57,8 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     if (status == ISO_OK) {
         v->pyramid = &pyramid, v->scene = scene, v->view = &view;
         v->make = scene->suite_make, v->volume_path = file, v->image_prefix = prefix;
+        iso_validate_assume(&pyramid.levels[0], &view, &scene->agreement);
+        iso_validate_report_asked(v);
         status = iso_validate_agreement(v, err);
     }
     v->pyramid = NULL, v->scene = NULL, v->view = NULL, v->make = v->volume_path = NULL, v->image_prefix = "";

@@ -102,6 +102,11 @@ enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
+/* What is asked where the scene does not say it: smooth or sharp, by what a ray step makes of the TF on this level. */
+void iso_validate_assume(const iso_level *level0, const iso_view *view, iso_scene_agreement *agreement);
+/* Into the report's "asked", by the scene's name: what all rows of the scene are held to, and why. */
+void iso_validate_report_asked(const iso_validation *v);
+
 /* A row of the report for a stage that compared nothing, and why. */
 iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage, const char *why, iso_error *err);
 /* Rows of agreement so far. */
