@@ -8,7 +8,7 @@ isoshade() { "$ISOSHADE" "$@"; }
 export -f isoshade
 
 cat >commands.py <<'END'
-# commands.py PAGE: a line for each command on it: number <TAB> "run", "options" or a reason not to run it <TAB> the
+# With a page as argument: a line for each command on it: number <TAB> "run", "options" or a reason not to run it <TAB> the
 # command as it is checked.
 import re, sys
 

@@ -8,7 +8,7 @@ suite=$top/refscenes/suite
 validate() { "$ISOSHADE" validate --quick -q --size 16 "$@"; }
 
 cat >rows.py <<'END'
-# rows.py REPORT FOLDER RENDERER...: each scene of the folder has compared rows of each renderer, and each row agrees.
+# With a report, a folder and renderers as arguments: each scene of the folder has compared rows of each renderer, and each row agrees.
 import json, os, sys
 report, folder, renderers = sys.argv[1], sys.argv[2], sys.argv[3:]
 rows = json.load(open(report + "/report.json"))["agreement"]

@@ -1,14 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "options/adapted.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "options/cli.h"
 
+/* Appends a name of a list of `count`: "rgba, opacity (default), extinction or transmittance". */
+static void list_name(char *text, size_t size, const char *name, size_t row, size_t count, bool is_default)
+{
+    const size_t length = strlen(text);
+    const char *before = row == 0 ? "" : row + 1 < count ? ", " : " or ";
+    snprintf(text + length, size - length, "%s%s%s", before, name, is_default ? " (default)" : "");
+}
+
 void iso_cli_adapted_defaults(iso_cli_adapted *a)
 {
-    *a = (iso_cli_adapted){.bits = iso_adapt_defaults().bits};
+    const iso_adapt_options usual = iso_adapt_defaults();
+    *a = (iso_cli_adapted){.bits = usual.bits};
+    for (size_t i = 0; i < ISO_AVERAGE_COUNT; ++i)
+        list_name(a->averages, sizeof a->averages, iso_adapt_average_name((iso_adapt_average)i), i, ISO_AVERAGE_COUNT,
+                  i == (size_t)usual.average);
+    for (size_t i = 0; i < ISO_WEIGHT_COUNT; ++i)
+        list_name(a->weights, sizeof a->weights, iso_adapt_weight_name((iso_adapt_weight)i), i, ISO_WEIGHT_COUNT,
+                  i == (size_t)usual.weight);
 }
 
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err)
