@@ -30,6 +30,8 @@ palette=("$ISOSHADE" palette v.nrrd -o p.csv)
 check it_runs_on_a_terminal on_terminal 80 xterm "${palette[@]}"
 on_terminal 80 xterm "${palette[@]}" >wide
 check the_line_has_the_command_and_percents grep -aqE 'palette: .* +[0-9]+ %' wide
+on_terminal 80 xterm "$ISOSHADE" render v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 96 --with reference -o r.exr >render
+check a_render_has_them_too grep -aqE 'render: .* +[0-9]+ %' render
 check it_is_wiped_in_the_end python3 -c 'import sys; sys.exit(not open("wide", "rb").read().endswith(b"\r\x1b[K"))'
 check it_is_one_line test "$(tr -cd '\n' <wide | wc -c)" = 0
 check it_has_no_colors bash -c '! grep -aq "\[[0-9;]*m" wide'

@@ -94,6 +94,7 @@ static iso_status open_blender(const char *output, iso_image *picture, iso_error
 const iso_export_target iso_export_target_blender = {
     .name = "blender",
     .title = "Blender",
+    .stages = {"OpenVDB grids", "Blender"},
     .summary = "a .blend that renders as it opens, and its OpenVDB grids",
     .output = "NAME.blend",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |

@@ -70,6 +70,7 @@ static iso_status open_povray(const char *output, iso_image *picture, iso_error 
 const iso_export_target iso_export_target_povray = {
     .name = "povray",
     .title = "POV-Ray",
+    .stages = {"povray: writing DF3"},
     .summary = "a folder with .pov, .inc, .ini and DF3 files",
     .output = "a folder",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |

@@ -27,6 +27,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
 const iso_export_target iso_export_target_vdb = {
     .name = "vdb",
     .title = "OpenVDB",
+    .stages = {"OpenVDB grids"},
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
     .output = "NAME.vdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |

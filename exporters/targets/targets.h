@@ -65,11 +65,12 @@ typedef struct iso_export_job {
 } iso_export_job;
 
 typedef struct iso_export_target {
-    const char *name;    /* "vdb" */
-    const char *title;   /* "OpenVDB" */
-    const char *summary; /* what is written */
-    const char *output;  /* what -o names: "NAME.vdb" */
-    unsigned options;    /* of ISO_EXPORT_TAKES(option) */
+    const char *name;      /* "vdb" */
+    const char *title;     /* "OpenVDB" */
+    const char *summary;   /* what is written */
+    const char *output;    /* what -o names: "NAME.vdb" */
+    unsigned options;      /* of ISO_EXPORT_TAKES(option) */
+    const char *stages[4]; /* that writing reports (base/progress.h), in order; the last takes longest; or none */
     iso_status (*write)(const iso_export_job *job, iso_error *err);
 
     /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person to,

@@ -123,6 +123,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
         status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
     if (status != ISO_OK)
         return status;
+    iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
     status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &pyramid, err);

@@ -178,6 +178,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     double seconds = 0;
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
     iso_status status = iso_render_take_options(a, cli->threads, &opt, err);
+    if (status == ISO_OK)
+        iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
     build.threads = cli->threads;
     build.level_count = (size_t)a->level + 1;
     build.keep_float = opt.source == ISO_FROM_FLOAT || is_from_palette(opt.source);

@@ -213,6 +213,19 @@ void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t coun
     iso_progress_line_unlock(cli->progress);
 }
 
+void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const stages[ISO_CLI_MAX_STAGES],
+                          const char *otherwise)
+{
+    if (is_volume)
+        iso_cli_expect(cli, &(iso_cli_stage){"pyramid", 1}, 1);
+    for (size_t i = 0; i < ISO_CLI_MAX_STAGES && stages[i]; ++i) {
+        const bool is_last = i + 1 == ISO_CLI_MAX_STAGES || !stages[i + 1];
+        iso_cli_expect(cli, &(iso_cli_stage){stages[i], is_last ? 5 : 1}, 1);
+    }
+    if (!stages[0])
+        iso_cli_expect(cli, &(iso_cli_stage){otherwise, 1}, 1);
+}
+
 char *iso_cli_command_line(const iso_cli *cli)
 {
     char *text = NULL;

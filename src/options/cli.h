@@ -73,6 +73,12 @@ typedef struct iso_cli_stage {
 } iso_cli_stage;
 void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count);
 
+/* The same for a command that builds a pyramid where its input is a volume, then goes through stages, the last of which
+ * takes longest. No stages: one of the name `otherwise`, which nobody reports. */
+enum { ISO_CLI_MAX_STAGES = 4 };
+void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const stages[ISO_CLI_MAX_STAGES],
+                          const char *otherwise);
+
 /* {"schema": "isoshade.COMMAND/1", "command": the command line, "options": {}}; add results, then print. */
 json_t *iso_cli_json(const iso_cli *cli);
 /* Prints the object on stdout, and releases it. */

@@ -57,6 +57,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
 const iso_renderer_info iso_renderer_cycles = {
     .name = "cycles",
     .title = "Blender Cycles",
+    .stages = {"OpenVDB grids", "Blender"},
     .color = "#d55e00",
     .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_READS_SAMPLES | ISO_READS_SEED,
     .defaults = {.source = ISO_FROM_CODES},

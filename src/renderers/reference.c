@@ -53,6 +53,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 const iso_renderer_info iso_renderer_reference = {
     .name = "reference",
     .title = "Reference",
+    .stages = {"reference"},
     .color = "#222222",
     .traits = ISO_HAS_ALL_SCENES | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
               ISO_READS_QUADRATURE | ISO_READS_INTERVALS,

@@ -120,11 +120,12 @@ typedef struct iso_render_output {
 } iso_render_output;
 
 struct iso_renderer_info {
-    const char *name;               /* on command lines and in reports: "gl" */
-    const char *title;              /* for people: "OpenGL ray caster" */
-    const char *color;              /* of its marks in charts */
-    unsigned traits;                /* iso_trait */
-    unsigned quadratures;           /* 1 << iso_quadrature of those that it reads */
+    const char *name;      /* on command lines and in reports: "gl" */
+    const char *title;     /* for people: "OpenGL ray caster" */
+    const char *stages[4]; /* that a render reports (base/progress.h), in order; the last takes longest; or none */
+    const char *color;     /* of its marks in charts */
+    unsigned traits;       /* iso_trait */
+    unsigned quadratures;  /* 1 << iso_quadrature of those that it reads */
     iso_render_options defaults;    /* .renderer need not be set */
     double relative_cost;           /* of a frame, in those of the ray caster */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
