@@ -175,6 +175,25 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
     iso_power_close(&c);
 }
 
+/* Three seeds see a block of a few steps of 8 bits; of how many seeds there are not, nothing is said. */
+static void few_seeds_of_cycles_see_a_block(void **state)
+{
+    (void)state;
+    if (!cycles_shows_volumes())
+        skip();
+    iso_power_case c = open_case(500);
+    iso_power_noise n;
+    assert_ok(iso_power_test_noise(&renderers, &c, &iso_renderer_cycles, 2, &n, &err));
+    assert_int_equal(n.groups, 2);
+    assert_int_equal(n.flagged, 0);
+    for (int b = 0; b < ISO_POWER_BLOCKS; ++b) {
+        assert_true(n.block[0][b] > 1e-4 && n.block[0][b] < 0.05);
+        assert_true(n.block[1][b] > 1e-4 && n.block[1][b] < 0.05);
+        assert_within(n.block[2][b], 0, 0);
+    }
+    iso_power_close(&c);
+}
+
 /* A NaN is a row that differs, by every renderer, not the end of the validation. */
 static void a_pixel_that_is_no_number_is_rejected(void **state)
 {
@@ -202,6 +221,7 @@ int main(void)
         cmocka_unit_test(clean_scenes_pass_and_faulty_ones_do_not),
         cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
         cmocka_unit_test(a_deviation_may_be_planted_on_the_other_side),
+        cmocka_unit_test(few_seeds_of_cycles_see_a_block),
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);

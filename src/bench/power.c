@@ -124,6 +124,9 @@ static iso_status test_noise(iso_renderers *r, const power_options *o, const iso
         sum->below += n.below;
         sum->groups += n.groups;
         sum->flagged += n.flagged;
+        for (size_t a = 0; a < ISO_POWER_BLOCKS; ++a)
+            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) /* of several scenes the worst */
+                sum->block[a][b] = fmax(sum->block[a][b], n.block[a][b]);
     }
     return status;
 }
@@ -205,6 +208,17 @@ static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERE
     return list;
 }
 
+static json_t *blocks_to_json(const iso_power_noise *n)
+{
+    json_t *list = json_array();
+    for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s)
+        for (size_t b = 0; b < ISO_POWER_BLOCKS && n->block[s][b] > 0; ++b)
+            json_array_append_new(list, json_pack("{s:I, s:I, s:f}", "seeds", (json_int_t)iso_power_block_seeds[s],
+                                                  "pixels_squared", (json_int_t)iso_power_block_sides[b],
+                                                  "rejected_from", n->block[s][b]));
+    return list;
+}
+
 static json_t *noise_to_json(const power_result *r)
 {
     json_t *list = json_array();
@@ -213,10 +227,11 @@ static json_t *noise_to_json(const power_result *r)
             const iso_power_noise *n = &r->noise[w][k];
             if (n->tests)
                 json_array_append_new(list,
-                                      json_pack("{s:s, s:s, s:I, s:I, s:I, s:I}", "renderer", iso_renderer_at(w)->name,
-                                                "kind", iso_power_kind_name((iso_power_kind)k), "groups",
-                                                (json_int_t)n->groups, "flagged", (json_int_t)n->flagged, "tests",
-                                                (json_int_t)n->tests, "below_1e-3", (json_int_t)n->below));
+                                      json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:o}", "renderer",
+                                                iso_renderer_at(w)->name, "kind",
+                                                iso_power_kind_name((iso_power_kind)k), "groups", (json_int_t)n->groups,
+                                                "flagged", (json_int_t)n->flagged, "tests", (json_int_t)n->tests,
+                                                "below_1e-3", (json_int_t)n->below, "blocks", blocks_to_json(n)));
         }
     return list;
 }
@@ -274,6 +289,18 @@ static void print_scene_row(const power_options *o, const power_result *r, int f
         }
 }
 
+static void print_blocks(const iso_power_noise *n)
+{
+    for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s)
+        if (n->block[s][0] > 0) {
+            printf("    with %zu seeds a block that is too bright is rejected", iso_power_block_seeds[s]);
+            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b)
+                printf("%s %.2g (%zu x %zu pixels)", b ? "," : " from", n->block[s][b], iso_power_block_sides[b],
+                       iso_power_block_sides[b]);
+            printf(" on\n");
+        }
+}
+
 static void print_noise(const power_result *r)
 {
     for (size_t w = 0; w < iso_renderer_count(); ++w)
@@ -285,6 +312,7 @@ static void print_noise(const power_result *r)
                     "    pixels would be below a chance of 1e-3\n",
                     iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
                     (double)n->below / (double)n->tests);
+            print_blocks(n);
         }
 }
 

@@ -68,10 +68,15 @@ iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, is
 /* Is the noise of a random renderer what the test of its pixels takes it to be? `groups` groups of c->seeds seeds each, at the
  * first pair of steps: how many of them are flagged by chance, and how far the noise is from normal, by testing each
  * group's limits against the mean of all others without any tolerance. */
+enum { ISO_POWER_BLOCKS = 3 };
 typedef struct iso_power_noise {
     size_t groups, flagged;
     size_t tests, below; /* pixels and channels with noise, of all groups; those below a chance of ISO_POWER_NOISE_P */
+    /* With iso_power_block_seeds[i] seeds, from which amount on a block in the middle that is too bright, of so many pixels
+     * squared, has a pixel beyond chance, within 5 %. 0: there were not so many seeds. */
+    double block[ISO_POWER_BLOCKS][ISO_POWER_BLOCKS];
 } iso_power_noise;
+extern const size_t iso_power_block_seeds[ISO_POWER_BLOCKS], iso_power_block_sides[ISO_POWER_BLOCKS];
 #define ISO_POWER_NOISE_P 1e-3
 iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
                                 size_t groups, iso_power_noise *out, iso_error *err);

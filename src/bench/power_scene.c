@@ -395,6 +395,59 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     return status;
 }
 
+/* ---- blocks ----------------------------------------------------------------------------- */
+
+const size_t iso_power_block_seeds[ISO_POWER_BLOCKS] = {3, 4, 16}, iso_power_block_sides[ISO_POWER_BLOCKS] = {1, 4, 8};
+
+/* Whether a block that is too bright by so much has a pixel beyond chance. It is the reference that is too dark there. */
+static iso_status see_block(const iso_extrapolation_input *of, size_t side, double amount, bool *seen, iso_error *err)
+{
+    const size_t width = of->reference->width, from = (width - side) / 2;
+    iso_image dark = {0};
+    iso_extrapolated limit = {.seeds = of->seeds};
+    iso_status status = iso_image_create(&dark, width, of->reference->height, err);
+    if (status == ISO_OK)
+        memcpy(dark.rgba, of->reference->rgba, 4 * width * of->reference->height * sizeof *dark.rgba);
+    for (size_t i = 0; i < 3 * side * side && status == ISO_OK; ++i)
+        dark.rgba[4 * ((from + i / 3 / side) * width + from + i / 3 % side) + i % 3] -= (float)amount;
+    if (status == ISO_OK)
+        status = iso_extrapolate(&(iso_extrapolation_input){of->images, of->seeds, &dark, of->factor, NULL}, &limit,
+                                 err);
+    *seen = status == ISO_OK && limit.noise.rejected > 0;
+    iso_extrapolated_destroy(&limit);
+    iso_image_destroy(&dark);
+    return status;
+}
+
+/* images: as of test_groups(), whose seeds are joined. */
+static iso_status measure_blocks(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
+                                 iso_power_noise *out, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s) {
+        const size_t seeds = iso_power_block_seeds[s], n = c->seeds;
+        iso_image joined[2 * ISO_EXTRAPOLATION_MAX_SEEDS]; /* borrowed */
+        if (seeds > groups * n)
+            continue;
+        for (size_t k = 0; k < seeds; ++k) {
+            joined[k] = images[2 * n * (k / n) + k % n];
+            joined[seeds + k] = images[2 * n * (k / n) + n + k % n];
+        }
+        const iso_extrapolation_input of = {joined, seeds, &c->converged, factor, NULL};
+        for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) {
+            double lo = 1e-5, hi = 1;
+            while (hi > 1.05 * lo && status == ISO_OK) {
+                const double middle = sqrt(lo * hi);
+                bool seen = false;
+                status = see_block(&of, iso_power_block_sides[b], middle, &seen, err);
+                *(seen ? &hi : &lo) = middle;
+            }
+            out->block[s][b] = hi;
+        }
+    }
+    return status;
+}
+
 iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
                                 size_t groups, iso_power_noise *out, iso_error *err)
 {
@@ -417,6 +470,8 @@ iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const
         status = iso_render_several(&(iso_render_request){r, &s.pyramid, 0, &s.view, frames, NULL}, count, images, err);
     if (status == ISO_OK)
         status = test_groups(c, groups, opt.factor, images, limits, out, err);
+    if (status == ISO_OK)
+        status = measure_blocks(c, groups, opt.factor, images, out, err);
     for (size_t i = 0; images && limits && i < count; ++i) {
         iso_image_destroy(&images[i]);
         iso_image_destroy(&limits[i / 2]);
