@@ -18,6 +18,9 @@ refuse no_name 2 '-o is ""' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o ''
 refuse folder_for_a_name 2 'wanted the name of a file' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells.iso/
 check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
+expect bound_is_printed_before_anything_is_drawn 0 "$ISOSHADE" tf bound shells.iso --scene "$scene" --level 1 --size 24 -q
+grep -q '^level 1  RMSE at most 0\.[0-9]*, with --adapt 0\.[0-9]*$' out && ok bound_names_both_tfs || not_ok bound_names_both_tfs "$(cat out)"
+refuse bound_needs_a_scene 2 'wanted: isoshade tf bound' "$ISOSHADE" tf bound shells.iso -q
 # A scene that names the adapted file and --adapt are the same picture.
 sed "s/\"shells.tf.json\"/\"shells_level_1.tf.json\"/" "$scene" >adapted.scene.json
 cp "$tf" shells.tf.json
@@ -81,7 +84,7 @@ refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --t
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
-refuse unknown_action 2 'must be one of: adapt, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
+refuse unknown_action 2 'must be one of: adapt, bound, convert, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x
 refuse level_too_high 5 'level 7' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json

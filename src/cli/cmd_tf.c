@@ -494,7 +494,7 @@ const iso_command iso_command_tf = {
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
         "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
-        "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48\n"
+        "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48 --level 1\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
         "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
         "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
