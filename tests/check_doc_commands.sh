@@ -43,6 +43,7 @@ SMALL = [
     ("bench tf", "--size 24 --runs 1"),
     ("bench render", "--image 16 --runs 1 --size 32"),
     ("bench convergence", "--steps 2 --size 8"),
+    ("bench bound", "--size 16 --views 1 --levels 2"),
     ("bench consistency .*--analytic", "--analytic 16 --size 16 --views 1 --level 1"),
     ("bench consistency", "--size 16 --views 1 --level 1 --with gl"),
 ]

@@ -87,11 +87,12 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 
 /* Whether the adapted TF serves the level better than the original one.
  *
- * It is measured: small_views.h draws the level through both, and the adapted TF is taken where it is nearer to level 0
- * by 1 - SSIM, beyond twice the standard error of the mean over the views, in no view farther by more than
- * ISO_ADAPT_WORST_VIEW, and no farther by RMSE. Otherwise the original is kept, and so it is where the views show
- * nothing. What is thin and flat looks different from each side: a plate gained .03 in twelve views and lost .03 in ten
- * others, hence the scatter.
+ * It is measured: small_views.h draws the level through both. The adapted TF is taken where it is nearer to level 0 by
+ * 1 - SSIM, beyond twice the standard error of the mean over the views, and no farther by RMSE; or where its RMSE is at most
+ * ISO_ADAPT_RMSE_GAIN of the original's, and 1 - SSIM is farther by no more than ISO_ADAPT_SSIM_LOSS, half of what a level may
+ * lose. In no view may it be farther by more than ISO_ADAPT_WORST_VIEW. Otherwise the original is kept, and so it is where
+ * the views show nothing. What is thin and flat looks different from each side: a plate gained .03 in twelve views and
+ * lost .03 in ten others, hence the scatter.
  *
  * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied colour and
  * opacity, over the length of a level-0 voxel (the error of Eq. 6 and Figure 7), falls while the image gets worse:
@@ -107,6 +108,8 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * is its tail, and a tail beyond 1.75 deviations is cut off. A window of 3 deviations
  * would light the tissue up (doc/results/adaptive-tf.md). */
 #define ISO_ADAPT_WORST_VIEW 0.02
+#define ISO_ADAPT_RMSE_GAIN 0.75
+#define ISO_ADAPT_SSIM_LOSS 0.005
 #define ISO_SMALL_VIEWS_MAX_VOXELS ((size_t)1 << 28)
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted; /* at the voxels */

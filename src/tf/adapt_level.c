@@ -65,8 +65,8 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
     return ISO_OK;
 }
 
-/* Nearer to level 0 by 1 - SSIM, beyond twice the standard error of the views' mean, in no view much farther, and no
- * farther by RMSE. */
+/* Nearer to level 0 by 1 - SSIM, beyond twice the standard error of the views' mean, and no farther by RMSE; or much nearer by
+ * RMSE and hardly farther by 1 - SSIM. In no view much farther. */
 static bool is_better(const iso_small_views_error *original, const iso_small_views_error *adapted)
 {
     const double n = ISO_SMALL_VIEWS_COUNT, mean = adapted->ssim_dissimilarity - original->ssim_dissimilarity;
@@ -76,8 +76,10 @@ static bool is_better(const iso_small_views_error *original, const iso_small_vie
         squares += (d - mean) * (d - mean);
         worst = fmax(worst, d);
     }
-    return mean + 2 * sqrt(squares / (n * (n - 1))) < 0 && worst <= ISO_ADAPT_WORST_VIEW &&
-           adapted->rmse <= original->rmse;
+    const bool nearer = mean + 2 * sqrt(squares / (n * (n - 1))) < 0 && adapted->rmse <= original->rmse;
+    const bool much_nearer_by_rmse = mean <= ISO_ADAPT_SSIM_LOSS &&
+                                     adapted->rmse < ISO_ADAPT_RMSE_GAIN * original->rmse;
+    return (nearer || much_nearer_by_rmse) && worst <= ISO_ADAPT_WORST_VIEW;
 }
 
 /* Small views of the level through both tables judge, where there are samples to draw. */
