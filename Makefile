@@ -105,6 +105,11 @@ figures: $(needs_setup) ## draw the pictures of the documentation again
 test: all tests ## build and run the tests of this config only
 	@bash tests/run.sh $(build)
 
+# WORDS="statistics" plants only those whose names hold the words.
+mutants: $(needs_setup) ## are mistakes planted in the verdict's code noticed by the tests? Takes most of an hour
+	@bash tests/mutants.sh $(WORDS)
+.PHONY: mutants
+
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)

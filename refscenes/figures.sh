@@ -21,7 +21,7 @@ screenshot() { # page, picture, width, height
 hero() { sh refscenes/hero.sh "$out/hero.jpg"; } # README.md
 report() { # doc/method/comparison.md
     "$isoshade" validate $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --quick --with gl --levels 2 --size 256 \
-        -q -o "$work/report"
+        -q -o build/figures/report # the page shows the command
     screenshot "$work/report/index.html" "$out/report.png" 1300 1680
 }
 levels() { # doc/blender.md

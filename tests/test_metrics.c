@@ -111,7 +111,9 @@ static void empty_images_and_different_sizes_are_refused(void **state)
     float map[24];
     assert_status(iso_metrics_measure(&none, &none, &m, &err), ISO_E_RANGE);
     assert_status(iso_metrics_measure(&a, &none, &m, &err), ISO_E_RANGE);
-    assert_status(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE);
+    iso_error why = {""};
+    assert_true(iso_metrics_measure(&a, &b, &m, &why) == ISO_E_RANGE);
+    assert_non_null(strstr(why.text, "compare: the images have 4x6 and 6x4 pixels")); /* not first by one of the metrics */
     assert_status(iso_image_difference(&a, &b, 1, &out, &err), ISO_E_RANGE);
     assert_status(iso_ssim_mean(&a, &b, &mean, &err), ISO_E_RANGE);
     assert_status(iso_flip_ldr(&a, &b, 67, map, &err), ISO_E_RANGE);
@@ -119,6 +121,22 @@ static void empty_images_and_different_sizes_are_refused(void **state)
     assert_status(iso_flip_ldr(&a, &a, 0, map, &err), ISO_E_RANGE);
     assert_status(iso_flip_ldr(&a, &a, NAN, map, &err), ISO_E_RANGE);
     assert_status(iso_flip_ldr(&a, &a, 1e9, map, &err), ISO_E_RANGE);
+    iso_image_destroy(&a);
+    iso_image_destroy(&b);
+}
+
+/* As the windows of EXR files put them: the same pixels, elsewhere. */
+static void images_that_begin_elsewhere_are_refused(void **state)
+{
+    (void)state;
+    iso_image a = uniform(4, 6, 0, 0, 0), b = uniform(4, 6, 0, 0, 0);
+    iso_metrics m;
+    assert_ok(iso_metrics_measure(&a, &b, &m, &err));
+    for (int axis = 0; axis < 2; ++axis) {
+        b.origin[axis] = 1;
+        assert_status(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE);
+        b.origin[axis] = 0;
+    }
     iso_image_destroy(&a);
     iso_image_destroy(&b);
 }
@@ -386,6 +404,7 @@ int main(void)
         cmocka_unit_test(p99_is_the_value_that_a_sort_finds),
         cmocka_unit_test(nonfinite_pixels_are_counted_and_never_agree),
         cmocka_unit_test(empty_images_and_different_sizes_are_refused),
+        cmocka_unit_test(images_that_begin_elsewhere_are_refused),
         cmocka_unit_test(each_limit_binds_alone),
         cmocka_unit_test(ssim_of_uniform_images_is_the_luminance_term),
         cmocka_unit_test(ssim_of_shifted_and_stretched_contrast_is_the_closed_form),
