@@ -17,6 +17,11 @@
 ISO_EMBED(iso_report_html, "src/report/report.html");
 ISO_EMBED(iso_report_css, "src/report/report.css");
 ISO_EMBED(iso_report_js, "src/report/report.js");
+ISO_EMBED(iso_report_difference_js, "src/report/report_difference.js");
+ISO_EMBED(iso_report_tables_js, "src/report/report_tables.js");
+ISO_EMBED(iso_report_inspector_js, "src/report/report_inspector.js");
+ISO_EMBED(iso_report_levels_js, "src/report/report_levels.js");
+ISO_EMBED(iso_report_page_js, "src/report/report_page.js");
 ISO_EMBED(iso_report_agreement_gp, "src/report/agreement.gp");
 ISO_EMBED(iso_report_consistency_gp, "src/report/consistency.gp");
 
@@ -258,6 +263,15 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
     return status;
 }
 
+/* One script for the page, in an order in which each part finds what it needs. */
+static void put_script(FILE *f)
+{
+    const char *const parts[] = {iso_report_js,           iso_report_difference_js, iso_report_tables_js,
+                                 iso_report_inspector_js, iso_report_levels_js,     iso_report_page_js};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        fputs(parts[i], f);
+}
+
 /* JSON inside <script>: "<" is written as an escape, so that no text ends the element. */
 static void put_json(FILE *f, const json_t *value)
 {
@@ -289,7 +303,7 @@ static void put_page(FILE *f, const json_t *root, const json_t *inlined)
         if (strncmp(mark, "@STYLE@", length) == 0)
             fputs(iso_report_css, f);
         else if (strncmp(mark, "@SCRIPT@", length) == 0)
-            fputs(iso_report_js, f);
+            put_script(f);
         else if (strncmp(mark, "@DATA@", length) == 0)
             put_json(f, root);
         else if (strncmp(mark, "@INLINED@", length) == 0)

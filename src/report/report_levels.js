@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// How the levels stand to level 0; calibrations; what made the report.
+const wayOf = r => `${r.method === 'on-the-fly' ? 'gradients on the fly' : r.method}, ${r.tf} TF`;
+// The difference of the default to another way, with half of its interval; ahead and behind as they were judged.
+function against(row, way, key) {
+    const f = way.figures.find(x => x.figure === key), margin = Math.max(row.margin, f.half_width ?? Infinity);
+    const word = f.better ? 'behind' : -f.difference > margin ? 'ahead' : 'within the scatter';
+    const plusMinus = f.half_width === null ? ', one view' : ` ± ${plain(f.half_width)}`;
+    return {text: `${f.difference < 0 ? '−' : '+'}${plain(Math.abs(f.difference))}${plusMinus}`, word, f};
+}
+function levelVerdicts() {
+    const rows = data.levels || [];
+    if (rows.length === 0) return;
+    const good = rows.every(r => r.verdict === 'agree');
+    $('levels').hidden = $('levels-verdict').hidden = false;
+    $('levels-verdict').textContent = `${good ? '✓' : '✗'} ${data.levels_sentence}`;
+    $('levels-verdict').classList.add(good ? 'good' : 'bad');
+    const lines = [];
+    for (const row of rows) row.figures.forEach((f, i) => {
+        const simple = against(row, row.simple, f.figure);
+        // The other method that is nearest to level 0 by this figure, ahead or not.
+        const best = [...row.rivals].sort((a, b) => a.figures[i].value - b.figures[i].value)[0];
+        const rival = best ? against(row, best, f.figure) : null;
+        lines.push(el('tr', {'data-level': row.level, 'data-verdict': row.verdict}, cell(i ? '' : String(row.level), true), cell(i ? '' : row.verdict, false, i ? '' : row.verdict),
+            cell(i ? '' : wayOf(row)), cell(f.name), cell(number(f.value), true, f.held ? '' : 'differ'), cell(f.asked === null ? 'not asked' : number(f.asked), true),
+            cell(`${simple.text}, ${simple.word}`, true, simple.word === 'behind' ? 'differ' : ''),
+            cell(rival ? `${wayOf(best)}: ${rival.text}, ${rival.word}` : '–', false, rival && rival.word === 'behind' ? 'named' : '')));
+    });
+    $('levels').append(table(`Levels. Differences are the default's figure less the other's, means over ${rows[0].views} views with half of the ${plain(100 * rows[0].confidence)} % interval; ` +
+        `below a margin of ${plain(rows[0].margin)} nobody sees one.${rows[0].views < 6 ? ' So few views have wide intervals.' : ''}`,
+        [['level', 1], ['verdict'], ['default'], ['figure'], ['value', 1], ['at most', 1], ['to the simple way', 1], ['to the nearest of the others']], lines));
+    const options = rows.flatMap(r => r.rivals.filter(x => x.better).map(x => el('li', {}, `Level ${r.level}: ${wayOf(x)}, by ${x.figures.filter(f => f.better).map(f => `${f.name} (${plain(f.value)} against ${plain(f.value + f.difference)})`).join(' and ')}: `, el('code', {}, x.option))));
+    if (options.length) $('levels').append(el('p', {}, 'Ahead of the default in a figure, beyond the scatter, and behind it in none:'), el('ul', {class: 'rivals'}, options));
+    const wrong = rows.filter(r => !r.stored.held);
+    $('levels').append(el('p', {}, wrong.length === 0 ? 'Every level was made again from level 0 and is the one that is stored.' :
+        wrong.map(r => `Level ${r.level} is not what level 0 makes: its values are off by up to ${plain(r.stored.scalar)} of their range, its directions by ${plain(r.stored.direction_deg)} degrees on average. `)));
+}
+
+// ---- consistency, calibration, colophon ----------------------------------------
+function consistency() {
+    if (data.consistency.length === 0) return;
+    const section = $('consistency'), levels = [...new Set(data.consistency.map(r => r.level))].sort((a, b) => a - b);
+    section.hidden = false;
+    if (inlined.charts.consistency) section.append(el('figure', {}, el('img', {src: inlined.charts.consistency, alt: 'error against level 0 for each level and method'}),
+        figcaption('Error against level 0 for each level and method. Data and script: charts/consistency.csv, charts/consistency.gp.')));
+    const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'rmse_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'].filter(key => data.consistency.some(r => key in r)), rows = [];
+    const heads = {ssim_dissimilarity_mean: '1 − SSIM', flip_mean: 'FLIP', rmse_mean: 'RMSE', gradient_angle_mean_deg: 'direction, mean °', gradient_angle_p95_deg: 'direction, 95 % °'};
+    const tf = r => r.tf === 'adapted' ? 'adapted' : 'original', adapted = data.consistency.some(r => tf(r) === 'adapted');
+    for (const k of levels) {
+        const group = data.consistency.filter(r => r.level === k);
+        const best = keys.map(key => Math.min(...group.map(r => r[key]).filter(v => v !== null)));
+        for (const r of group) rows.push(el('tr', {'data-tf': tf(r)}, cell(String(r.level), true), cell(r.method),
+            adapted ? cell([tf(r), r.original_kept ? el('small', {class: 'reported', title: r.original_kept}, ' refused, original kept') : '']) : null, cell(String(r.views), true),
+            keys.map((key, i) => cell(number(r[key]), true, group.length > 1 && r[key] === best[i] ? 'best' : ''))));
+    }
+    section.append(table('Consistency: error against level 0.', [['level', 1], ['method'], ...(adapted ? [['TF']] : []), ['views', 1], ...keys.map(key => [heads[key], 1])], rows));
+    const kept = new Map(data.consistency.filter(r => r.original_kept).map(r => [r.level, r.original_kept]));
+    for (const [k, why] of kept) section.append(el('p', {class: 'kept'}, `Level ${k}: adapting was refused. ${why[0].toUpperCase()}${why.slice(1)}.`));
+    const pictured = data.consistency.filter(r => r.image), shown = levels.filter(k => pictured.some(r => r.level === k));
+    if (pictured.length === 0) return;
+    // One row a level and TF, one column a method: what is to be compared stands side by side.
+    const methods = [...new Set(pictured.map(r => r.method))], reference = pictured[0].reference_image;
+    const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${methods.length + 1}, minmax(0, 190px))`});
+    let first = true;
+    for (const k of shown) for (const which of ['original', 'adapted']) {
+        const of = method => pictured.find(r => r.level === k && r.method === method && tf(r) === which);
+        if (methods.every(m => !of(m) || of(m).original_kept)) continue; // nothing to see that was not seen above
+        panels.append(first && reference ? still(inlined.images[reference], 'level 0') : el('div', {}));
+        first = false;
+        for (const method of methods) {
+            const r = of(method);
+            panels.append(r ? still(inlined.images[r.image], `level ${k}, ${method}`, `${which === 'adapted' ? (r.original_kept ? 'original TF kept, ' : 'adapted TF, ') : ''}1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
+        }
+    }
+    section.append(el('figure', {}, panels, figcaption('One view at each level (rows), with each way to shade it (columns); figures are means over all views.')));
+}
+function calibration() {
+    if (data.calibration.length === 0) return;
+    $('calibration').hidden = false;
+    const rows = [...data.calibration].sort((a, b) => (a.verdict === 'fail' ? 0 : 1) - (b.verdict === 'fail' ? 0 : 1))
+        .map(r => el('tr', {}, cell(r.renderer), cell(r.check), cell(number(r.value), true), cell(number(r.limit), true), cell(r.unit || ''), cell(r.verdict, false, r.verdict), cell(r.detail || '')));
+    $('calibration').append(table('Calibration of each renderer.', [['renderer'], ['check'], ['value', 1], ['limit', 1], ['unit'], ['verdict'], ['']], rows));
+}
+function colophon() {
+    const facts = el('div', {class: 'facts'});
+    const show = value => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)))) : typeof value === 'string' ? value : Array.isArray(value) ? value.join(' × ') : typeof value === 'boolean' ? (value ? 'yes' : 'no') : JSON.stringify(value);
+    for (const [key, name] of [['versions', 'Versions'], ['machine', 'Machine'], ['options', 'Options'], ['seconds', 'Seconds']]) {
+        const entries = Object.entries(data[key] || {});
+        if (entries.length === 0) continue;
+        facts.append(el('div', {}, el('h3', {}, name), el('table', {}, el('tbody', {}, entries.map(([k, v]) => el('tr', {}, k === 'memory_bytes' ? [cell('memory'), cell(`${(v / 2 ** 30).toFixed(1)} GiB`)] : [cell(k.replaceAll('_', ' ')), cell(show(v))]))))));
+    }
+    $('colophon').append(facts);
+}

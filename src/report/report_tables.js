@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// The tables of what was compared, what was not, and the panels of cases that differ.
+const cell = (content, numeric, extra) => el('td', {class: [numeric ? 'n' : '', extra || ''].join(' ').trim() || null}, content);
+function table(text, heads, rows) {
+    return el('div', {class: 'scroll'}, el('table', {}, caption(text),
+        el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
+        el('tbody', {}, rows)));
+}
+const withLimit = (row, key, value) => {
+    const limit = row.limits[key];
+    const over = !uncompared(row) && limit !== undefined && value !== null && !(value <= limit);
+    return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, brief(value));
+};
+
+const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};
+function valueOf(row, key) {
+    return key === 'ssim_dissimilarity' ? (row.ssim === null ? null : 1 - row.ssim) : row[key];
+}
+// All that is asked of a row, the worst first: limits of metrics, and gates.
+function asked(row) {
+    if (row.verdict === 'refused' || !row.image_b) return [];
+    const all = Object.entries(row.limits).map(([key, limit]) => ({name: names[key], value: valueOf(row, key), limit}));
+    for (const gate of row.gates || []) all.push(gate);
+    return all.map(({gate, name, value, limit}) => ({gate, name, value, limit, held: value !== null && value <= limit,
+        ratio: value === null ? Infinity : limit > 0 ? value / limit : value <= 0 ? 0 : Infinity})).sort((x, y) => y.ratio - x.ratio);
+}
+function explain(row) {
+    if (row.verdict === 'refused') return ['Refused: ', row.why];
+    if (row.nonfinite_count > 0) return [`${row.nonfinite_count} pixels are not finite. `, row.why || ''];
+    const out = [], all = asked(row);
+    for (const {name, value, limit} of all.filter(x => !x.held))
+        out.push(`${name} is `, number(value), ...(limit > 0 && value !== null ? [`, ${plain(value / limit)} times its limit of `, number(limit)] : [', at most ', number(limit)]), '. ');
+    if (all.length === 0) out.push('No limit was given, so only equal images agree. ');
+    return [...out, row.why ? `Why this limit: ${row.why}` : ''];
+}
+const percent = x => x === Infinity ? '∞' : x < 0.01 ? '< 0.01' : plain(x);
+function askedTable(row) {
+    const all = asked(row);
+    if (all.length === 0) return [];
+    return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['what is asked', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
+        el('tbody', {}, all.map(x => el('tr', {}, cell(x.name), cell(number(x.value), true, x.held ? '' : 'differ'), cell(number(x.limit), true), cell(percent(x.ratio), true, x.held ? '' : 'differ'))))))];
+}
+// What the reference shows, beside what its limits ask for.
+function signalText(row) {
+    const s = row.signal;
+    if (!s) return [];
+    return [el('p', {}, `The reference shows ${s.measure === 'p99' ? 'in the brightest 1 % of its pixels' : '(RMS)'} `, number(s.color, 2), ' above its background in color and ', number(s.alpha, 2), ' in alpha; at least ', number(s.least, 2), ' is asked for.')];
+}
+// What the gates were taken from, in a sentence; the rest for those who ask.
+function statisticsText(row) {
+    const s = row.statistics;
+    if (!s) return [];
+    const out = [], step = x => x >= 1 ? plain(x) : `1/${plain(1 / x)}`;
+    if (s.step_voxels) {
+        out.push(`Extrapolated from steps of ${step(2 * s.step_voxels)} and ${step(s.step_voxels)} voxel, whose RMSE is `, number(s.rmse_at_twice_the_step, 2), ' and ', number(s.rmse_at_the_step, 2));
+        if (s.order !== null) out.push(` (order ${plain(s.order)})`);
+        out.push('. The finer image lies ', number(s.step_bar, 2), ' from the limit');
+        if (s.seeds > 1) out.push(`; the noise of the mean over ${s.seeds} seeds is `, number(s.noise_bar, 2), ', its bias ', number(s.signed_bias, 2), ' ± ', number(s.standard_error_of_bias, 2), ', the mean local error ', number(s.mean_local_error, 2));
+        const factor = row.error_bar / Math.hypot(s.step_bar, s.seeds > 1 ? s.noise_bar : 0);
+        if (factor > 1.01) out.push(`; the error bar has a factor of safety of ${plain(factor)}`);
+        out.push('.');
+    }
+    return [el('p', {}, out), el('details', {}, el('summary', {}, 'all its statistics'), el('dl', {class: 'statistics'}, Object.entries(s).map(([key, value]) =>
+        [el('dt', {}, key.replaceAll('_', ' ')), el('dd', {}, typeof value === 'number' ? number(value) : value === null ? '–' : String(value))]).flat()))];
+}
+
+// ---- the table of agreement: sorted and filtered by its reader --------------------
+const renderer = row => row.renderer;
+const severityOf = row => uncompared(row) ? -1 : row.severity ?? Infinity;
+const verdicts = ['agree', 'not compared', 'refused', 'differ'];
+// heading, what it sorts by (numbers: the largest first), numeric
+const columns = [['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900)], ['of limit', severityOf, true],
+    ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', row => row.b],
+    ['RMSE', row => row.rmse, true], ['error bar', row => row.error_bar, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
+    ['1 − SSIM', row => valueOf(row, 'ssim_dissimilarity'), true], ['FLIP', row => row.flip_mean, true], ['seconds', row => row.seconds, true]]
+    .filter(([name]) => name !== 'seconds' || data.agreement.some(row => row.seconds));
+const filters = [['verdict', row => row.verdict], ['renderer', renderer], ['level', row => String(row.level)], ['tier', row => row.tier || ''], ['scene', row => row.scene]];
+const order = {rows: data.agreement.map((row, at) => at), column: -1, down: true, filter: {}, text: ''};
+let agreement = null;
+
+// What comes nearest to its limit, in a word; gates have longer names.
+const words = {error_bar: 'bar', halving: 'halving', pixels: 'pixels', bias: 'bias'};
+function agreementRow(row, at) {
+    const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
+    const worst = asked(row)[0];
+    const limit = el('td', {class: 'n', title: worst ? `${worst.name}: ${plain(worst.value)}, at most ${plain(worst.limit)}` : null},
+        uncompared(row) ? '–' : [worst ? el('small', {}, `${words[worst.gate] || worst.name} `) : '', ratio(row, 2)]);
+    const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
+    return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
+        cell(row.verdict, false, style(row.verdict)), limit, cell(String(row.level), true),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, row.a ? ` ${row.a}` : '')),
+        withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.gate === 'error_bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
+        withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
+}
+function arrange() {
+    const wanted = order.text.toLowerCase().split(/\s+/).filter(Boolean);
+    const passes = row => filters.every(([name, of]) => !order.filter[name] || of(row) === order.filter[name]) &&
+        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a || ''} ${row.b} ${row.verdict}`.toLowerCase().includes(w));
+    order.rows = data.agreement.map((row, at) => at).filter(at => passes(data.agreement[at]));
+    if (order.column >= 0) {
+        const key = at => columns[order.column][1](data.agreement[at]) ?? -Infinity, sign = order.down ? -1 : 1;
+        order.rows.sort((x, y) => sign * (typeof key(x) === 'string' ? key(x).localeCompare(key(y)) : key(x) === key(y) ? 0 : key(x) < key(y) ? -1 : 1) || x - y);
+    }
+    agreement.body.replaceChildren(...order.rows.map(at => agreement.rows[at]));
+    agreement.count.textContent = order.rows.length === data.agreement.length ? `${order.rows.length} cases` : `${order.rows.length} of ${data.agreement.length} cases`;
+    agreement.heads.forEach((th, i) => th.setAttribute('aria-sort', i !== order.column ? 'none' : order.down ? 'descending' : 'ascending'));
+}
+function agreementFilters() {
+    const selects = filters.map(([name, of]) => {
+        const values = [...new Set(data.agreement.map(of))].filter(Boolean).sort((x, y) => x.localeCompare(y, undefined, {numeric: true}));
+        if (values.length < 2) return null;
+        return el('label', {}, name, el('select', {'data-filter': name, onchange: e => { order.filter[name] = e.target.value; arrange(); }},
+            el('option', {value: ''}, 'all'), values.map(v => el('option', {value: v}, v))));
+    });
+    const text = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'rows with these words', oninput: () => { order.text = text.value; arrange(); }});
+    const all = el('button', {type: 'button', onclick: () => {
+        order.filter = {}; order.text = text.value = ''; order.column = -1;
+        for (const select of controls.querySelectorAll('select')) select.value = '';
+        arrange();
+    }}, 'all, worst first');
+    const controls = el('div', {class: 'controls'}, text, selects, all, agreement.count);
+    return controls;
+}
+function agreementTable() {
+    if (data.agreement.length === 0) return [el('p', {}, 'Nothing was compared.')];
+    agreement = {rows: data.agreement.map(agreementRow), body: el('tbody', {}), count: el('output', {class: 'count'})};
+    agreement.heads = columns.map(([name, , numeric], i) => el('th', {class: numeric ? 'n' : null, scope: 'col', 'data-name': name}, el('button', {type: 'button', class: 'sort', onclick: () => {
+        order.down = order.column === i ? !order.down : Boolean(numeric) || name === 'verdict';
+        order.column = i;
+        arrange();
+    }}, name)));
+    const out = [agreementFilters(), el('p', {class: 'caption', id: 'agreement-caption'}, el('b', {}, `Table ${++tables}. `),
+        'Agreement. Figures outside their limit are red; a limit shows when the pointer rests on its figure, and below the images of a case.'),
+        el('div', {class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': 'table of agreement'},
+        el('table', {'aria-labelledby': 'agreement-caption'}, el('thead', {}, el('tr', {}, agreement.heads)), agreement.body))];
+    arrange();
+    return out;
+}
+
+// ---- panels of failed cases ---------------------------------------------------
+function still(uri, name, note) {
+    return el('div', {class: 'panel'}, el('img', {src: uri, alt: name}), el('span', {}, el('strong', {}, name), note ? ` ${note}` : ''));
+}
+async function differencePanel(row) {
+    const holder = el('div', {class: 'panel'});
+    const d = await differences(row.number), {canvas} = paintDifference(d, null, -Infinity);
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'difference');
+    canvas.style.cursor = 'default';
+    holder.append(canvas, el('span', {}, el('strong', {}, 'difference'), ' log scale, 10⁻⁸ to 1'));
+    return holder;
+}
+function failures() {
+    const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
+    for (const row of data.agreement.filter(r => r.verdict === 'refused')) reasons.set(row.why, [...reasons.get(row.why) || [], row]);
+    const unfit = data.calibration.filter(r => r.verdict === 'fail' && !(r.value === null && reasons.has(r.detail))); // a missing renderer is told once
+    if (bad.length + reasons.size + unfit.length === 0) return;
+    $('failed').hidden = false;
+    for (const row of bad.slice(0, shown)) {
+        const panels = el('div', {class: 'panels'});
+        if (row.image_a) panels.append(still(inlined.images[row.image_a], row.a, 'a'));
+        if (row.image_b) panels.append(still(inlined.images[row.image_b], row.b, 'b'));
+        if (inlined.differences[row.number]) differencePanel(row).then(p => panels.append(p));
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
+            inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'look closer') : null));
+    }
+    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more that differ stand in the table below.`));
+    for (const r of unfit)
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `Calibration of ${r.renderer}: ${r.check}`),
+            el('p', {}, r.value === null ? 'Nothing could be measured. ' : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '], r.detail || '')));
+    for (const [why, rows] of reasons)
+        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `${rows.length} case${rows.length === 1 ? '' : 's'} refused: ${[...new Set(rows.map(renderer))].join(', ')}`), el('p', {}, why),
+            el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));
+}
+
+// What nobody compared, by the reason: a sentence with the row's own numbers stands beside each.
+const reasons = {signal: 'show too little for their limits', trait: 'ask for what the renderer does not have', stage: 'did not run'};
+function notCompared() {
+    const groups = new Map();
+    for (const row of data.agreement.filter(uncompared)) groups.set(row.not_compared, [...groups.get(row.not_compared) || [], row]);
+    $('uncompared').hidden = groups.size === 0;
+    for (const [reason, rows] of groups)
+        $('uncompared').append(el('details', {open: rows.length <= 8}, el('summary', {}, `${rows.length} ${reason === 'stage' ? 'stage' : 'case'}${rows.length === 1 ? '' : 's'}: ${reasons[reason] || reason}`),
+            el('ul', {}, rows.map(row => el('li', {}, `${title(row)}: ${row.why}.`)))));
+}
