@@ -18,6 +18,7 @@
 #include "bench/consistency_report.h"
 #include "bench/figures.h"
 #include "bench/level_tfs.h"
+#include "bench/methods.h"
 #include "bench/shading.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
@@ -28,34 +29,6 @@
 #include "volume/synthetic.h"
 
 enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
-
-typedef struct bench_method {
-    const char *name;
-    bool adapt;
-    iso_adapt_options options;
-    iso_second_value tf_2d; /* of a 2D transfer function, or 0 */
-} bench_method;
-
-static const bench_method all_methods[] = {
-    {"original", false, {.bits = 8}, 0},
-    {"paper", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
-    {"paper-constant", true, {.weight = ISO_WEIGHT_FLAT, .window = 2.5, .average = ISO_AVERAGE_RGBA, .bits = 8}, 0},
-    {"opacity-gauss", true, {.weight = ISO_WEIGHT_GAUSS, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
-    {"opacity-wide", true, {.weight = ISO_WEIGHT_FLAT, .window = 3, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
-    {"opacity-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8}, 0},
-    {"extinction-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_EXTINCTION, .bits = 8}, 0},
-    {"transmittance-flat", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_TRANSMITTANCE, .bits = 8}, 0},
-    {"default", true, {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true}, 0},
-    {"tf-2d-deviation",
-     true,
-     {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8},
-     ISO_SECOND_VALUE_DEVIATION},
-    {"tf-2d-gradient",
-     true,
-     {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8},
-     ISO_SECOND_VALUE_GRADIENT},
-};
-enum { METHOD_COUNT = sizeof all_methods / sizeof *all_methods };
 
 typedef struct case_result {
     double ssim_dissimilarity, flip, rmse;
@@ -70,7 +43,7 @@ typedef struct bench_run {
     double step_voxels;
     char *held, *figures;
     const char *with, *tf_names;
-    bool wanted[METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
+    bool wanted[ISO_BENCH_METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
     bool wanted_renderer[ISO_MAX_RENDERERS];
     const iso_renderer_info *renderer; /* the one at work */
     iso_renderers renderers;
@@ -165,13 +138,14 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
 }
 
 /* Nothing can be told from pictures that are alike whatever is done, or that are empty. */
-static const char *why_left_out(const bench_run *run, const bench_case *c, const case_result results[METHOD_COUNT])
+static const char *why_left_out(const bench_run *run, const bench_case *c,
+                                const case_result results[ISO_BENCH_METHOD_COUNT])
 {
     const double nothing = 1 / 255.0, no_error = 1e-6;
     double finest = 0, shown = 0, error = 0;
     for (int i = 0; i < run->views; ++i)
         finest = fmax(finest, largest_alpha(&c->finest[i]));
-    for (int m = 0; m < METHOD_COUNT; ++m) {
+    for (int m = 0; m < ISO_BENCH_METHOD_COUNT; ++m) {
         shown = fmax(shown, results[m].alpha_max);
         error = fmax(error, fmax(results[m].ssim_dissimilarity, fmax(results[m].flip, results[m].rmse)));
     }
@@ -182,25 +156,26 @@ static const char *why_left_out(const bench_run *run, const bench_case *c, const
     return error < no_error ? "no method errs" : NULL;
 }
 
-static void note_case(bench_run *run, const bench_case *c, size_t level, const case_result results[METHOD_COUNT])
+static void note_case(bench_run *run, const bench_case *c, size_t level,
+                      const case_result results[ISO_BENCH_METHOD_COUNT])
 {
     const char *why = why_left_out(run, c, results);
-    for (int m = 0; m < METHOD_COUNT; ++m) {
+    for (int m = 0; m < ISO_BENCH_METHOD_COUNT; ++m) {
         if (!run->wanted[m])
             continue;
         const case_result *r = &results[m];
-        const char *kept = all_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
+        const char *kept = iso_bench_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
         json_array_append_new(run->cases,
                               json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b, s:s?}",
                                         "renderer", run->renderer->name, "volume", c->volume, "held", c->block == HELD,
-                                        "tf", c->tf->name, "level", (int)level, "method", all_methods[m].name,
+                                        "tf", c->tf->name, "level", (int)level, "method", iso_bench_methods[m].name,
                                         "ssim_dissimilarity", r->ssim_dissimilarity, "flip_mean", r->flip, "rmse",
                                         r->rmse, "rms_voxels_original", r->judgment.rms_original, "rms_voxels_adapted",
                                         r->judgment.rms_adapted, "fell_back", r->judgment.use_original, "left_out",
                                         why));
         if (!run->cli->json)
             printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s%s%s\n", run->renderer->name, c->volume,
-                   c->tf->name, level, all_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse,
+                   c->tf->name, level, iso_bench_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse,
                    r->judgment.rms_original, r->judgment.rms_adapted, kept, why ? "  left out: " : "", why ? why : "");
     }
     fflush(stdout);
@@ -210,21 +185,22 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
 {
     const iso_pyramid *p = c->pyramid;
     const iso_view *views = c->views;
-    case_result results[METHOD_COUNT] = {{0}};
+    case_result results[ISO_BENCH_METHOD_COUNT] = {{0}};
     iso_status status = ISO_OK;
-    for (int m = 0; m < METHOD_COUNT && status == ISO_OK; ++m) {
+    for (int m = 0; m < ISO_BENCH_METHOD_COUNT && status == ISO_OK; ++m) {
         iso_tf_table table = {0};
         if (!run->wanted[m])
             continue;
-        iso_adapt_options opt = all_methods[m].options;
+        iso_adapt_options opt = iso_bench_methods[m].options;
         opt.threads = run->cli->threads;
-        status = iso_adapt_level(p, NULL, all_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
+        status = iso_adapt_level(p, NULL, iso_bench_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
                                  &results[m].judgment, err);
         iso_tf_2d tf_2d = {0};
-        if (status == ISO_OK && all_methods[m].tf_2d)
-            status = iso_adapt_tf_2d(p, NULL, level, all_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
+        if (status == ISO_OK && iso_bench_methods[m].tf_2d)
+            status = iso_adapt_tf_2d(p, NULL, level, iso_bench_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
         if (status == ISO_OK)
-            status = measure(run, c, level, (shown_by){&table, all_methods[m].tf_2d ? &tf_2d : NULL}, &results[m], err);
+            status = measure(run, c, level, (shown_by){&table, iso_bench_methods[m].tf_2d ? &tf_2d : NULL}, &results[m],
+                             err);
         iso_tf_2d_destroy(&tf_2d);
         iso_tf_table_destroy(&table);
     }
@@ -344,38 +320,13 @@ static void report(bench_run *run)
         json_decref(root);
 }
 
-static bool is_word(const char *at, size_t length, const char *word)
-{
-    return strlen(word) == length && strncmp(at, word, length) == 0;
-}
-
-/* "all", or names separated by commas; the original always runs. */
-static iso_status choose_methods(bench_run *run, const char *text, iso_error *err)
-{
-    run->wanted[0] = true;
-    for (const char *at = text; *at;) {
-        size_t length = strcspn(at, ",");
-        bool known = false;
-        for (int m = 0; m < METHOD_COUNT; ++m)
-            if (is_word(at, length, "all") || is_word(at, length, all_methods[m].name))
-                run->wanted[m] = known = true;
-        if (!known)
-            return iso_fail(err, ISO_E_USAGE,
-                            "--methods: unknown method \"%.*s\"; paper, paper-constant, opacity-gauss, opacity-flat, "
-                            "extinction-flat, transmittance-flat, default, tf-2d-deviation, tf-2d-gradient or all",
-                            (int)length, at);
-        at += length + (at[length] == ',');
-    }
-    return ISO_OK;
-}
-
 static iso_status choose_tfs(bench_run *run, iso_error *err)
 {
     for (const char *at = run->tf_names; *at;) {
         size_t length = strcspn(at, ",");
         bool known = false;
         for (int t = 0; t < ISO_LEVEL_TF_COUNT; ++t)
-            if (is_word(at, length, iso_level_tfs[t].name))
+            if (strlen(iso_level_tfs[t].name) == length && strncmp(at, iso_level_tfs[t].name, length) == 0)
                 run->wanted_tf[t] = known = true;
         if (!known)
             return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell",
@@ -414,7 +365,7 @@ static iso_status check_options(bench_run *run, const char *methods, iso_error *
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)
-        status = choose_methods(run, methods, err);
+        status = iso_bench_choose_methods(methods, run->wanted, err);
     if (status == ISO_OK)
         status = choose_tfs(run, err);
     return status == ISO_OK ? choose_renderers(run, err) : status;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "cli/tf_adapt.h"
 #include "cli/tf_bound.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -17,151 +18,11 @@
 #include "report/gnuplot.h"
 #include "tf/format.h"
 
-typedef struct tf_arguments {
-    iso_volume_input input;
-    iso_cli_adapted adapted;
-    char *tf, *output, *volume, *scene, *size;
-    int level, level_count;
-    const iso_cli *cli;
-} tf_arguments;
-
-/* ---- adapt ----------------------------------------------------------------------- */
-
-/* FILE for one level, NAME_level_K.tf.json for all; to be freed. */
-static char *adapted_path(const tf_arguments *a, size_t level)
-{
-    char *path = NULL;
-    if (a->level > 0)
-        return strdup(a->output);
-    size_t length = strlen(a->output);
-    if (iso_path_ends_with(a->output, ".tf.json"))
-        length -= strlen(".tf.json");
-    return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
-}
-
-static json_t *json_of_level(size_t level, const char *path, size_t entry_count, const iso_adapt_judgment *v)
-{
-    json_t *entry = json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
-                              (int)entry_count, "rms_original", v->rms_original, "rms_adapted", v->rms_adapted,
-                              "kept_original", v->use_original);
-    if (v->seen)
-        json_object_set_new(entry, "small_views",
-                            json_pack("{s:f, s:f, s:f, s:f}", "ssim_dissimilarity_original",
-                                      v->seen_original.ssim_dissimilarity, "ssim_dissimilarity_adapted",
-                                      v->seen_adapted.ssim_dissimilarity, "rmse_original", v->seen_original.rmse,
-                                      "rmse_adapted", v->seen_adapted.rmse));
-    return entry;
-}
-
-static void print_level(size_t level, const char *path, const iso_adapt_judgment *v)
-{
-    printf("level %zu  %s", level, path);
-    if (v->seen)
-        printf("  small views: 1-SSIM %.4f, adapted %.4f; RMSE %.4f, adapted %.4f", v->seen_original.ssim_dissimilarity,
-               v->seen_adapted.ssim_dissimilarity, v->seen_original.rmse, v->seen_adapted.rmse);
-    else
-        printf("  error at the voxels %.5f, adapted %.5f", v->rms_original, v->rms_adapted);
-    printf("%s\n", v->use_original ? "  original kept" : "");
-}
-
-static iso_status adapt_one(const tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level,
-                            json_t *levels, iso_error *err)
-{
-    const char *input = a->cli->arguments[1];
-    iso_adapt_options opt;
-    iso_adapt_judgment v;
-    iso_tf_table table = {0};
-    iso_tf file = {0};
-    char *path = adapted_path(a, level);
-    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
-                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_adapt_level(p, iso_pyramid_is_one(input) ? input : NULL, level, tf, &opt, &table, &v, err);
-    if (status == ISO_OK)
-        status = iso_tf_from_table(&table, &file, err);
-    if (status == ISO_OK)
-        status = iso_tf_save(&file, path, err);
-    if (status == ISO_OK) {
-        json_array_append_new(levels, json_of_level(level, path, table.count, &v));
-        if (!a->cli->json)
-            print_level(level, path, &v);
-    }
-    iso_tf_destroy(&file);
-    iso_tf_table_destroy(&table);
-    free(path);
-    return status;
-}
-
-/* A pyramid that is stored keeps its histograms: its samples are read for small views, and where one is missing. */
-static iso_status load_subject(const tf_arguments *a, bool small_views, const iso_pyramid_options *build,
-                               iso_pyramid *p, iso_error *err)
-{
-    const char *input = a->cli->arguments[1];
-    iso_progress progress = iso_cli_progress(a->cli);
-    if (iso_pyramid_is_one(input)) {
-        const iso_status status = iso_pyramid_load_outline(input, p, err);
-        if (status != ISO_OK || !small_views ||
-            iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
-            return status;
-        iso_pyramid_destroy(p);
-        return iso_pyramid_load_scalars(input, p, err);
-    }
-    return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
-}
-
-/* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
-static iso_status check_output_name(const tf_arguments *a, iso_error *err)
-{
-    const char *name = iso_path_base(a->output);
-    if (*name && strcmp(name, ".tf.json") != 0)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", wanted the name of a file", a->output);
-}
-
-static iso_status adapt(const tf_arguments *a, iso_error *err)
-{
-    const iso_cli *cli = a->cli;
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    iso_tf tf = {0};
-    iso_tf_table table = {0};
-    json_t *levels = json_array();
-    if (cli->argument_count != 2 || !a->tf || !a->output) {
-        json_decref(levels);
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT");
-    }
-    build.threads = cli->threads;
-    build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
-    iso_status status = check_output_name(a, err);
-    if (status == ISO_OK)
-        status = iso_tf_load(a->tf, &tf, err);
-    if (status == ISO_OK)
-        status = load_subject(a, !a->adapted.always, &build, &p, err);
-    if (status == ISO_OK && (size_t)a->level >= p.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
-                          a->level, p.level_count - 1);
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
-    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
-        if (a->level == 0 || (size_t)a->level == k)
-            status = adapt_one(a, &p, &table, k, levels, err);
-    if (status == ISO_OK && cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set(root, "levels", levels);
-        iso_cli_print_json(root);
-    }
-    json_decref(levels);
-    iso_tf_table_destroy(&table);
-    iso_tf_destroy(&tf);
-    iso_pyramid_destroy(&p);
-    return status;
-}
-
 /* ---- convert and show -------------------------------------------------------------- */
 
 /* A TF file's table, for a volume where one is given, else for the range [0, 1] and voxels of 1 mm. */
-static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table, double *unit_mm,
-                             iso_error *err)
+static iso_status load_table(const iso_tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table,
+                             double *unit_mm, iso_error *err)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
     double lo = 0, hi = 1;
@@ -182,7 +43,7 @@ static iso_status load_table(const tf_arguments *a, const char *path, iso_tf *tf
     return status;
 }
 
-static iso_status convert(const tf_arguments *a, iso_error *err)
+static iso_status convert(const iso_tf_arguments *a, iso_error *err)
 {
     iso_tf tf = {0};
     iso_tf_table table = {0};
@@ -210,7 +71,7 @@ static int srgb_byte(double linear)
 }
 
 /* A panel a TF: opacity over value, filled with the colours; after Figure 4 of [diaz-garcia-2016]. */
-static iso_status write_script(const tf_arguments *a, const char *dir, const char *picture, iso_error *err)
+static iso_status write_script(const iso_tf_arguments *a, const char *dir, const char *picture, iso_error *err)
 {
     size_t count = a->cli->argument_count - 1;
     char *path = iso_path_join(dir, "tf.gp");
@@ -254,11 +115,11 @@ static iso_status write_script(const tf_arguments *a, const char *dir, const cha
     return status;
 }
 
-typedef iso_status (*script_writer)(const tf_arguments *a, const char *dir, const char *picture, void *user,
+typedef iso_status (*script_writer)(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
                                     iso_error *err);
 
 /* Runs the script DIR/tf.gp that `write` leaves; the picture appears when it is whole. */
-static iso_status draw(const tf_arguments *a, script_writer write, void *user, iso_error *err)
+static iso_status draw(const iso_tf_arguments *a, script_writer write, void *user, iso_error *err)
 {
     char *gnuplot = NULL, *dir = NULL, *script = NULL;
     iso_output out = {0};
@@ -293,13 +154,14 @@ static iso_status draw(const tf_arguments *a, script_writer write, void *user, i
     return status;
 }
 
-static iso_status write_panels(const tf_arguments *a, const char *dir, const char *picture, void *user, iso_error *err)
+static iso_status write_panels(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
+                               iso_error *err)
 {
     (void)user;
     return write_script(a, dir, picture, err);
 }
 
-static iso_status show(const tf_arguments *a, iso_error *err)
+static iso_status show(const iso_tf_arguments *a, iso_error *err)
 {
     if (a->cli->argument_count < 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf show FILE.tf.json... -o OUT.png|OUT.svg");
@@ -337,7 +199,7 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
     return status;
 }
 
-static iso_status write_triangle_script(const char *dir, const char *picture, const tf_arguments *a,
+static iso_status write_triangle_script(const char *dir, const char *picture, const iso_tf_arguments *a,
                                         double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
 {
     bool svg = iso_path_ends_with(a->output, ".svg");
@@ -361,7 +223,7 @@ static iso_status write_triangle_script(const char *dir, const char *picture, co
     return fclose(gp) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
 }
 
-static void print_triangle(const tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1])
+static void print_triangle(const iso_tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1])
 {
     const double gauss = rms[0][0], constant = rms[TRIANGLE_STEPS][0], triangular = rms[0][TRIANGLE_STEPS];
     double least = INFINITY, s = 0, t = 0;
@@ -382,14 +244,14 @@ static void print_triangle(const tf_arguments *a, double rms[TRIANGLE_STEPS + 1]
     }
 }
 
-static iso_status write_triangle(const tf_arguments *a, const char *dir, const char *picture, void *user,
+static iso_status write_triangle(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
                                  iso_error *err)
 {
     double(*rms)[TRIANGLE_STEPS + 1] = user;
     return write_triangle_script(dir, picture, a, rms, err);
 }
 
-static iso_status triangle(const tf_arguments *a, iso_error *err)
+static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_adapt_options opt;
@@ -408,7 +270,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_tf_load(a->tf, &tf, err);
     if (status == ISO_OK)
-        status = load_subject(a, false, &build, &p, err);
+        status = iso_cli_tf_load_subject(a, false, &build, &p, err);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)
@@ -428,7 +290,7 @@ static iso_status triangle(const tf_arguments *a, iso_error *err)
     return status;
 }
 
-static iso_status bound(const tf_arguments *a, iso_error *err)
+static iso_status bound(const iso_tf_arguments *a, iso_error *err)
 {
     const iso_tf_bound_arguments b = {a->cli, &a->input, &a->adapted, a->scene, a->size, a->level, a->level_count};
     return iso_cli_tf_bound(&b, err);
@@ -436,7 +298,7 @@ static iso_status bound(const tf_arguments *a, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    tf_arguments a = {.level_count = 4};
+    iso_tf_arguments a = {.level_count = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
@@ -462,7 +324,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--levels", a.level_count, 2, 30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         const char *what = cli.arguments[0];
-        status = strcmp(what, "adapt") == 0     ? adapt(&a, err)
+        status = strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
                  : strcmp(what, "convert") == 0 ? convert(&a, err)
                  : strcmp(what, "show") == 0    ? show(&a, err)
                  : strcmp(what, "bound") == 0   ? bound(&a, err)

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* methods.h - the transfer functions of a coarse level that `bench consistency` compares: the original, and ways to adapt it. */
+#ifndef ISO_BENCH_METHODS_H
+#define ISO_BENCH_METHODS_H
+
+#include "tf/adapt.h"
+
+typedef struct iso_bench_method {
+    const char *name;
+    bool adapt;
+    iso_adapt_options options;
+    iso_second_value tf_2d; /* of a 2D transfer function, or 0 */
+} iso_bench_method;
+
+/* The first is the original. */
+enum { ISO_BENCH_METHOD_COUNT = 11 };
+extern const iso_bench_method iso_bench_methods[ISO_BENCH_METHOD_COUNT];
+
+/* Which are named in `text`: "all", or names separated by commas; the original always. ISO_E_USAGE: another word. */
+iso_status iso_bench_choose_methods(const char *text, bool wanted[ISO_BENCH_METHOD_COUNT], iso_error *err);
+
+#endif

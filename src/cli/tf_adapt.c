@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "cli/tf_adapt.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "scene/subject.h"
+#include "tf/format.h"
+
+/* FILE for one level, NAME_level_K.tf.json for all; to be freed. */
+static char *adapted_path(const iso_tf_arguments *a, size_t level)
+{
+    char *path = NULL;
+    if (a->level > 0)
+        return strdup(a->output);
+    size_t length = strlen(a->output);
+    if (iso_path_ends_with(a->output, ".tf.json"))
+        length -= strlen(".tf.json");
+    return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
+}
+
+static json_t *json_of_level(size_t level, const char *path, size_t entry_count, const iso_adapt_judgment *v)
+{
+    json_t *entry = json_pack("{s:i, s:s, s:i, s:f, s:f, s:b}", "level", (int)level, "tf", path, "entries",
+                              (int)entry_count, "rms_original", v->rms_original, "rms_adapted", v->rms_adapted,
+                              "kept_original", v->use_original);
+    if (v->seen)
+        json_object_set_new(entry, "small_views",
+                            json_pack("{s:f, s:f, s:f, s:f}", "ssim_dissimilarity_original",
+                                      v->seen_original.ssim_dissimilarity, "ssim_dissimilarity_adapted",
+                                      v->seen_adapted.ssim_dissimilarity, "rmse_original", v->seen_original.rmse,
+                                      "rmse_adapted", v->seen_adapted.rmse));
+    return entry;
+}
+
+static void print_level(size_t level, const char *path, const iso_adapt_judgment *v)
+{
+    printf("level %zu  %s", level, path);
+    if (v->seen)
+        printf("  small views: 1-SSIM %.4f, adapted %.4f; RMSE %.4f, adapted %.4f", v->seen_original.ssim_dissimilarity,
+               v->seen_adapted.ssim_dissimilarity, v->seen_original.rmse, v->seen_adapted.rmse);
+    else
+        printf("  error at the voxels %.5f, adapted %.5f", v->rms_original, v->rms_adapted);
+    printf("%s\n", v->use_original ? "  original kept" : "");
+}
+
+static iso_status adapt_one(const iso_tf_arguments *a, const iso_pyramid *p, const iso_tf_table *tf, size_t level,
+                            json_t *levels, iso_error *err)
+{
+    const char *input = a->cli->arguments[1];
+    iso_adapt_options opt;
+    iso_adapt_judgment v;
+    iso_tf_table table = {0};
+    iso_tf file = {0};
+    char *path = adapted_path(a, level);
+    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
+                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_adapt_level(p, iso_pyramid_is_one(input) ? input : NULL, level, tf, &opt, &table, &v, err);
+    if (status == ISO_OK)
+        status = iso_tf_from_table(&table, &file, err);
+    if (status == ISO_OK)
+        status = iso_tf_save(&file, path, err);
+    if (status == ISO_OK) {
+        json_array_append_new(levels, json_of_level(level, path, table.count, &v));
+        if (!a->cli->json)
+            print_level(level, path, &v);
+    }
+    iso_tf_destroy(&file);
+    iso_tf_table_destroy(&table);
+    free(path);
+    return status;
+}
+
+iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, bool small_views, const iso_pyramid_options *build,
+                                   iso_pyramid *p, iso_error *err)
+{
+    const char *input = a->cli->arguments[1];
+    iso_progress progress = iso_cli_progress(a->cli);
+    if (iso_pyramid_is_one(input)) {
+        const iso_status status = iso_pyramid_load_outline(input, p, err);
+        if (status != ISO_OK || !small_views ||
+            iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+            return status;
+        iso_pyramid_destroy(p);
+        return iso_pyramid_load_scalars(input, p, err);
+    }
+    return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
+}
+
+/* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
+static iso_status check_output_name(const iso_tf_arguments *a, iso_error *err)
+{
+    const char *name = iso_path_base(a->output);
+    if (*name && strcmp(name, ".tf.json") != 0)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", wanted the name of a file", a->output);
+}
+
+iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
+{
+    const iso_cli *cli = a->cli;
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid p = {0};
+    iso_tf tf = {0};
+    iso_tf_table table = {0};
+    json_t *levels = json_array();
+    if (cli->argument_count != 2 || !a->tf || !a->output) {
+        json_decref(levels);
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT");
+    }
+    build.threads = cli->threads;
+    build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
+    iso_status status = check_output_name(a, err);
+    if (status == ISO_OK)
+        status = iso_tf_load(a->tf, &tf, err);
+    if (status == ISO_OK)
+        status = iso_cli_tf_load_subject(a, !a->adapted.always, &build, &p, err);
+    if (status == ISO_OK && (size_t)a->level >= p.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
+                          a->level, p.level_count - 1);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
+    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
+        if (a->level == 0 || (size_t)a->level == k)
+            status = adapt_one(a, &p, &table, k, levels, err);
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set(root, "levels", levels);
+        iso_cli_print_json(root);
+    }
+    json_decref(levels);
+    iso_tf_table_destroy(&table);
+    iso_tf_destroy(&tf);
+    iso_pyramid_destroy(&p);
+    return status;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* tf_adapt.h - `isoshade tf adapt`: the transfer function of each coarse level, and whether it is used. */
+#ifndef ISO_CLI_TF_ADAPT_H
+#define ISO_CLI_TF_ADAPT_H
+
+#include "options/adapted.h"
+#include "options/cli.h"
+#include "options/input.h"
+
+/* What the actions of `isoshade tf` are given. */
+typedef struct iso_tf_arguments {
+    iso_volume_input input;
+    iso_cli_adapted adapted;
+    char *tf, *output, *volume, *scene, *size;
+    int level, level_count;
+    const iso_cli *cli;
+} iso_tf_arguments;
+
+iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err);
+
+/* The pyramid that arguments[1] is, or is built into. Of a stored one, which keeps its histograms, the samples are read
+ * for small views alone, and where a histogram is missing. */
+iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, bool small_views, const iso_pyramid_options *build,
+                                   iso_pyramid *p, iso_error *err);
+
+#endif
