@@ -25,6 +25,13 @@ refuse half_a_picture 8 "pass.ppm" with_povray half_a_picture
 fake another_size <<<"{ printf 'P6\n4 8\n65535\n'; head -c 192 /dev/zero; } >pass.ppm"
 refuse a_picture_of_another_size 8 "wanted 8 x 8" with_povray another_size
 
+# A machine with much other work: POV-Ray's threads do not start in time, once.
+fake late <<<"[ -e tried ] || { touch tried; echo 'Timed out waiting for worker thread startup'; exit 1; }; exec $povray \"\$@\""
+check one_that_starts_late_is_started_again with_povray late
+rm -f o.exr
+fake never <<<"echo 'Timed out waiting for worker thread startup'; exit 1"
+refuse one_that_never_starts 8 "Timed out" with_povray never
+
 # nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
 nan_exr() {
     text() { printf '%s\0' "$@"; }

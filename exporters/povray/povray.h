@@ -29,6 +29,7 @@
 #ifndef ISO_EXPORT_POVRAY_H
 #define ISO_EXPORT_POVRAY_H
 
+#include "base/process.h"
 #include "base/progress.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -64,6 +65,10 @@ double iso_povray_df3_bytes(const char *folder);
 
 /* "3.7.0.10". ISO_E_MISSING, ISO_E_PROGRAM. */
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
+
+/* iso_process_run() of POV-Ray, which gives up where its threads do not start within seconds, as on a machine with much
+ * other work. Nothing has been rendered then, and it is started again, five times at most. */
+iso_status iso_povray_run_program(const char *const argv[], const iso_process_options *options, iso_error *err);
 
 /* The brightest value that a picture of the view can have. POV-Ray writes 16 bits a channel relative to it, so pictures
  * are rounded by up to half of peak / 65535. */

@@ -53,6 +53,37 @@ iso_status iso_povray_version(char *version, size_t size, iso_error *err)
     return status;
 }
 
+/* ---- starting it ---- */
+
+typedef struct patient_start {
+    const iso_process_options *options;
+    bool did_not_start;
+} patient_start;
+
+static void watch_start(void *user, const char *line)
+{
+    patient_start *start = user;
+    if (strstr(line, "Timed out waiting for worker thread startup"))
+        start->did_not_start = true;
+    if (start->options->line)
+        start->options->line(start->options->user, line);
+}
+
+iso_status iso_povray_run_program(const char *const argv[], const iso_process_options *options, iso_error *err)
+{
+    enum { TRIES = 5 };
+    patient_start start = {.options = options};
+    iso_process_options own = *options;
+    iso_status status = ISO_E_PROGRAM;
+    own.line = watch_start;
+    own.user = &start;
+    for (int i = 0; i < TRIES && status == ISO_E_PROGRAM && (i == 0 || start.did_not_start); ++i) {
+        start.did_not_start = false;
+        status = iso_process_run(argv, &own, err);
+    }
+    return status;
+}
+
 /* A scene that stands in a folder, and the program. */
 typedef struct render_job {
     const char *program, *dir;
@@ -139,7 +170,7 @@ static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t
     if (!path)
         return iso_povray_no_memory(err);
     remove(path); /* that of the pass before: a run that writes none must not be taken for it */
-    iso_status status = iso_process_run(argv, &options, err);
+    iso_status status = iso_povray_run_program(argv, &options, err);
     if (status == ISO_OK)
         status = load_pass(path, view, image, err);
     free(path);

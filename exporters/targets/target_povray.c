@@ -57,7 +57,7 @@ static iso_status open_povray(const char *output, iso_image *picture, iso_error 
     if (status == ISO_OK) {
         const char *argv[] = {program, ini, NULL};
         const iso_process_options options = {.directory = output, .timeout_seconds = 600};
-        status = iso_process_run(argv, &options, err);
+        status = iso_povray_run_program(argv, &options, err);
     }
     if (status == ISO_OK)
         status = iso_image_load_png(png, picture, err);
