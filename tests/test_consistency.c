@@ -7,19 +7,11 @@
 
 #include "validate/validate.h"
 #include "scene/views.h"
-#include "tests/folder.h"
-#include "tests/test.h"
+#include "tests/validated.h"
 #include "volume/synthetic.h"
 
 enum { pixels = 40, views = 2, levels = 3 };
-
-static iso_renderers renderers;
-
-static int end(void **state)
-{
-    iso_renderers_end(&renderers);
-    return remove_folder(state);
-}
+static const subject_size size = {pixels, levels, views};
 
 /* A thin shell under one light, which coarse values widen: what adapting is for. */
 static iso_scene make_scene(void)
@@ -29,75 +21,15 @@ static iso_scene make_scene(void)
                                     {0.5, {1, 0.9, 0.6}, 0.5},
                                     {0.6, {0.3, 0.6, 0.9}, 0},
                                     {1, {0.3, 0.6, 0.9}, 0}};
-    return (iso_scene){.path = "test",
-                       .width = pixels,
-                       .height = pixels,
-                       .camera_fit = true,
-                       .orthographic = true,
-                       .camera_direction = {0, 1, 0},
-                       .camera_up = {0, 0, 1},
-                       .margin = 1,
-                       .light_count = 1,
-                       .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
-                       .step_voxels = 0.5,
-                       .tf = {.fit_range = true,
-                              .unit_distance = 1,
-                              .unit_is_voxels = true,
-                              .table_size = 256,
-                              .point_count = 5,
-                              .points = points}};
+    return scene_of_points(points, 5, pixels, 0.3);
 }
-
-typedef struct subject {
-    iso_pyramid pyramid;
-    iso_scene scene;
-    iso_view view;
-    iso_validation validation;
-    char *dir;
-} subject;
 
 static void open_subject(subject *s, iso_field_kind kind, const char *name)
 {
     const iso_field field = {.kind = kind,
                              .seed = 3,
                              .geometry = iso_geometry_axis_aligned((size_t[]){30, 27, 22}, (double[]){1, 1.2, 0.9})};
-    const iso_report_about about = {.title = name};
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume volume;
-    *s = (subject){.scene = make_scene(), .dir = iso_path_join(folder, name)};
-    build.level_count = levels;
-    assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
-    assert_ok(iso_pyramid_build(&volume, name, &build, &s->pyramid, NULL, &err));
-    iso_volume_destroy(&volume);
-    const iso_level *l = &s->pyramid.levels[0];
-    assert_ok(iso_scene_resolve(&s->scene, &l->geometry, l->min, l->max, &s->view, &err));
-    s->validation = (iso_validation){.pyramid = &s->pyramid,
-                                     .scene = &s->scene,
-                                     .view = &s->view,
-                                     .scene_name = name,
-                                     .consistency_size = pixels,
-                                     .consistency_views = views,
-                                     .threads = 1,
-                                     .renderers = renderers};
-    s->validation.wanted[iso_renderer_index(&iso_renderer_gl)] = true;
-    assert_ok(iso_report_create(&s->validation.report, s->dir, &about, &err));
-    assert_ok(iso_validate_adapt(&s->validation, &err));
-}
-
-static void measure(subject *s)
-{
-    assert_ok(iso_validate_consistency(&s->validation, &err));
-    renderers = s->validation.renderers; /* the context is made at first use */
-}
-
-static void close_subject(subject *s)
-{
-    iso_report_destroy(s->validation.report);
-    iso_validate_forget_tfs(&s->validation);
-    iso_view_destroy(&s->view);
-    iso_pyramid_destroy(&s->pyramid);
-    free(s->dir);
+    open_field(s, &field, make_scene(), name, size);
 }
 
 static const json_t *rows_of(const subject *s)
@@ -171,7 +103,7 @@ static void every_method_has_a_row_under_either_tf_at_every_level(void **state)
     (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "rows");
-    measure(&s);
+    measure_levels(&s);
     assert_int_equal(json_array_size(rows_of(&s)), iso_method_count * (levels - 1) * 2);
     for (size_t level = 1; level < levels; ++level)
         for (size_t m = 0; m < iso_method_count; ++m) {
@@ -200,7 +132,7 @@ static void a_row_is_of_its_own_level_and_tf(void **state)
     (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "own");
-    measure(&s);
+    measure_levels(&s);
     for (size_t level = 1; level < levels; ++level) {
         const iso_tf_table *own = &s.validation.level_tfs[level].table,
                            *others = &s.validation.level_tfs[levels - level].table;
@@ -228,8 +160,8 @@ static void exchanged_tfs_are_seen_in_the_rows(void **state)
     iso_level_tf *tfs = wrong.validation.level_tfs, first = tfs[1];
     tfs[1] = tfs[2];
     tfs[2] = first;
-    measure(&right);
-    measure(&wrong);
+    measure_levels(&right);
+    measure_levels(&wrong);
     for (size_t m = 0; m < iso_method_count; ++m) {
         char name[64];
         snprintf(name, sizeof name, "%s+adapted", iso_methods[m].name);
@@ -246,7 +178,7 @@ static void a_refused_adaptation_is_said_with_the_originals_figures(void **state
     (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_CONSTANT, "kept");
-    measure(&s);
+    measure_levels(&s);
     for (size_t level = 1; level < levels; ++level) {
         const json_t *a = row_of(&s, "naive", level), *b = row_of(&s, "naive+adapted", level);
         assert_non_null(strstr(json_string_value(json_object_get(b, "original_kept")), "the adapted TF"));
@@ -265,5 +197,5 @@ int main(void)
         cmocka_unit_test(exchanged_tfs_are_seen_in_the_rows),
         cmocka_unit_test(a_refused_adaptation_is_said_with_the_originals_figures),
     };
-    return cmocka_run_group_tests(tests, make_folder, end);
+    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

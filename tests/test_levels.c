@@ -5,31 +5,15 @@
 #include <string.h>
 
 #include "base/random.h"
-#include "tests/folder.h"
-#include "tests/test.h"
+#include "tests/validated.h"
 #include "validate/faults.h"
 #include "validate/measured.h"
 #include "volume/synthetic.h"
 
 enum { pixels = 48, levels = 3 };
-
-static iso_renderers renderers;
-
-static int end(void **state)
-{
-    iso_renderers_end(&renderers);
-    return remove_folder(state);
-}
+static const subject_size size = {pixels, levels, ISO_DIAGONAL_VIEWS};
 
 /* ---- a volume, its levels, and what is measured of them ---- */
-
-typedef struct subject {
-    iso_pyramid pyramid;
-    iso_scene scene;
-    iso_view view;
-    iso_validation validation;
-    char *dir;
-} subject;
 
 static iso_scene make_scene(void)
 {
@@ -37,24 +21,7 @@ static iso_scene make_scene(void)
                                     {0.3, {0.9, 0.7, 0.4}, 0},
                                     {0.45, {1, 0.9, 0.6}, 0.6},
                                     {1, {0.9, 0.8, 0.7}, 0.6}};
-    return (iso_scene){.path = "test",
-                       .width = pixels,
-                       .height = pixels,
-                       .camera_fit = true,
-                       .orthographic = true,
-                       .camera_direction = {0, 1, 0},
-                       .camera_up = {0, 0, 1},
-                       .margin = 1,
-                       .light_count = 1,
-                       .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = 0.2, .diffuse = 0.8, .power = 1},
-                       .step_voxels = 0.5,
-                       .tf = {.fit_range = true,
-                              .unit_distance = 1,
-                              .unit_is_voxels = true,
-                              .table_size = 256,
-                              .point_count = 4,
-                              .points = points}};
+    return scene_of_points(points, 4, pixels, 0.2);
 }
 
 static iso_field field_of(iso_field_kind kind, const iso_geometry *geometry)
@@ -67,57 +34,17 @@ static iso_geometry plain_geometry(void)
     return iso_geometry_axis_aligned((size_t[]){34, 30, 27}, (double[]){1, 1.2, 0.9});
 }
 
-static void open_volume(subject *s, const iso_volume *volume, iso_scene scene, const char *name)
-{
-    const iso_report_about about = {.title = name};
-    iso_pyramid_options build = iso_pyramid_defaults();
-    *s = (subject){.scene = scene, .dir = iso_path_join(folder, name)};
-    build.level_count = levels;
-    assert_ok(iso_pyramid_build(volume, name, &build, &s->pyramid, NULL, &err));
-    const iso_level *l = &s->pyramid.levels[0];
-    assert_ok(iso_scene_resolve(&s->scene, &l->geometry, l->min, l->max, &s->view, &err));
-    s->validation = (iso_validation){.pyramid = &s->pyramid,
-                                     .scene = &s->scene,
-                                     .view = &s->view,
-                                     .scene_name = name,
-                                     .consistency_size = pixels,
-                                     .consistency_views = ISO_DIAGONAL_VIEWS,
-                                     .threads = 1,
-                                     .renderers = renderers};
-    s->validation.wanted[iso_renderer_index(&iso_renderer_gl)] = true;
-    assert_ok(iso_report_create(&s->validation.report, s->dir, &about, &err));
-    assert_ok(iso_validate_adapt(&s->validation, &err));
-}
-
-static void open_field(subject *s, const iso_field *field, iso_scene scene, const char *name)
-{
-    iso_volume volume;
-    assert_ok(iso_field_sample(field, ISO_F32, &volume, &err));
-    open_volume(s, &volume, scene, name);
-    iso_volume_destroy(&volume);
-}
-
 static void open_subject(subject *s, iso_field_kind kind, const char *name)
 {
     const iso_geometry geometry = plain_geometry();
     const iso_field field = field_of(kind, &geometry);
-    open_field(s, &field, make_scene(), name);
+    open_field(s, &field, make_scene(), name, size);
 }
 
 static iso_levels_summary judge(subject *s)
 {
-    assert_ok(iso_validate_consistency(&s->validation, &err));
-    renderers = s->validation.renderers; /* the context is made at first use */
+    measure_levels(s);
     return iso_levels_summarize(json_object_get(iso_report_json(s->validation.report), "levels"));
-}
-
-static void close_subject(subject *s)
-{
-    iso_report_destroy(s->validation.report);
-    iso_validate_forget_tfs(&s->validation);
-    iso_view_destroy(&s->view);
-    iso_pyramid_destroy(&s->pyramid);
-    free(s->dir);
 }
 
 static const json_t *row_of(const subject *s, size_t level)
@@ -196,7 +123,7 @@ static void clean_volumes_hold(void **state)
         for (size_t k = 0; c->is_signed && k < iso_geometry_voxel_count(&volume.geometry); ++k)
             ((float *)volume.data)[k] = 200 * ((float *)volume.data)[k] - 100;
         snprintf(name, sizeof name, "clean-%zu", i);
-        open_volume(&s, &volume, make_scene(), name);
+        open_volume(&s, &volume, make_scene(), name, size);
         const iso_levels_summary summary = judge(&s);
         if (summary.differed > 0)
             fail_msg("%s: %s", name, summary.sentence);
@@ -366,7 +293,7 @@ static void what_a_scene_asks_is_held_in_the_run(void **state)
     const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
     subject s;
     scene.levels.rmse = (iso_scene_level_limits){2, {0.5, 1e-4}};
-    open_field(&s, &field, scene, "asked");
+    open_field(&s, &field, scene, "asked", size);
     const iso_levels_summary summary = judge(&s);
     assert_true(holds(&s, 1));
     assert_false(holds(&s, 2));
@@ -448,7 +375,7 @@ static void angles_are_those_of_the_place_and_in_degrees(void **state)
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
         ((float *)volume.data)[i] = (float)(i % n);
     iso_scene scene = make_scene(); /* shows what is above .3 of the range: x of 6 and more */
-    open_volume(&s, &volume, scene, "angles");
+    open_volume(&s, &volume, scene, "angles", size);
     turn_along_x(&s.pyramid, 1, turn);
     double sum = 0, most = 0, angles[n];
     size_t count = 0;
@@ -492,5 +419,5 @@ int main(void)
         cmocka_unit_test(a_level_with_a_shifted_scalar_fails),
         cmocka_unit_test(what_a_scene_asks_is_held_in_the_run),
     };
-    return cmocka_run_group_tests(tests, make_folder, end);
+    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }
