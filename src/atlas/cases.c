@@ -135,7 +135,7 @@ const iso_atlas_case iso_atlas_cases[] = {
       .forward = {0.15, 1, -0.3},
       .height_mm = 2.6},
      {LEVEL_0,
-      {"adapted over the value, window of 3 deviations", NULL, "--level 1 --adapt --window 3", NULL},
+      {"adapted over the value, window of 3 deviations", NULL, "--level 1 --adapt --always --window 3", NULL},
       {"adapted, 2D: value and deviation", NULL, "--level 1 --adapt --tf-2d deviation", NULL}},
      0.29,
      0.08,
