@@ -7,6 +7,7 @@ frame = next(thing for thing in bpy.data.objects if "level" in thing)
 scene.render.image_settings.file_format = "PNG"
 scene.render.image_settings.color_depth = "8"
 scene.render.image_settings.color_mode = "RGB"
+scene.render.use_stamp_filename = False # a PNG of Blender's carries the path of its .blend
 for level in range(3):
     frame["level"] = level
     frame.update_tag()
