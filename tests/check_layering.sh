@@ -6,7 +6,7 @@ set -u
 cd "$(dirname "$0")/.."
 
 # What renderers and exporters share, in the order in which data flows through it.
-shared="base image volume gradient encode palette pyramid tf brick scene"
+shared="base image volume gradient encode palette pyramid tf fit brick scene"
 table="
 base:
 image:      base
@@ -17,8 +17,9 @@ encode:     base volume gradient
 palette:    base image volume gradient
 pyramid:    base volume gradient encode palette
 tf:         base image compare volume gradient encode palette pyramid
+fit:        base image volume gradient encode palette pyramid tf
 brick:      base volume gradient encode palette pyramid tf
-scene:      base image volume gradient encode palette pyramid tf brick
+scene:      base image volume gradient encode palette pyramid tf fit brick
 render:     $shared
 vdb:        $shared
 povray:     $shared

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* interpolation_kernel.h - the loops over rows of interpolation.h. */
+#ifndef ISO_FIT_INTERPOLATION_KERNEL_H
+#define ISO_FIT_INTERPOLATION_KERNEL_H
+
+#include "fit/interpolation.h"
+
+/* out = (1 - w) a + w b, n floats. Equal values are kept exactly. */
+void iso_interpolation_blend(const float *restrict a, const float *restrict b, float w, size_t n, float *restrict out);
+/* sum += w row, n floats. */
+void iso_interpolation_add(const float *restrict row, float w, size_t n, float *restrict sum);
+/* A coarse row at the fine voxels of its axis. */
+void iso_interpolation_expand(const iso_interpolation_axis *axis, const float *restrict row, float *restrict fine);
+/* The transpose: fine voxels' sums are added to a coarse row. */
+void iso_interpolation_contract(const iso_interpolation_axis *axis, const float *restrict fine, float *restrict row);
+
+#endif
