@@ -12,6 +12,7 @@
     X(bound) \
     X(build) \
     X(gradient)       \
+    X(levels) \
     X(consistency) \
     X(convergence) \
     X(encode) \

@@ -18,6 +18,7 @@
 #include "bench/consistency_report.h"
 #include "bench/figures.h"
 #include "bench/level_tfs.h"
+#include "bench/look.h"
 #include "bench/methods.h"
 #include "bench/shading.h"
 #include "options/input.h"
@@ -53,24 +54,8 @@ typedef struct bench_run {
 static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view,
                             iso_error *err)
 {
-    iso_vec3 direction = iso_view_of_faces(i, run->views);
-    const iso_level *level0 = &p->levels[0];
-    const iso_scene scene = {.path = "bench",
-                             .width = (size_t)run->size,
-                             .height = (size_t)run->size,
-                             .camera_fit = true,
-                             .orthographic = true,
-                             .camera_direction = direction,
-                             .camera_up = iso_view_up(direction),
-                             .margin = 1,
-                             .light_count = 1,
-                             .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                             .shading = {.ambient = run->shaded ? 0.3 : 1,
-                                         .diffuse = run->shaded ? 0.7 : 0,
-                                         .power = 1},
-                             .step_voxels = run->step_voxels,
-                             .tf = *tf};
-    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+    const iso_bench_look look = {(size_t)run->size, run->shaded, run->step_voxels};
+    return iso_bench_view(&look, &p->levels[0], tf, iso_view_of_faces(i, run->views), view, err);
 }
 
 /* A table, or the rows of a 2D one, that a level is shown by. */
@@ -108,14 +93,6 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     return status;
 }
 
-static double largest_alpha(const iso_image *image)
-{
-    double most = 0;
-    for (size_t i = 0; image->rgba && i < image->width * image->height; ++i)
-        most = fmax(most, (double)image->rgba[4 * i + 3]);
-    return most;
-}
-
 /* All views of one level with one table. */
 static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
                           iso_error *err)
@@ -131,7 +108,7 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
         r->ssim_dissimilarity += (1 - m.ssim) / run->views;
         r->flip += m.flip_mean / run->views;
         r->rmse += m.rmse / run->views;
-        r->alpha_max = fmax(r->alpha_max, largest_alpha(&image));
+        r->alpha_max = fmax(r->alpha_max, iso_bench_largest_alpha(&image));
         iso_image_destroy(&image);
     }
     return status;
@@ -144,7 +121,7 @@ static const char *why_left_out(const bench_run *run, const bench_case *c,
     const double nothing = 1 / 255.0, no_error = 1e-6;
     double finest = 0, shown = 0, error = 0;
     for (int i = 0; i < run->views; ++i)
-        finest = fmax(finest, largest_alpha(&c->finest[i]));
+        finest = fmax(finest, iso_bench_largest_alpha(&c->finest[i]));
     for (int m = 0; m < ISO_BENCH_METHOD_COUNT; ++m) {
         shown = fmax(shown, results[m].alpha_max);
         error = fmax(error, fmax(results[m].ssim_dissimilarity, fmax(results[m].flip, results[m].rmse)));

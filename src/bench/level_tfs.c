@@ -27,6 +27,17 @@ const iso_level_tf iso_level_tfs[ISO_LEVEL_TF_COUNT] = {
       {1, {0.8, 0.8, 0.2}, 0}}},
 };
 
+const iso_level_tf iso_level_tf_colored = {"colored",
+                                           8,
+                                           {{0, {0.1, 0.2, 0.9}, 0},
+                                            {0.08, {0.1, 0.2, 0.9}, 0},
+                                            {0.2, {0.1, 0.8, 0.3}, 0.15},
+                                            {0.35, {0.9, 0.2, 0.1}, 0.3},
+                                            {0.5, {0.9, 0.8, 0.1}, 0.05},
+                                            {0.65, {0.2, 0.7, 0.9}, 0.4},
+                                            {0.8, {0.9, 0.3, 0.8}, 0.6},
+                                            {1, {1, 1, 1}, 0.8}}};
+
 iso_tf iso_level_tf_of(const iso_level_tf *tf)
 {
     return (iso_tf){.point_count = tf->point_count,

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/random.h"
+#include "bench/look.h"
 #include "compare/ssim.h"
 #include "render/sampler.h"
 
@@ -12,26 +13,6 @@ enum { MOST_POINTS = 20000 };
 static const double step_of_views = 0.5; /* voxels of the level */
 
 /* ---- views ---- */
-
-static iso_status make_view(const iso_level *level0, const iso_tf *tf, int i, size_t image_size, iso_view *view,
-                            iso_error *err)
-{
-    const iso_vec3 direction = iso_view_along_diagonal(i);
-    const iso_scene scene = {.path = "bench",
-                             .width = image_size,
-                             .height = image_size,
-                             .camera_fit = true,
-                             .orthographic = true,
-                             .camera_direction = direction,
-                             .camera_up = iso_view_up(direction),
-                             .margin = 1,
-                             .light_count = 1,
-                             .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
-                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
-                             .step_voxels = step_of_views,
-                             .tf = *tf};
-    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
-}
 
 iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_shading_shown *shown, iso_image *image,
                               iso_error *err)
@@ -112,9 +93,10 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
     if (s->surface.left_out)
         return ISO_OK;
     const iso_tf tf = iso_surface_make_tf(&s->surface, &points);
+    const iso_bench_look seen = {look->image_size, true, step_of_views};
     iso_status status = ISO_OK;
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
-        status = make_view(level0, &tf, i, look->image_size, &s->views[i], err);
+        status = iso_bench_view(&seen, level0, &tf, iso_view_along_diagonal(i), &s->views[i], err);
         if (status == ISO_OK)
             status = iso_shading_render(s, i,
                                         &(iso_shading_shown){level0, 0, code, ISO_FROM_CODES, NULL, step_of_views},
@@ -194,14 +176,6 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
     return status;
 }
 
-static double largest_alpha(const iso_image *image)
-{
-    double most = 0;
-    for (size_t i = 0; image->rgba && i < image->width * image->height; ++i)
-        most = fmax(most, (double)image->rgba[4 * i + 3]);
-    return most;
-}
-
 static iso_status measure_images(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
                                  iso_error *err)
 {
@@ -215,7 +189,7 @@ static iso_status measure_images(const iso_shading_subject *s, const iso_shading
             status = iso_ssim_foreground(&s->finest[i], &image, &ssim, err);
         e->dssim[i] = (1 - ssim) / 2;
         e->dssim_mean += e->dssim[i] / s->view_count;
-        e->alpha_max = fmax(e->alpha_max, largest_alpha(&image));
+        e->alpha_max = fmax(e->alpha_max, iso_bench_largest_alpha(&image));
         iso_image_destroy(&image);
     }
     return status;

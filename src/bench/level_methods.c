@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bench/level_methods.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The first is the default of `build`, and of what shows it with an adapted transfer function. */
+static const iso_level_method methods[] = {
+    {.name = "default",
+     .summary = "means, directions by moments, adapted TF where small views say so",
+     .treatment = ISO_LEVEL_TF_ADAPTED,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "original", .summary = "the same with the original TF", .bytes = 3, .fetches = 2},
+    {.name = "on-the-fly",
+     .summary = "means and the original TF, gradients from them",
+     .source = ISO_FROM_ON_THE_FLY,
+     .fetches = 7},
+    {.name = "always",
+     .summary = "as default, adapted whatever small views say",
+     .treatment = ISO_LEVEL_TF_ALWAYS,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "tf-2d",
+     .summary = "2D TF over value and deviation",
+     .treatment = ISO_LEVEL_TF_2D,
+     .bytes = 4,
+     .fetches = 3},
+    {.name = "gauss", .summary = "Gaussian scalar, original TF", .scalar = ISO_SCALAR_GAUSS, .bytes = 3, .fetches = 2},
+    {.name = "naive",
+     .summary = "original, mean gradients",
+     .directions = ISO_DIRECTION_NAIVE,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "eq1",
+     .summary = "original, directions by Eq. 1 of [diaz-garcia-2017]",
+     .directions = ISO_DIRECTION_EQ1,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "tensor",
+     .summary = "original, main axes of the gradients' tensors",
+     .directions = ISO_DIRECTION_TENSOR,
+     .source = ISO_FROM_FLIPPED,
+     .bytes = 3,
+     .fetches = 9},
+};
+_Static_assert(sizeof methods / sizeof *methods <= ISO_LEVEL_MAX_METHODS, "arrays by method are as long");
+
+const iso_names iso_level_method_names = ISO_NAMES_OF_ROWS("method", methods);
+
+size_t iso_level_method_count(void)
+{
+    return sizeof methods / sizeof *methods;
+}
+
+const iso_level_method *iso_level_method_at(size_t index)
+{
+    return &methods[index];
+}
+
+iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_METHODS], iso_error *err)
+{
+    for (const char *at = text; *at;) {
+        const size_t length = strcspn(at, ",");
+        char *name = strndup(at, length);
+        size_t row = 0;
+        if (!name)
+            return iso_fail(err, ISO_E_MEMORY, "no memory for a name");
+        const bool all = strcmp(name, "all") == 0;
+        const iso_status status = all ? ISO_OK : iso_names_find(&iso_level_method_names, name, &row, err);
+        free(name);
+        if (status != ISO_OK)
+            return status;
+        for (size_t m = 0; m < iso_level_method_count(); ++m)
+            wanted[m] = wanted[m] || all || m == row;
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status treat_tf(const iso_level_method *m, const iso_level_subject *s, iso_level_shown *shown,
+                           iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = s->threads;
+    opt.fall_back = m->treatment == ISO_LEVEL_TF_ADAPTED;
+    const bool adapted = m->treatment == ISO_LEVEL_TF_ADAPTED || m->treatment == ISO_LEVEL_TF_ALWAYS;
+    iso_status status = iso_adapt_level(s->pyramid, NULL, adapted ? s->level : 0, s->tf, &opt, &shown->tf,
+                                        &shown->judgment, err);
+    if (status == ISO_OK && m->treatment == ISO_LEVEL_TF_2D) {
+        status = iso_adapt_tf_2d(s->pyramid, NULL, s->level, ISO_SECOND_VALUE_DEVIATION, s->tf, &opt, &shown->tf_2d,
+                                 err);
+        shown->has_tf_2d = status == ISO_OK;
+    }
+    return status;
+}
+
+iso_status iso_level_show(const iso_level_method *m, const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    *shown = (iso_level_shown){.level = s->pyramid->levels[s->level]};
+    iso_status status = treat_tf(m, s, shown, err);
+    if (status == ISO_OK && m->make)
+        status = m->make(s, shown, err);
+    if (status != ISO_OK)
+        iso_level_shown_destroy(shown);
+    return status;
+}
+
+void iso_level_shown_destroy(iso_level_shown *shown)
+{
+    iso_tf_table_destroy(&shown->tf);
+    iso_tf_2d_destroy(&shown->tf_2d);
+    free(shown->scalar);
+    free(shown->bytes);
+    *shown = (iso_level_shown){0};
+}

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bench/levels_report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "compare/quartiles.h"
+#include "compare/ssim.h"
+
+enum { FIGURES = 6, MOST_LEVELS = 16, WORST = 3 };
+static const char *const figure_keys[FIGURES] = {"dssim",          "rmse",          "flip",
+                                                 "dssim_minified", "rmse_minified", "flip_minified"};
+
+static double figure_of(const struct iso_level_result *r, int figure)
+{
+    const iso_level_error *e = figure < 3 ? &r->full : &r->minified;
+    return figure % 3 == 0 ? e->dssim : figure % 3 == 1 ? e->rmse : e->flip;
+}
+
+iso_level_case *iso_level_cases_add(iso_level_cases *c)
+{
+    if (c->count == c->room) {
+        const size_t room = c->room ? 2 * c->room : 16;
+        iso_level_case *more = realloc(c->cases, room * sizeof *more);
+        if (!more)
+            return NULL;
+        c->cases = more;
+        c->room = room;
+    }
+    c->cases[c->count] = (iso_level_case){0};
+    return &c->cases[c->count++];
+}
+
+void iso_level_cases_destroy(iso_level_cases *c)
+{
+    free(c->cases);
+    *c = (iso_level_cases){0};
+}
+
+const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_case *one)
+{
+    double shown = 0, error = 0;
+    for (size_t m = 0; m < iso_level_method_count(); ++m)
+        for (int f = 0; f < FIGURES && c->wanted[m]; ++f) {
+            shown = fmax(shown, one->results[m].alpha);
+            error = fmax(error, figure_of(&one->results[m], f));
+        }
+    if (!(one->finest_alpha >= ISO_SSIM_FOREGROUND))
+        return "level 0 shows nothing";
+    if (!(shown >= ISO_SSIM_FOREGROUND))
+        return "the level shows nothing under any method";
+    return error < ISO_LEVELS_NO_ERROR ? "no method errs" : NULL;
+}
+
+double iso_level_ratio(double error, double base)
+{
+    const double none = 1e-6;
+    return (error + none) / (base + none);
+}
+
+/* ---- of a method at a level ---- */
+
+typedef struct worst_case {
+    const iso_level_case *of;
+    double ratio;
+} worst_case;
+
+typedef struct summary {
+    size_t count, worse, much_worse;
+    iso_ratios ratios[FIGURES];
+    worst_case worst[WORST]; /* by DSSIM, falling */
+} summary;
+
+static void note_worst(summary *s, worst_case one)
+{
+    for (int i = 0; i < WORST; ++i)
+        if (!s->worst[i].of || one.ratio > s->worst[i].ratio) {
+            const worst_case moved = s->worst[i];
+            s->worst[i] = one;
+            one = moved;
+            if (!one.of)
+                return;
+        }
+}
+
+static summary summarize(const iso_level_cases *c, bool held, size_t level, size_t method)
+{
+    summary s = {0};
+    double *ratios = calloc(c->count + 1, sizeof *ratios);
+    for (int f = 0; ratios && f < FIGURES; ++f) {
+        size_t count = 0;
+        for (size_t i = 0; i < c->count; ++i) {
+            const iso_level_case *one = &c->cases[i];
+            if (one->held != held || one->level != level || iso_level_case_left_out(c, one))
+                continue;
+            const double ratio = iso_level_ratio(figure_of(&one->results[method], f),
+                                                 figure_of(&one->results[c->against], f));
+            ratios[count++] = ratio;
+            if (f > 0)
+                continue;
+            s.worse += ratio > ISO_LEVELS_WORSE;
+            s.much_worse += ratio > ISO_LEVELS_MUCH_WORSE;
+            note_worst(&s, (worst_case){one, ratio});
+        }
+        s.count = count;
+        s.ratios[f] = iso_ratios_summarize(ratios, count);
+    }
+    free(ratios);
+    return s;
+}
+
+static json_t *summary_to_json(const summary *s, const iso_level_method *m)
+{
+    json_t *o = json_pack("{s:s, s:f, s:f, s:i, s:i}", "method", m->name, "bytes_per_voxel", m->bytes, "fetches",
+                          m->fetches, "worse_count", (int)s->worse, "much_worse_count", (int)s->much_worse);
+    json_t *ratios = json_object(), *worst = json_array();
+    for (int f = 0; f < FIGURES; ++f)
+        json_object_set_new(ratios, figure_keys[f],
+                            json_pack("{s:o, s:o, s:o, s:o}", "geometric_mean",
+                                      iso_json_number(s->ratios[f].geometric_mean), "median",
+                                      iso_json_number(s->ratios[f].median), "lower_quartile",
+                                      iso_json_number(s->ratios[f].lower), "upper_quartile",
+                                      iso_json_number(s->ratios[f].upper)));
+    for (int i = 0; i < WORST && s->worst[i].of; ++i)
+        json_array_append_new(worst, json_pack("{s:s, s:s, s:f}", "volume", s->worst[i].of->volume, "tf",
+                                               s->worst[i].of->tf, "dssim_ratio", s->worst[i].ratio));
+    json_object_set_new(o, "ratios", ratios);
+    json_object_set_new(o, "worst", worst);
+    return o;
+}
+
+static void print_summary(const summary *s, const iso_level_method *m)
+{
+    const iso_ratios *r = s->ratios;
+    printf("%-20s %5.3f  %5.3f (%.3f-%.3f) %3zu %3zu  %5.3f %5.3f  %5.3f %5.3f %5.3f  %4g %3g ", m->name,
+           r[0].geometric_mean, r[0].median, r[0].lower, r[0].upper, s->worse, s->much_worse, r[1].geometric_mean,
+           r[2].geometric_mean, r[3].geometric_mean, r[4].geometric_mean, r[5].geometric_mean, m->bytes, m->fetches);
+    for (int i = 0; i < WORST && s->worst[i].of && s->worst[i].ratio > ISO_LEVELS_WORSE; ++i)
+        printf("%s %s %s %.2f", i ? "," : "", s->worst[i].of->volume, s->worst[i].of->tf, s->worst[i].ratio);
+    printf("\n");
+}
+
+static void print_heading(const iso_level_cases *c, bool held, size_t level, size_t count)
+{
+    printf("\n%s, level %zu: %zu cases; errors / those of \"%s\": geometric means, of DSSIM median and quartiles as "
+           "well\n%-20s %5s  %-20s %3s %3s  %5s %5s  %17s  %4s %3s  worst by DSSIM\n%-20s %5s  %-20s %3s %3s  %5s %5s  "
+           "%5s %5s %5s\n",
+           held ? "held back" : "named", level, count, iso_level_method_at(c->against)->name, "", "", "", ">2%", ">5%",
+           "", "", "minified", "B", "", "method", "DSSIM", "median", "", "", "RMSE", "FLIP", "DSSIM", "RMSE", "FLIP");
+}
+
+/* ---- of a block ---- */
+
+static json_t *report_level(const iso_level_cases *c, bool held, size_t level, bool print)
+{
+    json_t *rows = json_array();
+    const size_t count = summarize(c, held, level, c->against).count;
+    if (print && count > 0)
+        print_heading(c, held, level, count);
+    for (size_t m = 0; m < iso_level_method_count() && count > 0; ++m) {
+        if (!c->wanted[m])
+            continue;
+        const summary s = summarize(c, held, level, m);
+        json_array_append_new(rows, summary_to_json(&s, iso_level_method_at(m)));
+        if (print)
+            print_summary(&s, iso_level_method_at(m));
+    }
+    return json_pack("{s:i, s:i, s:o}", "level", (int)level, "case_count", (int)count, "methods", rows);
+}
+
+/* How many cases each reason leaves out. */
+static json_t *count_left_out(const iso_level_cases *c, bool held)
+{
+    json_t *reasons = json_object();
+    for (size_t i = 0; i < c->count; ++i) {
+        const char *why = iso_level_case_left_out(c, &c->cases[i]);
+        if (c->cases[i].held == held && why)
+            json_object_set_new(reasons, why, json_integer(json_integer_value(json_object_get(reasons, why)) + 1));
+    }
+    return reasons;
+}
+
+static bool has_level(const iso_level_cases *c, bool held, size_t level)
+{
+    for (size_t i = 0; i < c->count; ++i)
+        if (c->cases[i].held == held && c->cases[i].level == level)
+            return true;
+    return false;
+}
+
+static json_t *report_block(const iso_level_cases *c, bool held, bool print)
+{
+    json_t *levels = json_array(), *reasons = count_left_out(c, held), *times;
+    const char *why;
+    for (size_t level = 1; level < MOST_LEVELS; ++level)
+        if (has_level(c, held, level))
+            json_array_append_new(levels, report_level(c, held, level, print));
+    if (print)
+        json_object_foreach(reasons, why, times) printf("left out, %s: %lld cases, %s\n", held ? "held back" : "named",
+                                                        (long long)json_integer_value(times), why);
+    return json_pack("{s:s, s:o, s:o}", "block", held ? "held back" : "named", "left_out", reasons, "levels", levels);
+}
+
+json_t *iso_levels_report(const iso_level_cases *c, bool print)
+{
+    json_t *blocks = json_array();
+    for (int held = 0; held < 2; ++held)
+        for (size_t i = 0; i < c->count; ++i)
+            if (c->cases[i].held == (held == 1)) {
+                json_array_append_new(blocks, report_block(c, held == 1, print));
+                break;
+            }
+    return blocks;
+}
+
+/* ---- cases ---- */
+
+json_t *iso_level_cases_to_json(const iso_level_cases *c)
+{
+    json_t *all = json_array();
+    for (size_t i = 0; i < c->count; ++i)
+        for (size_t m = 0; m < iso_level_method_count(); ++m) {
+            const iso_level_case *one = &c->cases[i];
+            if (!c->wanted[m])
+                continue;
+            json_t *o = json_pack("{s:s, s:b, s:s, s:i, s:s, s:i, s:b, s:s?}", "volume", one->volume, "held", one->held,
+                                  "tf", one->tf, "level", (int)one->level, "method", iso_level_method_at(m)->name,
+                                  "box_pixels", (int)one->box, "kept_original", one->results[m].kept_original,
+                                  "left_out", iso_level_case_left_out(c, one));
+            for (int f = 0; f < FIGURES; ++f)
+                json_object_set_new(o, figure_keys[f], iso_json_number(figure_of(&one->results[m], f)));
+            json_array_append_new(all, o);
+        }
+    return all;
+}
+
+iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path, iso_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    if (!memory)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a table of %zu cases", c->count);
+    fprintf(memory, "held,volume,tf,level,method,left_out");
+    for (int f = 0; f < FIGURES; ++f)
+        fprintf(memory, ",%s", figure_keys[f]);
+    fputc('\n', memory);
+    for (size_t i = 0; i < c->count; ++i)
+        for (size_t m = 0; m < iso_level_method_count(); ++m) {
+            const iso_level_case *one = &c->cases[i];
+            const char *why = iso_level_case_left_out(c, one);
+            if (!c->wanted[m])
+                continue;
+            fprintf(memory, "%d,%s,%s,%zu,%s,%s", one->held, one->volume, one->tf, one->level,
+                    iso_level_method_at(m)->name, why ? why : "");
+            for (int f = 0; f < FIGURES; ++f)
+                fprintf(memory, ",%.6g", figure_of(&one->results[m], f));
+            fputc('\n', memory);
+        }
+    fclose(memory);
+    iso_status status = iso_file_write(path, text, size, err);
+    free(text);
+    return status;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* levels_report.h - what the cases of `bench levels` come to. */
+#ifndef ISO_BENCH_LEVELS_REPORT_H
+#define ISO_BENCH_LEVELS_REPORT_H
+
+#include "base/json.h"
+#include "bench/level_error.h"
+#include "bench/level_methods.h"
+
+/* Ratios above these count as worse. */
+#define ISO_LEVELS_WORSE 1.02
+#define ISO_LEVELS_MUCH_WORSE 1.05
+/* Below it in each metric and under every method, a case tells nothing: nobody sees an error. */
+#define ISO_LEVELS_NO_ERROR 1e-4
+
+/* A volume under a transfer function at a level; means over the views. */
+typedef struct iso_level_case {
+    const char *volume, *tf; /* borrowed */
+    size_t level;
+    bool held;
+    double finest_alpha; /* the largest of level 0's images */
+    size_t box;          /* pixels along an edge of what minifying averages */
+    struct iso_level_result {
+        iso_level_error full, minified;
+        double alpha;       /* the largest of its images */
+        bool kept_original; /* it adapts, and kept the original TF here */
+    } results[ISO_LEVEL_MAX_METHODS];
+} iso_level_case;
+
+typedef struct iso_level_cases {
+    size_t count, room;
+    iso_level_case *cases;
+    bool wanted[ISO_LEVEL_MAX_METHODS];
+    size_t against; /* the method that the others are compared with */
+} iso_level_cases;
+
+/* A new case, zeroed; NULL: no memory. */
+iso_level_case *iso_level_cases_add(iso_level_cases *c);
+void iso_level_cases_destroy(iso_level_cases *c);
+
+/* Why no mean counts a case: level 0 shows nothing, or the level under no method (no pixel of any view has an alpha of
+ * 1/255), or no method errs. NULL: it counts. */
+const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_case *one);
+
+/* The error of a method over that of the base; 1 where both are 0. */
+double iso_level_ratio(double error, double base);
+
+/* Blocks of what was named and of what was held back, by level and method. print: as tables as well. */
+json_t *iso_levels_report(const iso_level_cases *c, bool print);
+/* One object a case and method. */
+json_t *iso_level_cases_to_json(const iso_level_cases *c);
+iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path, iso_error *err);
+
+#endif

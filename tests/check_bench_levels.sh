@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# bench levels: the table as a command, its keys, what is left out, and bad usage.
+. "$(dirname "$0")/lib.sh"
+"$ISOSHADE" make shells --size 24 --type uint8 -o shells.nrrd -q && "$ISOSHADE" make constant --size 24 --type uint8 -o constant.nrrd -q || exit 1
+few=(bench levels --quick --views 1 --size 40 --levels 3 -q)
+
+expect the_table_runs 0 "$ISOSHADE" "${few[@]}" shells.nrrd --methods default,original,on-the-fly,gauss --csv table.csv
+check it_has_both_levels test "$(grep -c '^named, level' out)" = 2
+check and_each_method test "$(grep -c '^gauss ' out)" = 2
+check the_csv_has_a_line_a_case_and_method test "$(wc -l <table.csv)" = $((1 + 4 * $(sed 1d table.csv | cut -d, -f2-4 | sort -u | wc -l)))
+expect json_runs 0 "$ISOSHADE" "${few[@]}" shells.nrrd constant.nrrd --held shells.nrrd --methods original,gauss --against original --json
+check its_keys python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+assert r['schema'] == 'isoshade.bench.levels/1' and r['against'] == 'original' and r['complete']
+assert [b['block'] for b in r['blocks']] == ['named', 'held back']
+for b in r['blocks']:
+    for level in b['levels']:
+        rows = {m['method']: m for m in level['methods']}
+        if not rows:
+            continue
+        base, gauss = rows['original'], rows['gauss']
+        assert all(q == 1 for f in base['ratios'].values() for q in f.values()), base
+        assert base['worse_count'] == base['much_worse_count'] == 0
+        assert gauss['ratios']['dssim']['geometric_mean'] > 1.05, gauss  # wider than a mean of eight: a worse method
+        assert gauss['worse_count'] >= gauss['much_worse_count'] > 0 and gauss['worst'][0]['dssim_ratio'] > 1.05
+named = r['blocks'][0]
+assert sum(named['left_out'].values()) > 0, named['left_out']  # the constant volume
+assert {c['left_out'] for c in r['cases'] if c['volume'] == 'constant.nrrd'} <= set(named['left_out'])
+# the same volume in both blocks: the same figures
+a, b = ([c['dssim'] for c in r['cases'] if c['volume'] == 'shells.nrrd' and c['held'] == h] for h in (False, True))
+assert a == b and len(a) > 0
+PY
+expect quick_is_small 0 "$ISOSHADE" bench levels shells.nrrd --quick --levels 2 --tfs soft --methods original -q --json
+check two_views_of_96_pixels grep -q '"views": 2' out
+expect a_budget_ends_it 0 "$ISOSHADE" "${few[@]}" shells.nrrd shells.nrrd --budget 1e-9 --methods original --json
+check and_it_says_so grep -q '"complete": false' out
+refuse an_unknown_method 2 --methods "$ISOSHADE" "${few[@]}" shells.nrrd --methods best
+refuse an_unknown_base 2 --against "$ISOSHADE" "${few[@]}" shells.nrrd --against best
+refuse an_unknown_tf 2 --tfs "$ISOSHADE" "${few[@]}" shells.nrrd --tfs surface
+refuse no_volume 2 volume "$ISOSHADE" bench levels -q
+expect a_missing_volume 3 "$ISOSHADE" "${few[@]}" missing.nrrd
+exit $failed
