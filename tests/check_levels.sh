@@ -46,6 +46,31 @@ done
 swap b.iso scalar:0
 found another_level_0_is_found "level 0" "$ISOSHADE" info bad.iso --verify
 
+# Joint histograms that adapting left beside the levels: counted again. Those of other levels of the same volume have the
+# same bins and the same sum.
+cp -r a.iso joint-a.iso
+"$ISOSHADE" build a.nrrd -q --scalar-filter gauss -o joint-b.iso >/dev/null
+for v in a b; do
+    "$ISOSHADE" tf adapt joint-$v.iso --tf "$top/refscenes/marschner-lobb.tf.json" -q -o adapted-$v >/dev/null
+done
+expect histograms_that_belong_pass 0 "$ISOSHADE" info joint-a.iso --verify
+check each_histogram_is_counted_again test "$(grep -c 'counts all 12006 voxels as the levels have them' out)" = 3
+name=$(basename "$(ls joint-a.iso/level_2_joint*)")
+cp "joint-b.iso/$name" joint-a.iso
+found the_histogram_of_other_levels_is_found "level 2: its joint histogram .* counts [0-9]* of 12006 voxels in other bins" \
+    "$ISOSHADE" info joint-a.iso --verify
+expect and_is_data 1 "$ISOSHADE" info joint-a.iso --verify --json
+cat >joints.py <<'PY'
+import json
+joints = json.load(open("out"))["joint_histograms"]
+assert [j["level"] for j in joints] == [1, 2, 3], joints
+assert [j["differing_voxels"] > 0 for j in joints] == [False, True, False], joints
+PY
+check with_its_level python3 joints.py
+found validation_counts_again_too "level 2: its joint histogram" validate joint-a.iso
+echo cut >"joint-a.iso/$name"
+found a_cut_histogram_is_found "level 2: its joint histogram .* is none of this pyramid" "$ISOSHADE" info joint-a.iso --verify
+
 # One bit of one voxel, with its checksum; a range and a box that are not level 0's.
 swap a.iso codes:1
 cat >plant.py <<'PY'
@@ -86,6 +111,8 @@ cat >rows.py <<'PY'
 import json
 rows = [r for r in json.load(open("report-bad.iso/report.json"))["calibration"] if r["renderer"] == "pyramid"]
 assert [r["verdict"] for r in rows] == ["pass", "fail", "fail", "pass"], rows
+levels = json.load(open("report-bad.iso/report.json"))["levels"]  # what is drawn beside them is not these levels again
+assert [r["stored"]["held"] for r in levels] == [False, False, True], levels
 PY
 check a_row_a_level python3 rows.py
 expect a_pyramid_that_is_whole_is_validated 0 validate a.iso

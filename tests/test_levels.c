@@ -269,6 +269,28 @@ static void a_level_is_held_to_its_limit_and_to_the_simple_way(void **state)
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_NOT_COMPARED);
 }
 
+/* A sentence that a person can judge by: where the simple way is nearer in one figure and farther in another, both stand
+ * in it. SSIM takes structures that do not match for worse than none, so that a level that shows less may be nearer by it. */
+static void a_failure_tells_what_speaks_against_it(void **state)
+{
+    (void)state;
+    const iso_report_about about = {.title = "mixed"};
+    const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051},
+                 less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047};
+    char *dir = iso_path_join(folder, "mixed");
+    iso_report *report;
+    iso_report_level row = row_with(own, less, 6, NAN);
+    assert_ok(iso_report_create(&report, dir, &about, &err));
+    row.simple.behind[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.01};
+    assert_ok(iso_report_add_level(report, &row, &err));
+    const iso_levels_summary s = iso_levels_summarize(json_object_get(iso_report_json(report), "levels"));
+    assert_int_equal(s.differed, 1);
+    assert_non_null(strstr(s.sentence, "1-SSIM 0.067 against 0.071, 0.004 +- "));
+    assert_non_null(strstr(s.sentence, "; yet less by RMSE 0.067 against 0.047, 0.02 +- 0.01 more"));
+    iso_report_destroy(report);
+    free(dir);
+}
+
 /* Student's t at 95 %, as every table has it; the interval of differences 1, 2, 3 is 2 +- 4.303 / sqrt(3). */
 static void intervals_are_students(void **state)
 {
@@ -412,6 +434,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_are_students),
         cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
+        cmocka_unit_test(a_failure_tells_what_speaks_against_it),
         cmocka_unit_test(limits_are_read_by_level),
         cmocka_unit_test(angles_are_those_of_the_place_and_in_degrees),
         cmocka_unit_test(clean_volumes_hold),

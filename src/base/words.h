@@ -12,6 +12,9 @@
 /* A word of a command line, quoted for a shell where it has to be. */
 void iso_words_put_quoted(FILE *f, const char *word);
 
+/* Puts more at the end of a text in a buffer of `size` bytes; what does not fit is left out. */
+void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
 /* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
 iso_status iso_words_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err);
 iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err);

@@ -9,6 +9,7 @@
 #include "options/cli.h"
 #include "options/input.h"
 #include "pyramid/pyramid_verify.h"
+#include "tf/histogram_verify.h"
 #include "volume/format.h"
 
 #define BINS 64         /* shown */
@@ -165,6 +166,13 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, iso_er
 
 /* ---- pyramids ---- */
 
+/* What --verify found. */
+typedef struct verified {
+    iso_level_check levels[32];
+    size_t joint_count;
+    iso_joint_check *joints;
+} verified;
+
 /* checks: NULL where nothing was verified. */
 static json_t *level_to_json(const iso_level *l, const iso_level_check *check)
 {
@@ -177,23 +185,38 @@ static json_t *level_to_json(const iso_level *l, const iso_level_check *check)
     return o;
 }
 
-static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const iso_level_check *checks)
+static json_t *joints_to_json(const verified *found)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < found->joint_count; ++i) {
+        const iso_joint_check *c = &found->joints[i];
+        json_array_append_new(list, json_pack("{s:I, s:i, s:i, s:I, s:I, s:s}", "level", (json_int_t)c->key.level,
+                                              "bits", c->key.bits, "second_value", (int)c->key.second, "voxels",
+                                              (json_int_t)c->voxels, "differing_voxels", (json_int_t)c->differing,
+                                              "unreadable", c->unreadable));
+    }
+    return list;
+}
+
+static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const verified *found)
 {
     const iso_pyramid_options *opt = &p->options;
     json_t *root = iso_cli_json(cli), *levels = json_array();
     for (size_t k = 0; k < p->level_count; ++k)
-        json_array_append_new(levels, level_to_json(&p->levels[k], checks ? &checks[k] : NULL));
+        json_array_append_new(levels, level_to_json(&p->levels[k], found ? &found->levels[k] : NULL));
     json_object_update_new(root,
                            json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o}", "pyramid", cli->arguments[0],
                                      "source", p->source, "built_by", p->built_by, "scalar_filter",
                                      iso_scalar_filter_name(opt->scalar_filter), "direction_filter",
                                      iso_direction_filter_name(opt->direction_filter), "estimator",
                                      iso_gradient_name(opt->gradient.method), "code",
-                                     iso_code_describe(opt->code)->name, "verified", checks != NULL, "levels", levels));
+                                     iso_code_describe(opt->code)->name, "verified", found != NULL, "levels", levels));
+    if (found)
+        json_object_set_new(root, "joint_histograms", joints_to_json(found));
     iso_cli_print_json(root);
 }
 
-static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const iso_level_check *checks)
+static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const verified *found)
 {
     const iso_pyramid_options *opt = &p->options;
     printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
@@ -208,32 +231,54 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const i
         printf("  level %zu    %zu x %zu x %zu voxels of %s, %.9g to %.9g\n", k, n[0], n[1], n[2],
                iso_type_name(l->stored_type), l->min, l->max);
     }
-    for (size_t k = 0; checks && k < p->level_count; ++k) {
-        char text[256];
-        printf("  %s\n", iso_level_check_text(&checks[k], k, text, sizeof text));
-    }
+    char text[512];
+    for (size_t k = 0; found && k < p->level_count; ++k)
+        printf("  %s\n", iso_level_check_text(&found->levels[k], k, text, sizeof text));
+    for (size_t i = 0; found && i < found->joint_count; ++i)
+        printf("  %s\n", iso_joint_check_text(&found->joints[i], text, sizeof text));
 }
 
-static iso_status show_pyramid(const iso_cli *cli, bool verify, iso_error *err)
+static iso_status verify(const iso_cli *cli, const iso_pyramid *p, verified *found, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    iso_status status = iso_pyramid_verify(p, cli->threads, found->levels, &progress, err);
+    return status != ISO_OK ? status
+                            : iso_joint_verify(p, cli->arguments[0], cli->threads, &found->joints, &found->joint_count,
+                                               &progress, err);
+}
+
+/* The first thing that is not as it has to be. */
+static iso_status say_what_differs(const iso_cli *cli, const iso_pyramid *p, const verified *found, iso_error *err)
+{
+    char text[512];
+    for (size_t k = 0; k < p->level_count; ++k)
+        if (found->levels[k].what)
+            return iso_fail(err, ISO_E_DIFFERS, "%s: %s", cli->arguments[0],
+                            iso_level_check_text(&found->levels[k], k, text, sizeof text));
+    for (size_t i = 0; i < found->joint_count; ++i)
+        if (!iso_joint_check_is_good(&found->joints[i]))
+            return iso_fail(err, ISO_E_DIFFERS, "%s: %s", cli->arguments[0],
+                            iso_joint_check_text(&found->joints[i], text, sizeof text));
+    return ISO_OK;
+}
+
+static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *err)
 {
     iso_pyramid p;
-    iso_level_check checks[32];
-    iso_progress progress = iso_cli_progress(cli);
-    char text[256];
-    iso_status status = verify ? iso_pyramid_load(cli->arguments[0], &p, err)
-                               : iso_pyramid_load_outline(cli->arguments[0], &p, err);
+    verified found = {0};
+    iso_status status = is_verified ? iso_pyramid_load(cli->arguments[0], &p, err)
+                                    : iso_pyramid_load_outline(cli->arguments[0], &p, err);
     if (status != ISO_OK)
         return status;
-    if (verify)
-        status = iso_pyramid_verify(&p, cli->threads, checks, &progress, err);
+    if (is_verified)
+        status = verify(cli, &p, &found, err);
     if (status == ISO_OK && cli->json)
-        print_pyramid_json(cli, &p, verify ? checks : NULL);
+        print_pyramid_json(cli, &p, is_verified ? &found : NULL);
     else if (status == ISO_OK)
-        print_pyramid_text(cli, &p, verify ? checks : NULL);
-    for (size_t k = 0; verify && k < p.level_count && status == ISO_OK; ++k)
-        if (checks[k].what)
-            status = iso_fail(err, ISO_E_DIFFERS, "%s: %s", cli->arguments[0],
-                              iso_level_check_text(&checks[k], k, text, sizeof text));
+        print_pyramid_text(cli, &p, is_verified ? &found : NULL);
+    if (status == ISO_OK && is_verified)
+        status = say_what_differs(cli, &p, &found, err);
+    free(found.joints);
     iso_pyramid_destroy(&p);
     return status;
 }
@@ -276,7 +321,8 @@ const iso_command iso_command_info = {
     .details =
         "A file's format is known by its first bytes, whatever its name. A build is deterministic: --verify makes all that a\n"
         "pyramid stores again from its level 0, with its own options, and compares every bit. So a level of another volume\n"
-        "is found, although its checksum is right. Exit code 1: a level is not made from level 0.",
+        "is found, although its checksum is right. Joint histograms that tf adapt left in the folder are counted again.\n"
+        "Exit code 1: a level is not made from level 0, or a histogram does not count what the levels hold.",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
                 "  isoshade info sphere.nrrd --json\n"

@@ -2,9 +2,10 @@
 #include "report/levels.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "base/words.h"
 
 static const struct {
     const char *key, *name;
@@ -65,13 +66,14 @@ static json_t *rival_json(const iso_report_level *row, const iso_report_rival *r
     json_t *list = json_array();
     bool better = false, worse = false;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
-        const bool here = is_behind(row, rival, k);
-        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:b}", "figure", figures[k].key, "name",
+        const bool here = is_behind(row, rival, k), less_here = is_ahead(row, rival, k);
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:b, s:b}", "figure", figures[k].key, "name",
                                               figures[k].name, "value", iso_json_number(rival->value[k]), "difference",
                                               iso_json_number(rival->behind[k].difference), "half_width",
-                                              iso_json_number(rival->behind[k].half_width), "better", here));
+                                              iso_json_number(rival->behind[k].half_width), "better", here, "worse",
+                                              less_here));
         better = better || here;
-        worse = worse || is_ahead(row, rival, k);
+        worse = worse || less_here;
     }
     return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted), "option",
                      rival->option, "better", better && !worse, "figures", list);
@@ -108,16 +110,6 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
 
 /* ---- all levels ---- */
 
-static void add(iso_levels_summary *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(iso_levels_summary *s, const char *format, ...)
-{
-    const size_t used = strlen(s->sentence);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(s->sentence + used, sizeof s->sentence - used, format, arguments);
-    va_end(arguments);
-}
-
 static bool is_true(const json_t *row, const char *key)
 {
     return json_is_true(json_object_get(row, key));
@@ -128,12 +120,13 @@ static void add_way(iso_levels_summary *s, const json_t *way)
 {
     const char *method = iso_row_text(way, "method");
     const bool fly = strcmp(method, "on-the-fly") == 0;
-    add(s, "%s%s under the %s TF", fly ? "gradients on the fly" : method, fly ? "" : " directions",
-        iso_row_text(way, "tf"));
+    iso_words_append(s->sentence, sizeof s->sentence, "%s%s under the %s TF", fly ? "gradients on the fly" : method,
+                     fly ? "" : " directions", iso_row_text(way, "tf"));
 }
 
-/* "1-SSIM 0.067 against 0.071, 0.004 +- 0.003 less", for each figure by which the rival is better. */
-static void add_by_how_much(iso_levels_summary *s, const json_t *rival)
+/* "1-SSIM 0.067 against 0.071, 0.004 +- 0.003 less", for each figure by which the rival is better; or "more", for each by
+ * which it is worse. */
+static void add_figures(iso_levels_summary *s, const json_t *rival, const char *key, const char *less)
 {
     const char *before = "";
     json_t *f;
@@ -141,21 +134,35 @@ static void add_by_how_much(iso_levels_summary *s, const json_t *rival)
     json_array_foreach(json_object_get(rival, "figures"), i, f)
     {
         const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
-        if (!is_true(f, "better"))
+        if (!is_true(f, key))
             continue;
-        add(s, "%s%s %.3g against %.3g, %.2g +- %.2g less", before, iso_row_text(f, "name"), value, value + difference,
-            difference, iso_row_number(f, "half_width"));
+        iso_words_append(s->sentence, sizeof s->sentence, "%s%s %.3g against %.3g, %.2g +- %.2g %s", before,
+                         iso_row_text(f, "name"), value, value + difference, fabs(difference),
+                         iso_row_number(f, "half_width"), less);
         before = "; ";
     }
 }
 
+static bool is_worse_by_any(const json_t *rival)
+{
+    json_t *f;
+    size_t i;
+    json_array_foreach(json_object_get(rival, "figures"), i, f) if (is_true(f, "worse")) return true;
+    return false;
+}
+
 static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *rival)
 {
-    add(s, " Level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
+    iso_words_append(s->sentence, sizeof s->sentence,
+                     " Level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
     add_way(s, rival);
-    add(s, " look more like level 0 (");
-    add_by_how_much(s, rival);
-    add(s, "): %s.", iso_row_text(rival, "option"));
+    iso_words_append(s->sentence, sizeof s->sentence, " look more like level 0 (");
+    add_figures(s, rival, "better", "less");
+    if (is_worse_by_any(rival)) {
+        iso_words_append(s->sentence, sizeof s->sentence, "; yet less by ");
+        add_figures(s, rival, "worse", "more");
+    }
+    iso_words_append(s->sentence, sizeof s->sentence, "): %s.", iso_row_text(rival, "option"));
 }
 
 /* What fails. */
@@ -166,12 +173,13 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     json_t *f;
     size_t i;
     if (!is_true(stored, "held"))
-        add(s,
+        iso_words_append(
+            s->sentence, sizeof s->sentence,
             " Level %lld is not what level 0 makes: its values are off by up to %.2g of their range, its directions by %.3g degrees on average.",
             level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
-        add(s, " Level %lld: %s is %.3g, asked for is at most %.3g.", level, iso_row_text(f, "name"),
-            iso_row_number(f, "value"), iso_row_number(f, "asked"));
+        iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, asked for is at most %.3g.", level,
+                         iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));
     if (!is_true(row, "simple_held"))
         add_rival(s, row, json_object_get(row, "simple"));
 }
@@ -223,8 +231,10 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
         smaller += behind;
     }
     if (smaller > 0)
-        add(s, " In %zu of %zu figures another method has the smaller mean, within the scatter over the views.",
-            smaller, all);
+        iso_words_append(
+            s->sentence, sizeof s->sentence,
+            " In %zu of %zu figures another method has the smaller mean, within the scatter over the views.", smaller,
+            all);
 }
 
 static bool is_anything_asked(const json_t *rows)
@@ -242,18 +252,20 @@ static void tell(iso_levels_summary *s, const json_t *rows)
     const size_t count = json_array_size(rows);
     const double views = iso_row_number(first, "views");
     if (s->differed == 0)
-        add(s, "The levels hold: %snone is behind gradients on the fly under the original TF%s.",
-            is_anything_asked(rows) ? "all are within what the scene asks, and " : "",
-            is_anything_asked(rows) ? "" : ", which is all that is asked where the scene says nothing");
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         "The levels hold: %snone is behind gradients on the fly under the original TF%s.",
+                         is_anything_asked(rows) ? "all are within what the scene asks, and " : "",
+                         is_anything_asked(rows) ? "" : ", which is all that is asked where the scene says nothing");
     else
-        add(s, "The levels do not hold: of %zu %zu fail%s.", count, s->differed, s->differed == 1 ? "s" : "");
+        iso_words_append(s->sentence, sizeof s->sentence, "The levels do not hold: of %zu %zu fail%s.", count,
+                         s->differed, s->differed == 1 ? "s" : "");
     size_t i;
     json_t *row;
     json_array_foreach(rows, i, row) add_failures(s, row);
     json_array_foreach(rows, i, row) if (best_rival(row)) add_rival(s, row, best_rival(row));
     add_near_ones(s, rows);
     if (views < 6)
-        add(s, " Of %.0f views intervals are wide.", views);
+        iso_words_append(s->sentence, sizeof s->sentence, " Of %.0f views intervals are wide.", views);
 }
 
 iso_levels_summary iso_levels_summarize(const json_t *rows)
@@ -271,6 +283,7 @@ iso_levels_summary iso_levels_summarize(const json_t *rows)
     if (s.agreed + s.differed > 0)
         tell(&s, rows);
     else if (s.not_compared > 0)
-        add(&s, "The levels are not compared: level 0 shows nothing in any view.");
+        iso_words_append(s.sentence, sizeof s.sentence,
+                         "The levels are not compared: level 0 shows nothing in any view.");
     return s;
 }

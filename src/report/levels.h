@@ -62,7 +62,7 @@ iso_verdict iso_report_level_verdict(const iso_report_level *row);
 
 typedef struct iso_levels_summary {
     size_t agreed, differed, not_compared;
-    char sentence[1024]; /* "" where no level was judged */
+    char sentence[2048]; /* "" where no level was judged */
 } iso_levels_summary;
 /* Of report.json's "levels". */
 iso_levels_summary iso_levels_summarize(const json_t *rows);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* summary.c - what a report says as a whole: how much was asked for, what of it was compared, and the sentence. */
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/words.h"
 #include "report/report.h"
 #include "report/report_files.h"
 
@@ -15,23 +15,14 @@ static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict 
     return count;
 }
 
-static void add(iso_report_summary *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(iso_report_summary *s, const char *format, ...)
-{
-    const size_t used = strlen(s->sentence);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(s->sentence + used, sizeof s->sentence - used, format, arguments);
-    va_end(arguments);
-}
-
 /* "; not compared: 3 cases that show too little for their limits, 1 stage that did not run" */
 static void add_not_compared(iso_report_summary *s)
 {
     const char *before = "; not compared: ";
     for (int i = 0; i < ISO_UNCOMPARED_COUNT; ++i)
         if (s->by_reason[i] > 0) {
-            add(s, "%s%zu %s", before, s->by_reason[i], iso_uncompared_text((iso_uncompared)i, s->by_reason[i]));
+            iso_words_append(s->sentence, sizeof s->sentence, "%s%zu %s", before, s->by_reason[i],
+                             iso_uncompared_text((iso_uncompared)i, s->by_reason[i]));
             before = ", ";
         }
 }
@@ -46,10 +37,11 @@ static void add_unanswered(iso_report_summary *s, json_t *unanswered)
         first_scene = scene;
         first = json_string_value(json_array_get(renderers, 0));
     }
-    add(s, "nothing was compared%s%s in the scene %s", first ? " of " : "", first ? first : "",
-        first_scene ? first_scene : "");
+    iso_words_append(s->sentence, sizeof s->sentence, "nothing was compared%s%s in the scene %s", first ? " of " : "",
+                     first ? first : "", first_scene ? first_scene : "");
     if (s->unanswered > 1)
-        add(s, " (nor in %zu case%s more)", s->unanswered - 1, s->unanswered == 2 ? "" : "s");
+        iso_words_append(s->sentence, sizeof s->sentence, " (nor in %zu case%s more)", s->unanswered - 1,
+                         s->unanswered == 2 ? "" : "s");
 }
 
 static const char *plural(size_t count)
@@ -61,30 +53,38 @@ static void tell(iso_report_summary *s, json_t *unanswered)
 {
     const size_t judged = s->agreed + s->differed + s->refused, asked = judged + s->not_compared;
     if (judged == 0)
-        add(s, "Nothing was compared, so nothing is shown to agree");
+        iso_words_append(s->sentence, sizeof s->sentence, "Nothing was compared, so nothing is shown to agree");
     else if (s->good && s->not_compared == 0)
-        add(s, "The renderers agree: %s %zu comparison%s within %s limits", judged == 1 ? "the" : "all", judged,
-            judged == 1 ? " is" : "s are", judged == 1 ? "its" : "their");
+        iso_words_append(s->sentence, sizeof s->sentence, "The renderers agree: %s %zu comparison%s within %s limits",
+                         judged == 1 ? "the" : "all", judged, judged == 1 ? " is" : "s are",
+                         judged == 1 ? "its" : "their");
     else if (s->good)
-        add(s, "The renderers agree: of %zu comparisons asked for %zu %s within %s limits", asked, judged,
-            judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         "The renderers agree: of %zu comparisons asked for %zu %s within %s limits", asked, judged,
+                         judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
     else if (s->differed == 0 && s->refused > 0)
-        add(s, "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration",
+        iso_words_append(
+            s->sentence, sizeof s->sentence,
+            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration",
             s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
     else if (s->differed == 0 && s->unanswered > 0) {
-        add(s, "%zu comparison%s agree%s, but ", s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "");
+        iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,
+                         plural(s->agreed), s->agreed == 1 ? "s" : "");
         add_unanswered(s, unanswered);
     } else if (s->differed == 0)
-        add(s, "%zu of %zu calibrations failed, though all %zu comparisons agree", s->calibrations_failed,
-            s->calibrations_failed + s->calibrations_passed, judged);
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         "%zu of %zu calibrations failed, though all %zu comparisons agree", s->calibrations_failed,
+                         s->calibrations_failed + s->calibrations_passed, judged);
     else {
-        add(s, "The renderers do not all agree: of %zu comparison%s %zu differ%s", judged, plural(judged), s->differed,
-            s->differed == 1 ? "s" : "");
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         "The renderers do not all agree: of %zu comparison%s %zu differ%s", judged, plural(judged),
+                         s->differed, s->differed == 1 ? "s" : "");
         if (s->refused > 0)
-            add(s, ", %zu %s refused", s->refused, s->refused == 1 ? "was" : "were");
+            iso_words_append(s->sentence, sizeof s->sentence, ", %zu %s refused", s->refused,
+                             s->refused == 1 ? "was" : "were");
     }
     add_not_compared(s);
-    add(s, ".");
+    iso_words_append(s->sentence, sizeof s->sentence, ".");
 }
 
 iso_report_summary iso_report_summarise(const iso_report *r)

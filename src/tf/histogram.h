@@ -120,6 +120,9 @@ typedef struct iso_joint_key {
     iso_second_value second;
 } iso_joint_key;
 
+/* Whether there is a file of it. */
+bool iso_joint_is_stored(const char *dir, const iso_joint_key *key);
+
 /* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
 iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_bins *z, const iso_bins *s,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);

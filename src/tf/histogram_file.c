@@ -22,6 +22,14 @@ static char *file_path(const char *dir, const iso_joint_key *key)
     return asprintf(&path, "%s/level_%zu_joint%d.nrrd", dir, level, bits) < 0 ? NULL : path;
 }
 
+bool iso_joint_is_stored(const char *dir, const iso_joint_key *key)
+{
+    char *path = file_path(dir, key);
+    const bool is = path && iso_path_exists(path);
+    free(path);
+    return is;
+}
+
 static bool fits_32_bits(const iso_joint *j)
 {
     for (size_t i = 0; i < j->entry_count; ++i)

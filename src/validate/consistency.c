@@ -78,7 +78,8 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
 /* What all methods share: the pictures of level 0, the levels made again from it, and what is measured. */
 typedef struct levels_run {
     iso_image finest[max_views];
-    iso_pyramid rebuilt;
+    iso_pyramid made;           /* from level 0, where it is not known that the pyramid's own levels are */
+    const iso_pyramid *rebuilt; /* that, or the pyramid */
     iso_measured measured;
 } levels_run;
 
@@ -193,7 +194,7 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
 static iso_status measure_method(iso_validation *v, levels_run *run, const iso_method *m, iso_error *err)
 {
     iso_pyramid other = {0};
-    const iso_pyramid *p = m == run->measured.own ? v->pyramid : m->source == ISO_FROM_CODES ? &other : &run->rebuilt;
+    const iso_pyramid *p = m == run->measured.own ? v->pyramid : m->source == ISO_FROM_CODES ? &other : run->rebuilt;
     iso_status status = ISO_OK;
     if (p == &other)
         status = iso_validate_build_with(v, m->filter, &other, err);
@@ -262,15 +263,16 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         run.measured.shown = run.measured.shown || shows_something(&run.finest[i]);
     if (status == ISO_OK)
         status = add_picture(v, "consistency-level-0", &run.finest[0], "level 0", err);
-    if (status == ISO_OK)
-        status = iso_validate_build_with(v, filter, &run.rebuilt, err);
+    run.rebuilt = v->is_as_made ? v->pyramid : &run.made;
+    if (status == ISO_OK && !v->is_as_made)
+        status = iso_validate_build_with(v, filter, &run.made, err);
     if (status == ISO_OK)
         status = measure_methods(v, &run, &own, err);
     if (status == ISO_OK)
-        status = iso_validate_judge_levels(v, &run.measured, &run.rebuilt, err);
+        status = iso_validate_judge_levels(v, &run.measured, run.rebuilt, err);
     for (size_t i = 0; i < max_views; ++i)
         iso_image_destroy(&run.finest[i]);
-    iso_pyramid_destroy(&run.rebuilt);
+    iso_pyramid_destroy(&run.made);
     free(run.measured.levels);
     return status;
 }

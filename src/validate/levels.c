@@ -2,10 +2,13 @@
 /* levels.c - do the levels of a pyramid belong together?
  *
  * All renderers are given the same levels. Where these are another volume's, the renderers agree all the same, so that
- * nothing else of a validation can see it. */
+ * nothing else of a validation can see it. Joint histograms that are kept beside them are counted again, too: adapted
+ * transfer functions are made of them. */
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "pyramid/pyramid_verify.h"
+#include "tf/histogram_verify.h"
 #include "validate/validate.h"
 
 static iso_status add_to_report(iso_validation *v, const iso_level_check *check, size_t level, iso_error *err)
@@ -28,17 +31,51 @@ static iso_status add_to_report(iso_validation *v, const iso_level_check *check,
     return iso_report_add_calibration(v->report, &row, err);
 }
 
+static iso_status add_joint_to_report(iso_validation *v, const iso_joint_check *check, iso_error *err)
+{
+    static const char *const seconds[] = {"", "", " and deviation", " and gradient"};
+    char name[96], text[512];
+    snprintf(name, sizeof name, "joint histogram of level %zu, %d bits%s", check->key.level, check->key.bits,
+             seconds[check->key.second]);
+    iso_joint_check_text(check, text, sizeof text);
+    const bool good = iso_joint_check_is_good(check);
+    const iso_report_calibration row = {.renderer = "pyramid",
+                                        .check = name,
+                                        .value = (double)(check->unreadable[0] ? check->voxels : check->differing),
+                                        .limit = 0,
+                                        .unit = "voxels counted elsewhere",
+                                        .detail = text};
+    if (!good && !v->foreign[0])
+        snprintf(v->foreign, sizeof v->foreign, "%s", text);
+    return iso_report_add_calibration(v->report, &row, err);
+}
+
+static iso_status verify_joints(iso_validation *v, iso_error *err)
+{
+    iso_joint_check *checks = NULL;
+    size_t count = 0;
+    iso_status status = iso_joint_verify(v->pyramid, v->volume_path, v->threads, &checks, &count, v->progress, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = add_joint_to_report(v, &checks[i], err);
+    free(checks);
+    return status;
+}
+
 iso_status iso_validate_levels(iso_validation *v, iso_error *err)
 {
     iso_level_check checks[32];
     if (!v->loaded) {
         iso_report_put(v->report, "options", "levels_verified", json_string("no: built for this validation"));
+        v->is_as_made = true;
         return ISO_OK;
     }
     iso_progress_report(v->progress, "levels", 0);
     iso_status status = iso_pyramid_verify(v->pyramid, v->threads, checks, v->progress, err);
     for (size_t k = 0; k < v->pyramid->level_count && status == ISO_OK; ++k)
         status = add_to_report(v, &checks[k], k, err);
+    v->is_as_made = status == ISO_OK && !v->foreign[0];
+    if (status == ISO_OK)
+        status = verify_joints(v, err);
     iso_report_put(v->report, "options", "levels_verified", json_string("yes: built again from level 0"));
     iso_report_put(v->report, "versions", "pyramid",
                    json_string(v->pyramid->built_by[0] ? v->pyramid->built_by : "isoshade before 0.2.0"));
