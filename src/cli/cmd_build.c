@@ -221,13 +221,16 @@ const iso_command iso_command_build = {
     .details =
         "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"
         "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
-        "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones. (Bricks of mixed resolution,\n"
-        "isoshade plan, are made in memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
+        "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones, or with --scalar-filter\n"
+        "least-squares what shows level 0 best when it is looked up (doc/method/least-squares-levels.md): levels look more\n"
+        "alike, and their values may leave the range of level 0. (Bricks of mixed resolution, isoshade plan, are made in\n"
+        "memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
-                "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n",
+                "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
+                "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, NULL},
     .run = run,

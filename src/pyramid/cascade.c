@@ -290,7 +290,7 @@ static void set_up(iso_cascade *c, const iso_geometry *g, double scale)
     c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN;
     c->state_count = opt->direction_filter == ISO_DIRECTION_EQ1 ? 0 : iso_state_count(opt->direction_filter);
     c->tile_top = c->level_count - 1 < CARRY_LEVEL ? c->level_count - 1 : CARRY_LEVEL;
-    if (!c->scalar_means && c->state_count == 0)
+    if (opt->scalar_filter == ISO_SCALAR_GAUSS && c->state_count == 0)
         c->tile_top = 0; /* only level 0's scalars are left */
 }
 
@@ -314,6 +314,8 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
     }
     if (status == ISO_OK)
         status = iso_cascade_gauss_create(c, err);
+    if (status == ISO_OK)
+        status = iso_cascade_spline_create(c, err);
     if (status != ISO_OK) {
         iso_cascade_destroy(c);
         return status;
@@ -327,6 +329,7 @@ void iso_cascade_destroy(iso_cascade *c)
     if (!c)
         return;
     iso_cascade_gauss_destroy(c);
+    iso_cascade_spline_destroy(c);
     free(c->carry);
     free(c);
 }
@@ -353,7 +356,7 @@ size_t iso_cascade_bytes(const iso_cascade *c)
     for (size_t i = 0; i < c->gauss_count; ++i)
         for (size_t k = 1; k < c->level_count; ++k)
             floats += c->gauss[i].slot_count * c->gauss[i].components * c->size[k][0] * c->size[k][1];
-    return floats * sizeof(float);
+    return (floats + iso_cascade_spline_floats(c)) * sizeof(float);
 }
 
 size_t iso_cascade_carry_level(const iso_cascade *c)
@@ -364,6 +367,8 @@ size_t iso_cascade_carry_level(const iso_cascade *c)
 size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_count)
 {
     size_t planes = (plane_count >> level) + 1 + (level > 0 && c->gauss_count ? c->gauss[0].taps.count / 2 + 2 : 0);
+    if (level > 0 && c->spline)
+        planes += iso_cascade_spline_lag();
     if (level > c->tile_top)
         planes = c->size[level][2];
     return planes < c->size[level][2] ? planes : c->size[level][2];
@@ -393,13 +398,14 @@ size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
 {
     size_t near = level == 0 || c->scalar_means || c->state_count > 0 ? tile_complete(c, level, z) : SIZE_MAX;
     size_t far = c->gauss_count > 0 ? gauss_complete(c, level, z) : SIZE_MAX;
-    return near < far ? near : far;
+    size_t own = c->spline ? iso_cascade_spline_complete(c, level, z) : SIZE_MAX;
+    near = near < far ? near : far;
+    return near < own ? near : own;
 }
 
-size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
+/* Through the Gaussian filters: the first plane of level 0 that planes not yet complete depend on. */
+static size_t gauss_from(const iso_cascade *c, size_t z)
 {
-    if (c->gauss_count == 0 || z == 0)
-        return z;
     const size_t radius = c->gauss[0].taps.count / 2;
     size_t need = iso_cascade_complete(c, c->level_count - 1, z);
     for (size_t k = c->level_count - 1; k-- > 0;) {
@@ -407,7 +413,17 @@ size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
         size_t missing = iso_cascade_complete(c, k, z);
         need = from < missing ? from : missing;
     }
-    return need / iso_cascade_step(c) * iso_cascade_step(c);
+    return need;
+}
+
+size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
+{
+    size_t from = z > 0 && c->gauss_count > 0 ? gauss_from(c, z) : z;
+    for (size_t k = 1; z > 0 && c->spline && k < c->level_count; ++k) {
+        const size_t own = iso_cascade_spline_from(c, k, iso_cascade_complete(c, k, z));
+        from = own < from ? own : from;
+    }
+    return from / iso_cascade_step(c) * iso_cascade_step(c);
 }
 
 iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out,
@@ -418,7 +434,9 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
     if (status == ISO_OK && c->carry && z1 == last)
         status = run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
                            err);
-    return status == ISO_OK ? iso_cascade_gauss_feed(c, in, z0, z1, out, err) : status;
+    if (status == ISO_OK)
+        status = iso_cascade_gauss_feed(c, in, z0, z1, out, err);
+    return status == ISO_OK ? iso_cascade_spline_feed(c, in, z0, z1, out, err) : status;
 }
 
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max)

@@ -17,7 +17,8 @@
  * Gaussian filters (gauss, eq1) read more than the children and are computed plane by
  * plane: a fine plane is filtered and decimated along x, then along y, and added to the
  * coarse planes that it contributes to. A coarse plane that is complete is a fine plane
- * for the next level. */
+ * for the next level. Least-squares scalars are made plane by plane, too, each level from
+ * level 0 (cascade_spline.c). */
 #ifndef ISO_PYRAMID_CASCADE_H
 #define ISO_PYRAMID_CASCADE_H
 

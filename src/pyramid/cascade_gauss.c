@@ -35,7 +35,7 @@ static size_t slot_floats(const iso_cascade *c, const gauss_channel *w, size_t c
 iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err)
 {
     const iso_taps taps = iso_taps_gauss(c->opt.gauss_radius, c->opt.gauss_sigma_voxels);
-    if (!c->scalar_means)
+    if (c->opt.scalar_filter == ISO_SCALAR_GAUSS)
         c->gauss[c->gauss_count++] = (gauss_channel){.is_scalar = true, .components = 1, .filtered = 1, .taps = taps};
     if (c->opt.direction_filter == ISO_DIRECTION_EQ1)
         c->gauss[c->gauss_count++] = (gauss_channel){.components = 5, .filtered = 4, .taps = taps};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_kernel.h - what cascade.c (filters that read only the children) and cascade_gauss.c (Gaussian filters) share;
- * private to the two. */
+/* cascade_kernel.h - what cascade.c (filters that read only the children), cascade_gauss.c (Gaussian filters) and
+ * cascade_spline.c (least squares) share; private to the three. */
 #ifndef ISO_PYRAMID_CASCADE_KERNEL_H
 #define ISO_PYRAMID_CASCADE_KERNEL_H
 
@@ -19,6 +19,9 @@ typedef struct gauss_channel {
     float *slots[MAX_LEVELS]; /* [k]: of level k + 1, slot_count x components planes */
 } gauss_channel;
 
+/* A least-squares level (cascade_spline.c). */
+typedef struct spline_level spline_level;
+
 struct iso_cascade {
     iso_pyramid_options opt;
     int threads;
@@ -30,11 +33,12 @@ struct iso_cascade {
     /* Filters that read only the children, tile by tile. */
     size_t tile_top;    /* the highest level that is made depth first from level 0 */
     size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
-    bool scalar_means;  /* else scalars have a Gaussian filter */
+    bool scalar_means;  /* else scalars have a filter of their own */
     float *carry;       /* states and scalars of level tile_top, where there are levels above it */
     /* Gaussian filters, plane by plane (cascade_gauss.c). */
     gauss_channel gauss[2];
     size_t gauss_count;
+    spline_level *spline; /* [k] of level k >= 1; NULL: scalars have another filter */
 };
 
 /* Rows of one thread: floats of scratch, cut up by take(). */
@@ -79,5 +83,17 @@ iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);
 void iso_cascade_gauss_destroy(iso_cascade *c);
 iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                   const iso_cascade_out *out, iso_error *err);
+
+/* cascade_spline.c; all but create, floats and destroy only where c->spline is set. */
+iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err);
+void iso_cascade_spline_destroy(iso_cascade *c);
+size_t iso_cascade_spline_floats(const iso_cascade *c);
+/* Planes of a level that are complete after feeding up to z, and how many fewer they may be than without this filter. */
+size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z);
+size_t iso_cascade_spline_lag(void);
+/* The first plane of level 0 that planes of the level from `complete` on depend on. */
+size_t iso_cascade_spline_from(const iso_cascade *c, size_t level, size_t complete);
+iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
+                                   const iso_cascade_out *out, iso_error *err);
 
 #endif

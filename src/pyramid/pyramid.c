@@ -20,6 +20,7 @@ static const struct {
     {
         [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
         [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
+        [ISO_SCALAR_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0; from level 0"},
 },
   direction_filters[] = {
       [ISO_DIRECTION_MOMENTS] = {"moments", "sums weighted by the squared magnitude; the coherence is the length"},

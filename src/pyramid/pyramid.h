@@ -22,7 +22,9 @@
  *            opposite gradients agree on an axis where their mean vanishes.
  * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the
  * length of the filtered gradient (eq1, naive).
- * scalar: mean of the 2x2x2 children, or a Gaussian. */
+ * scalar: mean of the 2x2x2 children, a Gaussian, or the least-squares level: of all levels
+ * of its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md);
+ * its values can lie outside level 0's range. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
@@ -33,7 +35,12 @@
 #include "gradient/gradient.h"
 #include "volume/volume.h"
 
-typedef enum iso_scalar_filter { ISO_SCALAR_MEAN, ISO_SCALAR_GAUSS, ISO_SCALAR_COUNT } iso_scalar_filter;
+typedef enum iso_scalar_filter {
+    ISO_SCALAR_MEAN,
+    ISO_SCALAR_GAUSS,
+    ISO_SCALAR_LEAST_SQUARES,
+    ISO_SCALAR_COUNT
+} iso_scalar_filter;
 typedef enum iso_direction_filter {
     ISO_DIRECTION_MOMENTS,
     ISO_DIRECTION_EQ1,
