@@ -75,6 +75,12 @@ fi
 check consistency_with_povray "$ISOSHADE" bench consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
 refuse consistency_of_an_unknown_tf 2 '--tfs' "$ISOSHADE" bench consistency shells.nrrd --tfs hard
 refuse consistency_with_an_unknown_renderer 2 '--with' "$ISOSHADE" bench consistency shells.nrrd --with mental
+check an_extinction_scale_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --extinction-scale -o scaled.exr -q
+check the_scene_without_it "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt -o unscaled.exr -q
+"$ISOSHADE" compare scaled.exr unscaled.exr --json >scaled.json
+holds a_scale_changes_the_picture "$(json_number scaled.json max_abs) > 0.01"
+refuse a_scale_for_a_2d_tf 2 "of one value" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation --extinction-scale -o z.exr -q
+refuse a_scale_in_bricks 2 "extinction-scale" "$ISOSHADE" render shells.iso --size 48 --scene own.scene.json --extinction-scale --cache-bytes 1e6 -o z.exr -q
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
 refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q

@@ -84,6 +84,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
+    vdb_options.extinction_scale = view->extinction_scale;
     status = in_units(p, units, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
@@ -99,6 +100,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         json_t *about = iso_blender_describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", levels);
         json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, units));
+        json_object_set_new(about, "extinction_scale", json_boolean(view->extinction_scale));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "frames", iso_blender_describe_frames(voxel, folder, frames, count));
         status = iso_blender_run(about, folder, &frames[0], progress, err);
@@ -159,6 +161,7 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
     options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
+    options.extinction_scale = view->extinction_scale;
     iso_status status = begin_grid(e, i, false, out, err);
     if (status == ISO_OK)
         status = iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err);
@@ -172,6 +175,15 @@ static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out,
     if (status == ISO_OK)
         status = save_roi(e->p, e->views[i].roi, e->units, out->temp_path, progress, err);
     return status;
+}
+
+/* A level without a scale, as the finest is, has no such grid, and Cycles reads 0 there: a scale of 1. */
+static bool have_scale(const iso_view *views, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; ++i)
+        any = any || views[i].extinction_scale;
+    return any;
 }
 
 static json_t *describe_export(const export_job *e)
@@ -198,6 +210,7 @@ static json_t *describe_export(const export_job *e)
     }
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->count, e->units));
+    json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
     return about;

@@ -14,9 +14,9 @@ static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view,
 {
     iso_level box = {.geometry = *plan->geometry};
     const iso_pyramid p = {.level_count = 1, .levels = &box};
-    if (view->tf_2d || view->roi)
+    if (view->tf_2d || view->extinction_scale || view->roi)
         return iso_fail(err, ISO_E_RANGE,
-                        "blender: a plan goes with neither a 2D transfer function nor a region of interest");
+                        "blender: a plan goes with no 2D transfer function, extinction scale or region of interest");
     return iso_blender_check(&p, 0, 1, opt, err);
 }
 

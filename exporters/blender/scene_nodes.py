@@ -300,6 +300,11 @@ def isoshade_group(about, frame):
     color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
                             exact["Extinction"])
+    if about.get("extinction_scale"):
+        octaves = group.node('ShaderNodeAttribute', "log2 of the extinction's scale", {}, attribute_type='GEOMETRY',
+                             attribute_name="log2_extinction_scale")
+        scale = group.math('POWER', 2.0, octaves.outputs["Fac"], label="the extinction's scale")
+        extinction = group.math('MULTIPLY', extinction, scale)
     inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
                         Step=step.outputs["Fac"])["Inside"]
     if any("roi" in level for level in about["levels"]):

@@ -111,15 +111,17 @@ static float *tf_2d_rows(const iso_tf_2d *tf_2d)
     return rows;
 }
 
-static iso_status write_second_value(const iso_povray_scene *s, const char *dir, iso_error *err)
+/* A byte a voxel as a file of its own. */
+static iso_status write_bytes(const iso_povray_scene *s, const uint8_t *bytes, const char *suffix, const char *dir,
+                              iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&s->voxels->geometry);
     const iso_df3_coding coding = {8, 0, 255};
     float *values = malloc(count * sizeof *values);
-    char *path = iso_povray_file_path(dir, s->name, "_second.df3");
+    char *path = iso_povray_file_path(dir, s->name, suffix);
     iso_status status = values && path ? ISO_OK : iso_povray_no_memory(err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        values[i] = s->tf_2d->bytes[i];
+        values[i] = bytes[i];
     if (status == ISO_OK)
         status = iso_df3_write(path, s->voxels->geometry.size, values, 1, 0, &coding, err);
     free(path);
@@ -135,7 +137,7 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
     if (tf_2d && !rows)
         return iso_povray_no_memory(err);
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
-    iso_status status = tf_2d ? write_second_value(s, dir, err) : ISO_OK;
+    iso_status status = tf_2d ? write_bytes(s, tf_2d->bytes, "_second.df3", dir, err) : ISO_OK;
     for (size_t c = 0; c < 4 && status == ISO_OK; ++c) {
         if (!iso_povray_needs_tables(s, c < 3))
             continue;
@@ -217,6 +219,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
     }
     s->scene = describe(p, level, &p->levels[level], view, tf_2d ? &s->envelope : &view->tf, name, opt);
     s->scene.tf_2d = tf_2d;
+    s->scene.extinction_scale = opt->isosurface ? NULL : view->extinction_scale;
     if (f) {
         s->roi = describe(p, level, &f->level, view, &f->tf, s->roi_name, opt);
         s->roi.lattice_scale = f->scale;
@@ -239,6 +242,8 @@ static iso_status write_layer(iso_code code, const iso_povray_scene *s, const ch
         status = write_directions(code, s, dir, progress, err);
     if (status == ISO_OK && !s->options->isosurface)
         status = write_tf_tables(s, dir, err);
+    if (status == ISO_OK && s->extinction_scale)
+        status = write_bytes(s, s->extinction_scale, "_scale.df3", dir, err);
     return status;
 }
 

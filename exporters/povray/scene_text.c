@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/extinction_scale.h"
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
 
@@ -76,6 +77,19 @@ static void write_placement(FILE *f, const iso_povray_scene *s)
     fprintf(f, "    %.17g, %.17g, %.17g> }\n\n", o.x, o.y, o.z);
 }
 
+/* The density's values stay below 1, from where on patterns repeat. */
+static void write_scale(FILE *f, const iso_povray_scene *s)
+{
+    const double above = 2 * iso_extinction_scale_of(ISO_EXTINCTION_SCALE_LAST);
+    fprintf(f, "// What the extinction is multiplied by: 2 to the power of a byte a voxel.\n");
+    write_lookup(f, s, "Iso_Stored_Scale", "scale");
+    fprintf(f,
+            "#declare Iso_Scale_At = function (x, y, z) { pow(2, Iso_Stored_Scale(x, y, z) * %.17g - %.17g) }\n"
+            "#declare Iso_Extinction_Scale = density { function { Iso_Scale_At(x, y, z) / %.17g }\n"
+            "    color_map { [0 rgb 0] [1 rgb %.17g] } }\n\n",
+            255.0 / ISO_EXTINCTION_SCALE_PER_OCTAVE, -iso_extinction_scale_log2(0), above, above);
+}
+
 static void write_fields(FILE *f, const iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
@@ -96,6 +110,8 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
         write_lookup(f, s, "Iso_Second", "second");
         fprintf(f, "\n");
     }
+    if (s->extinction_scale)
+        write_scale(f, s);
     fprintf(f, "// Shading directions in world axes; their length says how sure they are.\n");
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; ++a) {
@@ -154,7 +170,10 @@ static void write_media(FILE *f, const iso_povray_scene *s)
         "// Several densities in one media multiply. method 2 with one sample an interval is exact to second order;\n"
         "// the default method 3 is not.\n"
         "#declare Iso_Interior = interior {\n");
-    write_layer_media(f, s, "Iso_", s->roi ? " density { Iso_Around }" : "");
+    char weight[80];
+    snprintf(weight, sizeof weight, "%s%s", s->roi ? " density { Iso_Around }" : "",
+             s->extinction_scale ? " density { Iso_Extinction_Scale }" : "");
+    write_layer_media(f, s, "Iso_", weight);
     if (s->roi)
         write_layer_media(f, s->roi, "Iso_Roi_", " density { Iso_Roi }");
     const bool clipped = s->view->clip_count > 0;

@@ -28,8 +28,9 @@ typedef struct iso_povray_scene {
     double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
     const struct iso_povray_scene *roi;      /* the region of interest's data and TF; or NULL */
     const iso_view *view;
-    const iso_tf_2d *tf_2d; /* the view's; NULL for a surface */
-    const iso_tf_table *tf; /* the view's, or the envelope of the 2D one */
+    const iso_tf_2d *tf_2d;          /* the view's; NULL for a surface */
+    const uint8_t *extinction_scale; /* the view's, likewise */
+    const iso_tf_table *tf;          /* the view's, or the envelope of the 2D one */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
     double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
@@ -45,7 +46,8 @@ void iso_povray_measure_peaks(iso_povray_scene *s);
 #define ISO_POVRAY_COLOR_MAP_ENTRIES 256
 
 /* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; 2D
- * transfer functions always, row by row, and NAME_second.df3 is the second value. */
+ * transfer functions always, row by row, and NAME_second.df3 is the second value. NAME_scale.df3 has the bytes of an extinction scale
+ * (fit/extinction_scale.h). */
 bool iso_povray_needs_tables(const iso_povray_scene *s, bool color);
 
 /* Declared on the command line to choose what is rendered. */

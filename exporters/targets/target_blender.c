@@ -99,7 +99,8 @@ const iso_export_target iso_export_target_blender = {
     .output = "NAME.blend",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+               ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_blender,
     .open = open_blender,
     .renderer = "cycles",

@@ -75,7 +75,7 @@ const iso_export_target iso_export_target_povray = {
     .output = "a folder",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+               ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_povray,
     .open = open_povray,
     .renderer = "povray",

@@ -21,7 +21,13 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     o.half_float = job->half_float;
     if (job->planned)
         return write_planned(job, &o, err);
-    return iso_vdb_save(job->pyramid, job->level, job->level_count, job->output, &o, job->progress, err);
+    iso_view view = {0};
+    iso_status status = job->extinction_scale ? job->view_of_level(job, job->level, &view, err) : ISO_OK;
+    o.extinction_scale = view.extinction_scale;
+    if (status == ISO_OK)
+        status = iso_vdb_save(job->pyramid, job->level, job->level_count, job->output, &o, job->progress, err);
+    iso_view_destroy(&view);
+    return status;
 }
 
 const iso_export_target iso_export_target_vdb = {
@@ -31,6 +37,6 @@ const iso_export_target iso_export_target_vdb = {
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
     .output = "NAME.vdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS),
+               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_vdb,
 };

@@ -33,6 +33,7 @@
     X(ISO_EXPORT_SIZE, "--size")              \
     X(ISO_EXPORT_ROI, "--roi")                \
     X(ISO_EXPORT_ADAPT, "--adapt")            \
+    X(ISO_EXPORT_EXTINCTION_SCALE, "--extinction-scale") \
     X(ISO_EXPORT_GRIDS, "--grids")
 /* clang-format on */
 
@@ -48,11 +49,13 @@ typedef struct iso_export_job {
     const iso_pyramid *pyramid;
     size_t level, level_count; /* levels from `level` on */
     const char *output;
-    iso_view *view; /* of a target that takes a scene, and with a plan: it has the scene's own transfer function */
+    iso_view *
+        view; /* of a target that takes a scene, with a plan and with an extinction scale: it has the scene's own transfer function */
     const iso_planned *planned; /* what a plan leaves, or NULL: whole levels */
     bool merged;                /* what a plan leaves as one grid, else one a level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
+    bool extinction_scale; /* the views that view_of_level makes have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;
     int threads;

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "fit/extinction_scale.h"
 #include "vdb/vdb_openvdb.h"
 
 iso_vdb_options iso_vdb_defaults(void)
@@ -25,7 +26,7 @@ const char *iso_vdb_version(void)
 typedef struct level_source {
     const iso_level *level;
     iso_code code;
-    const uint8_t *tf_2d;
+    const uint8_t *tf_2d, *extinction_scale;
 } level_source;
 
 static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
@@ -51,6 +52,14 @@ static void read_tf_2d(const void *user, size_t x, size_t y, size_t z, size_t co
     const uint8_t *from = s->tf_2d + voxel_at(&s->level->geometry, x, y, z);
     for (size_t i = 0; i < count; ++i)
         out[i] = (float)(from[i] / 255.0);
+}
+
+static void read_log2_scale(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const level_source *s = user;
+    const uint8_t *from = s->extinction_scale + voxel_at(&s->level->geometry, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = (float)iso_extinction_scale_log2(from[i]);
 }
 
 /* World of a voxel's centre: origin + index_to_world (ijk + 1/2). */
@@ -136,10 +145,18 @@ static void read_reversed_activity(const void *user, size_t x, size_t y, size_t 
     }
 }
 
+/* Of all grids but the first: from 0 to 1, or what bytes give. */
+static void set_range(iso_vdb_source *s, bool is_log2_scale)
+{
+    s->value_min = is_log2_scale ? iso_extinction_scale_log2(0) : 0;
+    s->value_max = is_log2_scale ? iso_extinction_scale_log2(ISO_EXTINCTION_SCALE_LAST) : 1;
+    s->background = 0;
+}
+
 /* A level's grids: those that can be read. `common` is complete but for what tells them apart; its transform is
  * reversed where rows are to be. */
 typedef struct level_readers {
-    read_row *scalar, *directions, *tf_2d;
+    read_row *scalar, *directions, *tf_2d, *log2_scale;
 } level_readers;
 
 static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, const level_readers *readers,
@@ -154,7 +171,10 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
                   "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3,
                   readers->directions},
                  {"second_value", "second value of the 2D transfer function: 0 in its first row, 1 in its last", 1,
-                  readers->tf_2d}};
+                  readers->tf_2d},
+                 {"log2_extinction_scale", "the extinction is multiplied by 2 to the power of this", 1,
+                  readers->log2_scale}};
+    enum { SCALE_GRID = 3 };
     for (size_t i = 0; i < sizeof grids / sizeof *grids; ++i) {
         char name[40];
         iso_vdb_source source = *common;
@@ -166,7 +186,7 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         source.read = grids[i].read;
         source.meaning = grids[i].meaning;
         if (i > 0)
-            source.value_min = 0, source.value_max = 1, source.background = 0;
+            set_range(&source, i == SCALE_GRID);
         const reversed_rows rows = {source.read, source.read_active, source.user, source.size[0],
                                     (size_t)source.channels};
         if (reversed) {
@@ -186,14 +206,15 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
                             const iso_vdb_options *opt, iso_error *err)
 {
     const iso_level *level = &p->levels[k];
-    const level_source user = {level, p->options.code, opt->tf_2d};
+    const level_source user = {level, p->options.code, opt->tf_2d, opt->extinction_scale};
     iso_vdb_source source = describe(&level->geometry, p->source, opt);
     source.pad = opt->pad_voxels;
     source.user = &user;
     source.level = (int)k;
     source.value_min = level->min;
     source.value_max = level->max;
-    const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->tf_2d ? read_tf_2d : NULL};
+    const level_readers readers = {read_scalar, opt->gradient ? read_directions : NULL, opt->tf_2d ? read_tf_2d : NULL,
+                                   opt->extinction_scale ? read_log2_scale : NULL};
     const bool reversed = iso_vdb_reverses_x(&level->geometry);
     if (reversed)
         reverse_x(&source);
@@ -247,7 +268,7 @@ static iso_status add_lattice(iso_vdb_file *file, const iso_lattice *l, const ch
         for (int r = 0; r < 3; ++r)
             source.index_to_world[r][3] -= source.index_to_world[r][a] * (double)source.first[a];
     }
-    const level_readers readers = {read_node_scalars, opt->gradient ? read_node_directions : NULL, NULL};
+    const level_readers readers = {read_node_scalars, opt->gradient ? read_node_directions : NULL, NULL, NULL};
     return add_grids(file, &source, &readers, reversed, plain_names, path, err);
 }
 
@@ -259,6 +280,8 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
                         first + count - 1, p->level_count - 1);
     if (opt->tf_2d && count != 1)
         return iso_fail(err, ISO_E_RANGE, "%s: a 2D transfer function with %zu levels, it belongs to one", path, count);
+    if (opt->extinction_scale && count != 1)
+        return iso_fail(err, ISO_E_RANGE, "%s: an extinction scale with %zu levels, it belongs to one", path, count);
     const size_t limit = 64;
     if (opt->pad_voxels > limit)
         return iso_fail(err, ISO_E_RANGE, "%s: a rim of %zu voxels, at most %zu", path, opt->pad_voxels, limit);

@@ -3,7 +3,7 @@
  *
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
  * (decoded shading directions, world axes) of one level, and where asked for a
- * float grid "second_value" (tf/tf_2d.h). The transform puts the
+ * float grid "second_value" (tf/tf_2d.h) or "log2_extinction_scale" (fit/extinction_scale.h). The transform puts the
  * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
  * = origin + index_to_world (ijk + 1/2). Where index_to_world is left-handed, as in
  * many scans, x is stored in reverse order and the transform is reversed with it: voxels stay in
@@ -30,8 +30,10 @@ typedef struct iso_vdb_options {
     bool half_float;      /* store as half: loses precision */
     bool gradient;        /* write the gradient grid */
     const uint8_t *tf_2d; /* of one level, a byte a voxel: a float grid "second_value" of byte / 255 as well; or NULL */
-    size_t pad_voxels;    /* rim of edge values around the level: renderers that fade at the border need one */
-    const char *creator;  /* metadata */
+    const uint8_t
+        *extinction_scale; /* likewise: a float grid "log2_extinction_scale", 0 where the scale is 1; or NULL */
+    size_t pad_voxels;     /* rim of edge values around the level: renderers that fade at the border need one */
+    const char *creator;   /* metadata */
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
 

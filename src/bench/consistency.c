@@ -26,6 +26,7 @@
 #include "scene/subject.h"
 #include "scene/views.h"
 #include "compare/metrics.h"
+#include "fit/extinction_scale.h"
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 
@@ -61,7 +62,8 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
 /* A table, or the rows of a 2D one, that a level is shown by. */
 typedef struct shown_by {
     const iso_tf_table *table;
-    iso_tf_2d *tf_2d; /* lent; or NULL */
+    iso_tf_2d *tf_2d;          /* lent; or NULL */
+    uint8_t *extinction_scale; /* the same */
 } shown_by;
 
 /* A volume under one transfer function. */
@@ -86,10 +88,12 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     opt.threads = run->cli->threads;
     view->tf = *by.table;
     view->tf_2d = by.tf_2d;
+    view->extinction_scale = by.extinction_scale;
     iso_status status = iso_render_with(&(iso_render_request){&run->renderers, p, level, view, &opt, &progress}, image,
                                         NULL, err);
     view->tf = own;
     view->tf_2d = NULL;
+    view->extinction_scale = NULL;
     return status;
 }
 
@@ -175,9 +179,13 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
         iso_tf_2d tf_2d = {0};
         if (status == ISO_OK && iso_bench_methods[m].tf_2d)
             status = iso_adapt_tf_2d(p, NULL, level, iso_bench_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
+        uint8_t *scale = NULL;
+        if (status == ISO_OK && iso_bench_methods[m].extinction_scale)
+            status = iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err);
         if (status == ISO_OK)
-            status = measure(run, c, level, (shown_by){&table, iso_bench_methods[m].tf_2d ? &tf_2d : NULL}, &results[m],
-                             err);
+            status = measure(run, c, level, (shown_by){&table, iso_bench_methods[m].tf_2d ? &tf_2d : NULL, scale},
+                             &results[m], err);
+        free(scale);
         iso_tf_2d_destroy(&tf_2d);
         iso_tf_table_destroy(&table);
     }
@@ -196,7 +204,7 @@ static iso_status run_tf(bench_run *run, int block, const char *volume, const is
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         status = make_view(run, p, &own, i, &views[i], err);
         if (status == ISO_OK)
-            status = render(run, p, 0, &views[i], (shown_by){&views[i].tf, NULL}, &finest[i], err);
+            status = render(run, p, 0, &views[i], (shown_by){&views[i].tf, NULL, NULL}, &finest[i], err);
     }
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
         if (run->level == 0 || (size_t)run->level == level)

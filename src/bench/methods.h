@@ -10,10 +10,11 @@ typedef struct iso_bench_method {
     bool adapt;
     iso_adapt_options options;
     iso_second_value tf_2d; /* of a 2D transfer function, or 0 */
+    bool extinction_scale;  /* made for the transfer function (fit/extinction_scale.h) */
 } iso_bench_method;
 
 /* The first is the original. */
-enum { ISO_BENCH_METHOD_COUNT = 11 };
+enum { ISO_BENCH_METHOD_COUNT = 13 };
 extern const iso_bench_method iso_bench_methods[ISO_BENCH_METHOD_COUNT];
 
 /* Which are named in `text`: "all", or names separated by commas; the original always. ISO_E_USAGE: another word. */

@@ -61,24 +61,30 @@ static iso_status check_plan(const export_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--plan needs the --scene that it was made for");
     if (!wants_merged(a) && strcmp(a->grids, "levels") != 0)
         return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
-    if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->isosurface || a->roi.box)
+    if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
+        a->roi.box)
         return iso_fail(
             err, ISO_E_USAGE,
-            "--plan chooses the levels itself: --level, --levels, --adapt, --roi and --isosurface have no meaning");
+            "--plan chooses the levels itself: --level, --levels, --adapt, --extinction-scale, --roi and --isosurface have no "
+            "meaning");
     return ISO_OK;
 }
 
 /* An option that would change nothing is a mistake. */
 static iso_status check_options(const export_arguments *a, const iso_export_target *target, iso_error *err)
 {
+    /* Grids alone have no transfer function, but for the one that an extinction scale is made for. */
+    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && a->adapted.extinction_scale;
     const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
                                                  [ISO_EXPORT_STEP] = a->step != 0,
                                                  [ISO_EXPORT_HALF] = a->half,
                                                  [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
-                                                 [ISO_EXPORT_SCENE] = a->scene && !a->plan, /* a plan is made for one */
+                                                 [ISO_EXPORT_SCENE] = a->scene && !a->plan &&
+                                                                      !alone, /* a plan is made for one */
                                                  [ISO_EXPORT_SIZE] = a->size != NULL,
                                                  [ISO_EXPORT_ROI] = a->roi.box != NULL,
-                                                 [ISO_EXPORT_ADAPT] = a->adapted.wanted,
+                                                 [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
+                                                 [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL};
     for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
@@ -130,7 +136,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK && (size_t)(a->level + a->level_count) > pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
                           a->level + a->level_count - 1, pyramid.level_count - 1);
-    if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan))
+    if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale))
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK && a->plan)
         status = iso_planned_create(a->plan,
@@ -146,6 +152,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                                 .merged = wants_merged(a),
                                 .step_voxels = a->step,
                                 .half_float = a->half,
+                                .extinction_scale = a->adapted.extinction_scale,
                                 .isosurface = a->isosurface != NULL,
                                 .iso = iso[0],
                                 .threads = a->cli->threads,
@@ -180,7 +187,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function; blender and povray",
+        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
+         "camera, lights, shading and transfer function; blender, povray, and vdb with --extinction-scale",
          "SCENE.scene.json"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
@@ -229,6 +237,7 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
         "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
+        "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
     .lists = (const iso_names *const[]){&iso_export_target_names, NULL},

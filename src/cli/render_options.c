@@ -96,11 +96,12 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
         return iso_fail(err, ISO_E_USAGE,
                         "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
     if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||
-        a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->roi.box)
+        a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->adapted.extinction_scale ||
+        a->roi.box)
         return iso_fail(
             err, ISO_E_USAGE,
             "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
-            "--exact-lookups, --isosurface, --quadrature, --adapt and --roi",
+            "--exact-lookups, --isosurface, --quadrature, --adapt, --extinction-scale and --roi",
             and_list(ISO_HAS_BRICKS, names));
     iso_status status = a->plan_error > 0 ? ISO_OK
                                           : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);

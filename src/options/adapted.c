@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/extinction_scale.h"
 #include "options/cli.h"
 
 /* Appends a name of a list of `count`: "rgba, opacity (default), extinction or transmittance". */
@@ -97,21 +98,42 @@ static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso
     return ISO_OK;
 }
 
-iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
-                              iso_view *view, int threads, iso_error *err)
+static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                             iso_view *view, int threads, iso_error *err)
 {
     iso_adapt_options opt;
     iso_second_value second;
-    if (!a->wanted && is_told_how(a))
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
-    if (!a->wanted)
-        return ISO_OK;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_second_value(a, &second, err);
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
     return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, second, &opt, view, err) : status;
+}
+
+static iso_status check_together(const iso_cli_adapted *a, iso_error *err)
+{
+    if (!a->wanted && is_told_how(a))
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
+    if (a->extinction_scale && a->tf_2d)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--extinction-scale is made for a transfer function of one value, not --tf-2d");
+    return ISO_OK;
+}
+
+iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
+                              iso_view *view, int threads, iso_error *err)
+{
+    iso_tf_table original = {0};
+    iso_status status = check_together(a, err);
+    if (status == ISO_OK && a->extinction_scale)
+        status = iso_tf_table_copy(&view->tf, &original, err);
+    if (status == ISO_OK && a->wanted)
+        status = adapt_view(a, path, p, level, view, threads, err);
+    if (status == ISO_OK && a->extinction_scale)
+        status = iso_extinction_scale_level(p, level, &original, &view->tf, threads, &view->extinction_scale, err);
+    iso_tf_table_destroy(&original);
+    return status;
 }

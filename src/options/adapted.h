@@ -23,7 +23,7 @@ typedef struct iso_cli_adapted {
     int wanted;                     /* --adapt */
     char *average, *weight, *tf_2d; /* by popt; live until the process ends */
     double window, mix_s, mix_t;
-    int bits, always;
+    int bits, always, extinction_scale;
     char averages[80], weights[80]; /* for --help */
 } iso_cli_adapted;
 
@@ -40,6 +40,7 @@ typedef struct iso_cli_adapted {
 
 #define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "with the transfer function adapted to the level", NULL},                      \
+    {"extinction-scale", 0, POPT_ARG_NONE, &(a)->extinction_scale, 0, "scale the extinction of each voxel of a coarse level, so that it is as opaque as the fine voxels are", NULL}, \
     {"tf-2d", 0, POPT_ARG_STRING, &(a)->tf_2d, 0, "a 2D transfer function, whose second value is the deviation or the gradient magnitude", "deviation|gradient"}, \
     ISO_CLI_ADAPT_METHOD_OPTIONS(a)
 /* clang-format on */
@@ -50,7 +51,8 @@ void iso_cli_adapted_defaults(iso_cli_adapted *a);
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);
 
 /* Replaces view->tf by the transfer function adapted to `level` when it is wanted; with --tf-2d and a coarse level
- * sets view->tf_2d too, whether adapting pays or not. path: what p was loaded from; a pyramid on disk keeps its
+ * sets view->tf_2d too, whether adapting pays or not; with --extinction-scale and a coarse level view->extinction_scale, made
+ * for the transfer function that the view has then. path: what p was loaded from; a pyramid on disk keeps its
  * histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err);

@@ -327,7 +327,7 @@ iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, i
 {
     bound b = {.in = in};
     double(*ranges)[2][2][CHANNELS] = NULL, squares = 0;
-    if (in->view->clip_count > 0 || in->view->tf_2d || in->view->roi)
+    if (in->view->clip_count > 0 || in->view->tf_2d || in->view->extinction_scale || in->view->roi)
         return iso_fail(err, ISO_E_RANGE, "bound: not for clip planes, 2D transfer functions and regions of interest");
     iso_status status = iso_sampler_create(&b.sampler[FINE], in->fine, in->code, in->source, err);
     if (status == ISO_OK)

@@ -89,7 +89,12 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi,
     /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are counted. */
     const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
     size_t *bends = bends_create(tf, view->tf_2d), *roi_bends = f ? bends_create(&f->tf, NULL) : NULL;
-    layer l[2] = {{.sampler = sampler, .tf = tf, .tf_2d = view->tf_2d, .bends = bends, .scale = 1}};
+    layer l[2] = {{.sampler = sampler,
+                   .tf = tf,
+                   .tf_2d = view->tf_2d,
+                   .extinction_scale = view->extinction_scale,
+                   .bends = bends,
+                   .scale = 1}};
     if (f)
         l[1] = (layer){.sampler = roi,
                        .tf = &f->tf,
@@ -147,9 +152,9 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     iso_level level;
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->tf_2d || view->roi))
+    if (status == ISO_OK && (view->tf_2d || view->extinction_scale || view->roi))
         status = iso_fail(err, ISO_E_RANGE,
-                          "reference: bricks have neither a 2D transfer function nor a region of interest");
+                          "reference: bricks have no 2D transfer function, extinction scale or region of interest");
     if (status != ISO_OK)
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);
@@ -163,7 +168,8 @@ iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_leve
     const iso_sampler sampler = {.level = level, .source = ISO_FROM_FLOAT, .warp = field};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->tf_2d || view->roi || field->channels != ISO_WARP_CHANNELS))
+    if (status == ISO_OK &&
+        (view->tf_2d || view->extinction_scale || view->roi || field->channels != ISO_WARP_CHANNELS))
         status = iso_fail(err, ISO_E_RANGE, "reference: warped bricks need four channels and one table");
     return status == ISO_OK ? render_all(&sampler, NULL, view, opt, image, progress, err) : status;
 }

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "fit/extinction_scale.h"
 #include "scene/roi.h"
 
 /* shade(d) of scene/scene.h */
@@ -22,6 +23,12 @@ double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
     return sum;
 }
 
+/* q of fit/extinction_scale.h */
+static double extinction_scale_at(const layer *l, iso_vec3 p)
+{
+    return l->extinction_scale ? iso_extinction_scale_of(iso_sample_bytes(l->sampler, l->extinction_scale, p)) : 1;
+}
+
 static void classify(const layer *l, iso_vec3 p, double rgbs[4])
 {
     double s = iso_sample_scalar(l->sampler, p);
@@ -29,6 +36,8 @@ static void classify(const layer *l, iso_vec3 p, double rgbs[4])
         iso_tf_2d_lookup(l->tf_2d, s, iso_tf_2d_row_of(iso_sample_bytes(l->sampler, l->tf_2d->bytes, p)), rgbs);
     else
         iso_tf_lookup(l->tf, s, rgbs);
+    if (rgbs[3] > 0)
+        rgbs[3] *= extinction_scale_at(l, p);
 }
 
 static iso_vec3 layer_point(const ray_state *ray, const layer *l, double t)
@@ -307,7 +316,11 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
         iso_tf_integral_mean(ray->integral, front, back, mean);
         if (mean[3] <= 0)
             continue;
-        iso_vec3 normal = iso_sample_normal(ray->layer->sampler, iso_madd(ray->origin, ray->direction, 0.5 * (a + b)));
+        const iso_vec3 middle = iso_madd(ray->origin, ray->direction, 0.5 * (a + b));
+        const double scale = extinction_scale_at(ray->layer, middle);
+        for (int c = 0; c < 4; ++c)
+            mean[c] *= scale;
+        iso_vec3 normal = iso_sample_normal(ray->layer->sampler, middle);
         double depth = mean[3] * (b - a);
         double weight = exp(-s.depth) * -expm1(-depth) / mean[3] * iso_shade(ray->view, normal, ray->to_viewer);
         for (int c = 0; c < 3; ++c)

@@ -11,9 +11,10 @@
 typedef struct layer {
     const iso_sampler *sampler;
     const iso_tf_table *tf;
-    const iso_tf_2d *tf_2d;  /* in place of tf, or NULL */
-    const size_t *bends;     /* bends[i]: how many of the TF's entries below i are bends */
-    double scale, offset[3]; /* its index = scale * index of the level that is rendered - offset */
+    const iso_tf_2d *tf_2d;          /* in place of tf, or NULL */
+    const uint8_t *extinction_scale; /* of the sampler's level (fit/extinction_scale.h), or NULL */
+    const size_t *bends;             /* bends[i]: how many of the TF's entries below i are bends */
+    double scale, offset[3];         /* its index = scale * index of the level that is rendered - offset */
 } layer;
 
 /* A ray in the level's index space, with what its samples need. */

@@ -88,6 +88,7 @@ static asked_trait find_lacking(const iso_renderer_info *r, const iso_view *view
     const asked_trait asked[] = {{isosurface, ISO_HAS_ISOSURFACES, "isosurfaces"},
                                  {view->clip_count > 0, ISO_HAS_CLIP_PLANES, "clip planes"},
                                  {view->tf_2d, ISO_HAS_2D_TFS, "2D transfer functions"},
+                                 {view->extinction_scale, ISO_HAS_EXTINCTION_SCALES, "extinction scales"},
                                  {view->roi, ISO_HAS_ROI, "regions of interest"}};
     for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i)
         if (asked[i].asked && !iso_renderer_has(r, asked[i].trait))

@@ -93,8 +93,9 @@ typedef enum iso_trait {
     ISO_READS_SHADE_TABLE = 1 << 15,
     ISO_READS_EXACT_LOOKUPS = 1 << 16,
     ISO_READS_SHADERS = 1 << 17, /* iso_renderers.shader_dir */
+    ISO_HAS_EXTINCTION_SCALES = 1 << 18,
 } iso_trait;
-#define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_ROI)
+#define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI)
 
 /* How far an image may be from the reference with the same samples; 0: not checked. */
 typedef struct iso_sample_error {

@@ -371,6 +371,7 @@ void iso_view_destroy(iso_view *view)
     iso_tf_table_destroy(&view->tf);
     iso_tf_2d_destroy(view->tf_2d);
     free(view->tf_2d);
+    free(view->extinction_scale);
     iso_roi_destroy(view->roi);
     free(view->roi);
     *view = (iso_view){0};

@@ -138,7 +138,9 @@ typedef struct iso_view {
     double background[3];
     double step_voxels;
     iso_tf_table tf;
-    iso_tf_2d *tf_2d;    /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
+    iso_tf_2d *tf_2d; /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
+    /* Scales the extinction of tf or tf_2d: a byte a voxel of the rendered level (fit/extinction_scale.h); owned, or NULL. */
+    uint8_t *extinction_scale;
     struct iso_roi *roi; /* a finer level inside a box (roi.h); owned, or NULL */
 } iso_view;
 

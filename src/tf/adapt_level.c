@@ -107,18 +107,6 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     return ISO_OK;
 }
 
-static iso_status copy_table(const iso_tf_table *from, iso_tf_table *to, iso_error *err)
-{
-    *to = *from;
-    to->entries = malloc(4 * from->count * sizeof *to->entries);
-    if (!to->entries) {
-        *to = (iso_tf_table){0};
-        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu entries", from->count);
-    }
-    memcpy(to->entries, from->entries, 4 * from->count * sizeof *to->entries);
-    return ISO_OK;
-}
-
 iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
                            const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
                            iso_error *err)
@@ -131,7 +119,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
     if (level == 0) {
         if (judgment)
             *judgment = verdict;
-        return copy_table(tf, table, err);
+        return iso_tf_table_copy(tf, table, err);
     }
     iso_status status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
                                          opt->threads, &joint, err);
@@ -146,7 +134,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
     verdict.use_original = verdict.use_original && opt->fall_back;
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);
-        status = copy_table(tf, table, err);
+        status = iso_tf_table_copy(tf, table, err);
     }
     if (judgment)
         *judgment = verdict;

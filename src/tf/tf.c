@@ -180,6 +180,18 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
     return ISO_OK;
 }
 
+iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err)
+{
+    *to = *from;
+    to->entries = malloc(4 * from->count * sizeof *to->entries);
+    if (!to->entries) {
+        *to = (iso_tf_table){0};
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu entries of a transfer function", from->count);
+    }
+    memcpy(to->entries, from->entries, 4 * from->count * sizeof *to->entries);
+    return ISO_OK;
+}
+
 void iso_tf_table_destroy(iso_tf_table *table)
 {
     if (!table)

@@ -58,6 +58,8 @@ typedef struct iso_tf_table {
  * geometry of level 0. ISO_E_RANGE for an empty range. */
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err);
+/* ISO_E_MEMORY. */
+iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err);
 void iso_tf_table_destroy(iso_tf_table *table);
 
 /* Linear lookup in double precision: r, g, b, extinction. */

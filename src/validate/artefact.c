@@ -14,12 +14,13 @@ enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
 /* ---- an export that moves ---- */
 
-/* A copy that owns its table. Validation has neither 2D transfer functions nor regions of interest. */
+/* A copy that owns its table. Validation has neither 2D transfer functions nor extinction scales nor regions of interest. */
 static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
 {
     const size_t bytes = from->tf.count * 4 * sizeof(float);
     *to = *from;
     to->tf_2d = NULL;
+    to->extinction_scale = NULL;
     to->roi = NULL;
     to->tf.entries = malloc(bytes);
     if (!to->tf.entries)

@@ -28,7 +28,7 @@ static iso_status start_marcher(marcher *m, const iso_render_request *q, iso_err
     const iso_level *level = &q->pyramid->levels[q->level];
     const size_t count = iso_geometry_voxel_count(&level->geometry);
     *m = (marcher){.view = q->view};
-    if (q->view->roi || q->view->tf_2d)
+    if (q->view->roi || q->view->tf_2d || q->view->extinction_scale)
         return iso_fail(err, ISO_E_USAGE,
                         "faults of rays are planted into scenes of one level and a TF over the value");
     iso_status status = iso_sampler_create(&m->sampler, level, q->pyramid->options.code, ISO_FROM_DECODED, err);

@@ -328,8 +328,9 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
     if (!(step_voxels > 0 && isfinite(step_voxels)) || (opt->cache_bits != 16 && opt->cache_bits != 32))
         return iso_fail(err, ISO_E_RANGE, "gl: step %g voxels must be above 0, cache of %d bits 16 or 32", step_voxels,
                         opt->cache_bits);
-    if (view->tf_2d || view->roi)
-        return iso_fail(err, ISO_E_RANGE, "gl: bricks have neither a 2D transfer function nor a region of interest");
+    if (view->tf_2d || view->extinction_scale || view->roi)
+        return iso_fail(err, ISO_E_RANGE,
+                        "gl: bricks have no 2D transfer function, extinction scale or region of interest");
     iso_status status = iso_gl_bind(gl, err);
     if (status == ISO_OK)
         status = upload(&job, stats, err);

@@ -12,6 +12,7 @@ static const char *const source_names[] = {NAMED(SOURCE_CODES),   NAMED(SOURCE_V
                                            NAMED(SOURCE_PALETTE), NAMED(SOURCE_NEAREST), NAMED(SOURCE_FLIPPED)};
 static const char *const output_names[] = {NAMED(OUTPUT_INTEGRAL), NAMED(OUTPUT_HIT_COLOR), NAMED(OUTPUT_HIT_PLACE),
                                            NAMED(OUTPUT_HIT_NORMAL), NAMED(OUTPUT_POINTS)};
+static const char *const scale_names[] = {NAMED(SCALE_NONE), NAMED(SCALE_WITH_DIRECTIONS), NAMED(SCALE_ALONE)};
 static const char *const decoder_names[] = {NAMED(ISO_DECODER_LINEAR), NAMED(ISO_DECODER_REGION48),
                                             NAMED(ISO_DECODER_UNIT), NAMED(ISO_DECODER_OCT),
                                             NAMED(ISO_DECODER_SQUEEZE)};
@@ -32,9 +33,10 @@ iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *progr
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %s\n#define DECODER %s\n#define OUTPUT %s\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SHADE_TABLE %d\n#define SKIP_EMPTY %d\n#define PREINTEGRATED %d\n"
-             "#define EXACT %d\n#define ROI %d\n#define BRICKS %d\n#define TF_2D_ROWS %d\n#define PAGES %zu\n%s",
+             "#define EXACT %d\n#define ROI %d\n#define BRICKS %d\n#define TF_2D_ROWS %d\n#define EXTINCTION_SCALE %s\n"
+             "#define PAGES %zu\n%s",
              source_names[v->direction_source], decoder_names[v->decoder], output_names[v->output], v->light_count,
              v->specular, v->shade_table, v->skip_empty, v->preintegrated, v->exact, v->roi, v->bricks, v->tf_2d_rows,
-             v->pages ? v->pages : 1, transition);
+             scale_names[v->extinction_scale], v->pages ? v->pages : 1, transition);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }

@@ -15,6 +15,7 @@ typedef struct iso_gl_variant {
     size_t light_count;
     bool specular, shade_table, skip_empty, preintegrated, exact, roi, bricks;
     int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
+    int extinction_scale;   /* SCALE_... */
     size_t pages;           /* of the brick cache; 0: one */
     const char *transition; /* a name of warp_map.h; NULL: bricks share the nodes of their faces */
 } iso_gl_variant;

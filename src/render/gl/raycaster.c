@@ -8,8 +8,10 @@
 #include "base/parallel.h"
 #include "brick/occupancy.h"
 #include "scene/roi.h"
-#include "render/gl/gl_palette.h"
+#include "fit/extinction_scale.h"
 #include "render/gl/gl_context.h"
+#include "render/gl/gl_directions.h"
+#include "render/gl/gl_palette.h"
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
 #include "render/sampler.h"
@@ -23,6 +25,7 @@ enum {
     UNIT_PALETTE,
     UNIT_SECOND_VALUE,
     UNIT_TF_SUMS,
+    UNIT_EXTINCTION_SCALE,
     UNIT_ROI_SCALAR,
     UNIT_ROI_TF,
     UNIT_ROI_DIRECTIONS
@@ -30,10 +33,10 @@ enum {
 
 /* A level on the GPU, and how its texels become values and lattice vectors. */
 typedef struct level_textures {
-    GLuint scalar, directions, tf, tf_sums, occupancy, palette, tf_2d; /* directions: the indices, with a palette */
+    GLuint scalar, tf, tf_sums, occupancy, palette, tf_2d, extinction_scale;
+    iso_gl_directions directions; /* the indices, with a palette */
     bool skip_empty;
     double value_per_texel; /* value = min + texel * value_per_texel */
-    double direction_scale, direction_offset;
 } level_textures;
 
 iso_gl_options iso_gl_defaults(void)
@@ -83,72 +86,17 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
     return iso_gl_check("uploading the scalar", err);
 }
 
-/* Bytes where they are filtered as finely as floats, else the same lattice in 16 bits: a multiple of the byte, so that
- * nothing is rounded. */
-static iso_status upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, level_textures *t,
-                               iso_error *err)
-{
-    const size_t *size = level->geometry.size;
-    size_t plane_count = 3 * size[0] * size[1];
-    bool is_signed = iso_code_describe(code)->is_signed;
-    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
-                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
-    GLenum format = is_signed ? (wide ? GL_RGBA16_SNORM : GL_RGBA8_SNORM) : (wide ? GL_RGBA16 : GL_RGBA8);
-    GLenum type = is_signed ? (wide ? GL_SHORT : GL_BYTE) : (wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE);
-    t->direction_scale = is_signed ? (wide ? 32767.0 / (127 * 258) : 1) : 2;
-    t->direction_offset = is_signed ? 0 : -1;
-    iso_status status = iso_gl_create_texture_3d(gl, format, size, "direction codes", &t->directions, err);
-    if (status != ISO_OK)
-        return status;
-    int16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
-    if (wide && !plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
-    for (size_t z = 0; z < size[2]; ++z) {
-        const uint8_t *bytes = level->codes + z * plane_count;
-        for (size_t i = 0; wide && i < plane_count; ++i) {
-            int byte = (int8_t)bytes[i] < -127 ? -127 : (int8_t)bytes[i];
-            plane[i] = is_signed ? (int16_t)(byte * 258) : (int16_t)(uint16_t)(bytes[i] * 257);
-        }
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, type,
-                        wide ? (const void *)plane : bytes);
-    }
-    free(plane);
-    return iso_gl_check("uploading direction codes", err);
-}
-
-static iso_status upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
-                                 level_textures *t, iso_error *err)
-{
-    const size_t *size = level->geometry.size;
-    size_t plane_count = size[0] * size[1];
-    if (source == ISO_FROM_FLOAT && !level->directions)
-        return iso_fail(err, ISO_E_RANGE, "gl: the level holds no float directions; build with --keep-float");
-    iso_status status = iso_gl_create_texture_3d(gl, GL_RGB32F, size, "float directions", &t->directions, err);
-    if (status != ISO_OK)
-        return status;
-    float *plane = malloc(3 * plane_count * sizeof *plane);
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);
-    for (size_t z = 0; z < size[2]; ++z) {
-        if (source != ISO_FROM_FLOAT)
-            iso_code_decode_all(code, level->codes + 3 * z * plane_count, plane, plane_count);
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGB, GL_FLOAT,
-                        source != ISO_FROM_FLOAT ? plane : level->directions + 3 * z * plane_count);
-    }
-    free(plane);
-    t->direction_scale = 1;
-    return iso_gl_check("uploading float directions", err);
-}
-
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[] = {t->scalar, t->directions, t->tf, t->tf_sums, t->occupancy, t->palette, t->tf_2d};
+    const GLuint names[] = {t->scalar, t->directions.texture, t->tf, t->tf_sums, t->occupancy, t->palette,
+                            t->tf_2d,  t->extinction_scale};
     glDeleteTextures(sizeof names / sizeof *names, names);
 }
 
 static double bytes_of(const level_textures *t)
 {
-    const GLuint solid[] = {t->scalar, t->directions, t->occupancy, t->tf_2d}, flat[] = {t->tf, t->tf_sums, t->palette};
+    const GLuint solid[] = {t->scalar, t->directions.texture, t->occupancy, t->tf_2d, t->extinction_scale},
+                 flat[] = {t->tf, t->tf_sums, t->palette};
     double bytes = 0;
     for (size_t i = 0; i < sizeof solid / sizeof *solid; ++i)
         bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, solid[i]);
@@ -205,28 +153,6 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
-/* Bytes where they are filtered as finely as floats, else the same in 16 bits. */
-static iso_status upload_second_value(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, level_textures *t,
-                                      iso_error *err)
-{
-    const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
-    bool wide = gl->info.filter_bits_unorm8 < gl->info.filter_bits_float - 1 &&
-                gl->info.filter_bits_unorm16 > gl->info.filter_bits_unorm8;
-    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, "second value", &t->tf_2d, err);
-    uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
-    if (status == ISO_OK && wide && !plane)
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu second values", plane_count);
-    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z) {
-        for (size_t i = 0; wide && i < plane_count; ++i)
-            plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
-                        wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE,
-                        wide ? (const void *)plane : bytes + z * plane_count);
-    }
-    free(plane);
-    return status;
-}
-
 /* The rows of a 2D transfer function as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
                                const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
@@ -245,7 +171,7 @@ static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const i
         status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_TF_2D_ROWS, rows, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_SECOND_VALUE);
     if (status == ISO_OK)
-        status = upload_second_value(gl, level, tf_2d->bytes, t, err);
+        status = iso_gl_upload_bytes(gl, level, tf_2d->bytes, "second value", &t->tf_2d, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
         status = upload_occupancy(gl, level, opt, &envelope, t, err);
@@ -257,6 +183,12 @@ static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const i
 static bool is_from_palette(iso_direction_source source)
 {
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
+}
+
+/* Whether directions are filtered by the texture unit as they are, so that a fourth channel comes with them. */
+static bool has_direction_texture(iso_direction_source source)
+{
+    return source == ISO_FROM_CODES || source == ISO_FROM_DECODED || source == ISO_FROM_FLOAT;
 }
 
 /* The finer level of a region of interest. */
@@ -271,8 +203,9 @@ static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, 
         status = iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_DIRECTIONS);
     if (status == ISO_OK)
-        status = source == ISO_FROM_CODES ? upload_codes(gl, &f->level, code, t, err)
-                                          : upload_vectors(gl, &f->level, code, source, t, err);
+        status = source == ISO_FROM_CODES
+                     ? iso_gl_upload_codes(gl, &f->level, code, NULL, &t->directions, err)
+                     : iso_gl_upload_vectors(gl, &f->level, code, source, NULL, &t->directions, err);
     if (status != ISO_OK)
         destroy_textures(t);
     return status;
@@ -282,6 +215,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
                          const iso_view *view, level_textures *t, iso_error *err)
 {
     const iso_tf_table *tf = &view->tf;
+    const uint8_t *scale = opt->surface ? NULL : view->extinction_scale;
     iso_direction_source source = opt->source;
     *t = (level_textures){0};
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
@@ -296,11 +230,18 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
         status = upload_sums(gl, tf, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && source == ISO_FROM_CODES)
-        status = upload_codes(gl, level, code, t, err);
+        status = iso_gl_upload_codes(gl, level, code, scale, &t->directions, err);
     else if (status == ISO_OK && is_from_palette(source))
-        status = iso_gl_upload_indices(gl, level, &t->directions, err);
+        status = iso_gl_upload_indices(gl, level, &t->directions.texture, err);
     else if (status == ISO_OK && source != ISO_FROM_ON_THE_FLY)
-        status = upload_vectors(gl, level, code, source, t, err);
+        status = iso_gl_upload_vectors(gl, level, code, source, has_direction_texture(source) ? scale : NULL,
+                                       &t->directions, err);
+    glActiveTexture(GL_TEXTURE0 + UNIT_EXTINCTION_SCALE);
+    if (status == ISO_OK && scale && !has_direction_texture(source)) {
+        status = iso_gl_upload_bytes(gl, level, scale, "extinction scale", &t->extinction_scale, err);
+        t->directions.octaves = 255.0 / ISO_EXTINCTION_SCALE_PER_OCTAVE;
+        t->directions.octaves_offset = -(double)ISO_EXTINCTION_SCALE_ONE / ISO_EXTINCTION_SCALE_PER_OCTAVE;
+    }
     glActiveTexture(GL_TEXTURE0 + UNIT_PALETTE);
     if (status == ISO_OK && is_from_palette(source))
         status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
@@ -338,8 +279,11 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     if (opt->surface)
         iso_gl_set_surface(program, opt->surface, iso_v3((double)g->size[0], (double)g->size[1], (double)g->size[2]),
                            0.5, level->min, t->value_per_texel);
-    iso_gl_set_float(program, "direction_scale", t->direction_scale);
-    iso_gl_set_float(program, "direction_offset", t->direction_offset);
+    iso_gl_set_float(program, "direction_scale", t->directions.scale);
+    iso_gl_set_float(program, "direction_offset", t->directions.offset);
+    iso_gl_set_int(program, "extinction_scale", UNIT_EXTINCTION_SCALE);
+    iso_gl_set_float(program, "octaves_per_texel", t->directions.octaves);
+    iso_gl_set_float(program, "octaves_offset", t->directions.octaves_offset);
     /* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
     double range = level->max - level->min;
     iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(g),
@@ -398,6 +342,9 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
         .exact = opt->exact_lookups,
         .roi = view->roi != NULL,
         .tf_2d_rows = view->tf_2d ? ISO_TF_2D_ROWS : 0,
+        .extinction_scale = opt->surface || !view->extinction_scale ? SCALE_NONE
+                            : has_direction_texture(opt->source)    ? SCALE_WITH_DIRECTIONS
+                                                                    : SCALE_ALONE,
     };
     return iso_gl_get_variant(gl, &variant, program, err);
 }

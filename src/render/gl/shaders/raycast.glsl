@@ -16,6 +16,7 @@
 //     EXACT                      textures are filtered here and values classified, in double
 //     ROI                        a finer level inside a region: roi.glsl
 //     TF_2D_ROWS                 rows of a 2D transfer function (tf_2d.h); 0: it is 1D
+//     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
 //     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; else undefined
 #include "variants.h"
@@ -40,6 +41,11 @@ uniform int tf_count;
 #if TF_2D_ROWS
 uniform sampler3D second_value;      // 0 in the first row, 1 in the last
 #endif
+
+#if EXTINCTION_SCALE == SCALE_ALONE
+uniform sampler3D extinction_scale;
+#endif
+uniform float octaves_per_texel, octaves_offset; // texel value to log2 of the scale
 
 #if PREINTEGRATED
 uniform sampler2D tf_sums;         // rows: of sigma c and sigma up to each entry, and what float leaves of them
@@ -415,6 +421,18 @@ float shade_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
 #endif
 }
 
+// q of fit/extinction_scale.h. Where it comes with the directions, the fetch is that of the normal: one for both.
+float extinction_scale_at(vec3 p)
+{
+#if EXTINCTION_SCALE == SCALE_WITH_DIRECTIONS
+    return exp2(fetch_direction(p).a * octaves_per_texel + octaves_offset);
+#elif EXTINCTION_SCALE == SCALE_ALONE
+    return exp2(fetch(extinction_scale, p).r * octaves_per_texel + octaves_offset);
+#else
+    return 1.0;
+#endif
+}
+
 // 1 - exp(-x) loses its digits for small x.
 float opacity_of(float x)
 {
@@ -468,6 +486,7 @@ void main()
 #endif
         if (k >= ray.length)
             break;
+        c.a *= extinction_scale_at(where.xyz);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;
@@ -477,6 +496,8 @@ void main()
         Segment at = segment(ray, k);
         vec4 where = address(at.p);
         vec4 c = where.w > 0.0 ? classify(at, where) : vec4(0.0);
+        if (c.a > 0.0)
+            c.a *= extinction_scale_at(where.xyz);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         if (weight > 0.0)
             sum += weight * shade_at(where.xyz, halfway) * c.rgb;

@@ -44,7 +44,7 @@ vec4 emission_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
     if (w < 1.0) {
         vec4 c = classify_at(p);
         if (c.a > 0.0)
-            sum = (1.0 - w) * c.a * vec4(shade_at(p, halfway) * c.rgb, 1.0);
+            sum = (1.0 - w) * c.a * extinction_scale_at(p) * vec4(shade_at(p, halfway) * c.rgb, 1.0);
     }
     if (w > 0.0) {
         vec3 q = p * roi_place_scale + roi_place_offset;

@@ -9,6 +9,11 @@
 #define SOURCE_NEAREST 4    // the palette's entry of one voxel
 #define SOURCE_FLIPPED 5    // vectors, opposite ones turned to one side before they are filtered
 
+// EXTINCTION_SCALE: where a byte a voxel is that scales the extinction (fit/extinction_scale.h).
+#define SCALE_NONE 0
+#define SCALE_WITH_DIRECTIONS 1 // in the alpha of the directions, which are fetched anyway
+#define SCALE_ALONE 2           // in a texture of its own
+
 // OUTPUT: what a pixel is.
 #define OUTPUT_INTEGRAL 0  // the rendering equation
 #define OUTPUT_HIT_COLOR 1 // the first hit of a surface: first_hit.glsl

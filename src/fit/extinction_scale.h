@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/* extinction_scale.h - one byte a voxel of a coarse level that scales its extinction, so that the level is as opaque as
+ * the fine voxels are, place by place:
+ *
+ *     sigma(x) = q(x) sigma_TF(s(x)),    q(x) = 2^((b(x) - 168) / 28)
+ *
+ * b(x) is the bytes' trilinear interpolation between voxel centers, clamped at the edge, as the scalar's is; the power
+ * is taken after it. Colors are the transfer function's own. Bytes are 0 to 252: q is 2^-6 to 2^3 in steps of 2.5 %, and
+ * the byte 168 is 1 exactly. All renderers follow this definition: texture units, OpenVDB and DF3 files filter the byte.
+ *
+ * A transfer function adapted to a level (tf/adapt.h) is right in the mean over all voxels of one value; q is right in
+ * each neighborhood. It is made for one transfer function, by rounds over the fine voxels that it shows:
+ *
+ *     q_j <- q_j  sum_x hat_j(x) a_0(x) / sum_x hat_j(x) a(x),    a(x) = 1 - exp(-q(x) sigma_k(s(x)) h)
+ *
+ * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity under
+ * the original transfer function, sigma_k the level's, h the spacing of level 0. Sums that are nearly 0 leave q as it is.
+ *
+ * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
+ * Cost: doc/results/extinction-scale.md. */
+#ifndef ISO_FIT_EXTINCTION_SCALE_H
+#define ISO_FIT_EXTINCTION_SCALE_H
+
+#include <math.h>
+
+#include "pyramid/pyramid.h"
+#include "tf/tf.h"
+
+enum {
+    ISO_EXTINCTION_SCALE_ONE = 168,       /* the byte of q = 1 */
+    ISO_EXTINCTION_SCALE_PER_OCTAVE = 28, /* bytes from q to 2 q */
+    ISO_EXTINCTION_SCALE_LAST = 252       /* the largest byte */
+};
+
+/* log2 q of a byte, or of what lies between bytes. */
+static inline double iso_extinction_scale_log2(double byte)
+{
+    return (byte - ISO_EXTINCTION_SCALE_ONE) / ISO_EXTINCTION_SCALE_PER_OCTAVE;
+}
+static inline double iso_extinction_scale_of(double byte)
+{
+    return exp2(iso_extinction_scale_log2(byte));
+}
+
+/* What does not depend on the transfer function, made once a level: an edit then costs rounds over what is seen. */
+typedef struct iso_extinction_scaler iso_extinction_scaler;
+
+/* level: of coarse, as the number of halvings of fine, at least 1. Both keep their scalars while the scaler lives.
+ * ISO_E_RANGE: a size that is not that of the level; a level without scalars. ISO_E_MEMORY. */
+iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *coarse, size_t level, int threads,
+                                        iso_extinction_scaler **out, iso_error *err);
+void iso_extinction_scaler_destroy(iso_extinction_scaler *s); /* accepts NULL */
+
+typedef struct iso_extinction_scale_cost {
+    size_t seen;      /* fine voxels in runs of which the transfer functions show anything */
+    double error_one; /* over them: rms of a - a_0 with q = 1 */
+    double error;     /* with the bytes */
+} iso_extinction_scale_cost;
+
+/* original: of level 0; own: of the level, adapted or not. bytes: a voxel of the level each. Where the bytes would not
+ * bring the fine voxels' opacities nearer (rms), all of them are 168. cost may be NULL. ISO_E_MEMORY. */
+iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
+                                       uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
+
+/* All of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0, which needs none. */
+iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
+                                      const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);
+
+#endif
