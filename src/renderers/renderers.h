@@ -111,6 +111,8 @@ typedef struct iso_lock_step {
     const char *why;                /* the cause of these */
     iso_sample_error exact;         /* with exact lookups, of any transfer function; zeroed: it has none */
     const char *exact_why;
+    iso_sample_error rounded; /* of the usual lookups where they are farther, but exact ones are within `exact` */
+    const char *rounded_why;
 } iso_lock_step;
 
 /* The integers that a renderer stores its images in. Zeroed: floats. */

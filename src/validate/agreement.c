@@ -232,10 +232,11 @@ static iso_status find_truths(iso_validation *v, size_t level, level_truths *t, 
 
 /* ---- lock-step: the same samples ---- */
 
-/* Where the TF is steep, a renderer that has exact lookups is compared once more without what they round otherwise: what is
- * left then is held to narrower tolerances than smooth TFs are. */
+/* Where the TF is steep, or the usual lookups are out of their tolerances, a renderer that has exact lookups is compared
+ * once more without what the usual ones round: what is left then is held to narrower tolerances than smooth TFs are.
+ * *holds: it is within them. */
 static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *same, iso_render_options opt,
-                                  iso_error *err)
+                                  bool *holds, iso_error *err)
 {
     const iso_renderer_info *renderer = opt.renderer;
     iso_image image = {0};
@@ -253,7 +254,34 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const truth *
                                         &image, NULL, err);
     if (status == ISO_OK)
         status = add_row(v, level, &row, same, &(compared){what, &image, renderer, " --exact-lookups", 0}, err);
+    *holds = status == ISO_OK && iso_metrics_within(&row.metrics, &row.tolerances);
     iso_image_destroy(&image);
+    return status;
+}
+
+/* The row of the usual lookups, and where it is asked for that of exact ones: where the usual ones are out of their
+ * tolerances the exact ones come first, because they tell rounding from a fault. */
+static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agreement *row, const truth *same,
+                                const compared *with, const iso_render_options *opt, iso_error *err)
+{
+    const iso_lock_step *lock = with->renderer->lock_step;
+    const bool has_exact = lock->exact.max_abs > 0;
+    const double start = v->row_start;
+    iso_metrics seen = {0};
+    bool holds = false;
+    iso_status status = iso_metrics_measure(&same->image, with->image, &seen, err);
+    const bool first = has_exact && !iso_metrics_within(&seen, &row->tolerances);
+    if (status == ISO_OK && first)
+        status = exact_lock_step(v, level, same, *opt, &holds, err);
+    v->row_start = start;
+    if (holds) {
+        row->tolerances = (iso_tolerances){.rmse = lock->rounded.rmse, .max_abs = lock->rounded.max_abs};
+        row->why = lock->rounded_why;
+    }
+    if (status == ISO_OK)
+        status = add_row(v, level, row, same, with, err);
+    if (status == ISO_OK && has_exact && !first && v->scene->agreement.sharp)
+        status = exact_lock_step(v, level, same, *opt, &holds, err);
     return status;
 }
 
@@ -289,9 +317,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
                                  &image, NULL, err);
     if (status == ISO_OK)
-        status = add_row(v, level, &row, &same, &(compared){what, &image, renderer, options, 0}, err);
-    if (status == ISO_OK && lock->exact.max_abs > 0 && v->scene->agreement.sharp)
-        status = exact_lock_step(v, level, &same, opt, err);
+        status = add_lock_step(v, level, &row, &same, &(compared){what, &image, renderer, options, 0}, &opt, err);
     iso_image_destroy(&same.image);
     iso_image_destroy(&image);
     return status;
