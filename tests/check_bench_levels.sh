@@ -32,6 +32,19 @@ assert {c['left_out'] for c in r['cases'] if c['volume'] == 'constant.nrrd'} <= 
 a, b = ([c['dssim'] for c in r['cases'] if c['volume'] == 'shells.nrrd' and c['held'] == h] for h in (False, True))
 assert a == b and len(a) > 0
 PY
+"$ISOSHADE" make sphere --size 24 --type uint8 -o sphere.nrrd -q || exit 1
+expect rivals_run 0 "$ISOSHADE" "${few[@]}" sphere.nrrd --tfs opaque,soft --methods rivals --against original --json
+check they_are_rows_and_worse_where_they_must_be python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+names = {c['method'] for c in r['cases']}
+assert names == {'original', 'rgba-opacity', 'rgba-extinction', 'rgba-transmittance', 'two-gaussians', 'mean-deviation', 'brick-tables', 'sggx'}, names
+rows = {m['method']: m['ratios']['dssim']['geometric_mean'] for m in r['blocks'][0]['levels'][0]['methods']}
+assert rows['rgba-opacity'] > 1, rows          # a smooth surface that is classified first is blurred
+assert rows['brick-tables'] < 1, rows        # one brick: as adapting the whole level
+two, limit = ([c['rmse'] for c in r['cases'] if c['method'] == m] for m in ('two-gaussians', 'rgba-opacity'))
+assert all(abs(a - b) < 0.2 * b for a, b in zip(two, limit)), (two, limit)
+PY
 expect quick_is_small 0 "$ISOSHADE" bench levels shells.nrrd --quick --levels 2 --tfs soft --methods original -q --json
 check two_views_of_96_pixels grep -q '"views": 2' out
 expect a_budget_ends_it 0 "$ISOSHADE" "${few[@]}" shells.nrrd shells.nrrd --budget 1e-9 --methods original --json

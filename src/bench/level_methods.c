@@ -28,6 +28,17 @@ static const iso_level_method methods[] = {
      .bytes = 4,
      .fetches = 3},
     {.name = "gauss", .summary = "Gaussian scalar, original TF", .scalar = ISO_SCALAR_GAUSS, .bytes = 3, .fetches = 2},
+    {.name = "least-squares",
+     .summary = "original, the scalar nearest to level 0 by least squares",
+     .scalar = ISO_SCALAR_LEAST_SQUARES,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "lsq-adapted",
+     .summary = "the same, adapted TF where small views say so",
+     .scalar = ISO_SCALAR_LEAST_SQUARES,
+     .treatment = ISO_LEVEL_TF_ADAPTED,
+     .bytes = 3,
+     .fetches = 2},
     {.name = "naive",
      .summary = "original, mean gradients",
      .directions = ISO_DIRECTION_NAIVE,
@@ -44,6 +55,42 @@ static const iso_level_method methods[] = {
      .source = ISO_FROM_FLIPPED,
      .bytes = 3,
      .fetches = 9},
+    /* Rivals store 16 bits of what replaces the scalar, whose 2 bytes are not counted, and a byte of a deviation. */
+    {.name = "rgba-opacity",
+     .summary = "classified first: means of color and opacity; the limit of [sicat-2014]",
+     .rival = iso_rival_opacity,
+     .bytes = 9,
+     .fetches = 2},
+    {.name = "rgba-extinction",
+     .summary = "classified first: means of color and extinction [kraus-2008]",
+     .rival = iso_rival_extinction,
+     .bytes = 9,
+     .fetches = 2},
+    {.name = "rgba-transmittance",
+     .summary = "classified first: mean transmittances kept [loubet-2017]",
+     .rival = iso_rival_transmittance,
+     .bytes = 9,
+     .fetches = 2},
+    {.name = "two-gaussians",
+     .summary = "two Gaussians a voxel under the TF: a sparse pdf [sicat-2014]",
+     .rival = iso_rival_two_gaussians,
+     .bytes = 8,
+     .fetches = 16},
+    {.name = "mean-deviation",
+     .summary = "the TF under the Gaussian of mean and deviation [younesy-2006]",
+     .rival = iso_rival_deviation,
+     .bytes = 4,
+     .fetches = 3},
+    {.name = "brick-tables",
+     .summary = "original, a TF adapted to each brick of 16^3",
+     .rival = iso_rival_bricks,
+     .bytes = 4,
+     .fetches = 10},
+    {.name = "sggx",
+     .summary = "original, directions as microflakes [heitz-2015]",
+     .rival = iso_rival_sggx,
+     .bytes = 6,
+     .fetches = 3},
 };
 _Static_assert(sizeof methods / sizeof *methods <= ISO_LEVEL_MAX_METHODS, "arrays by method are as long");
 
@@ -67,13 +114,14 @@ iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_
         size_t row = 0;
         if (!name)
             return iso_fail(err, ISO_E_MEMORY, "no memory for a name");
-        const bool all = strcmp(name, "all") == 0;
-        const iso_status status = all ? ISO_OK : iso_names_find(&iso_level_method_names, name, &row, err);
+        const bool all = strcmp(name, "all") == 0, own = all || strcmp(name, "own") == 0,
+                   rivals = all || strcmp(name, "rivals") == 0;
+        const iso_status status = own || rivals ? ISO_OK : iso_names_find(&iso_level_method_names, name, &row, err);
         free(name);
         if (status != ISO_OK)
             return status;
         for (size_t m = 0; m < iso_level_method_count(); ++m)
-            wanted[m] = wanted[m] || all || m == row;
+            wanted[m] = wanted[m] || (own || rivals ? (methods[m].rival ? rivals : own) : m == row);
         at += length + (at[length] == ',');
     }
     return ISO_OK;
@@ -102,6 +150,8 @@ iso_status iso_level_show(const iso_level_method *m, const iso_level_subject *s,
     iso_status status = treat_tf(m, s, shown, err);
     if (status == ISO_OK && m->make)
         status = m->make(s, shown, err);
+    if (status == ISO_OK && m->rival)
+        status = m->rival(s, &shown->rival, err);
     if (status != ISO_OK)
         iso_level_shown_destroy(shown);
     return status;
@@ -113,5 +163,6 @@ void iso_level_shown_destroy(iso_level_shown *shown)
     iso_tf_2d_destroy(&shown->tf_2d);
     free(shown->scalar);
     free(shown->bytes);
+    iso_rival_destroy(&shown->rival);
     *shown = (iso_level_shown){0};
 }

@@ -7,6 +7,7 @@
 #ifndef ISO_BENCH_LEVEL_METHODS_H
 #define ISO_BENCH_LEVEL_METHODS_H
 
+#include "bench/rivals.h"
 #include "pyramid/pyramid.h"
 #include "scene/field.h"
 #include "tf/adapt.h"
@@ -19,14 +20,6 @@ typedef enum iso_level_treatment {
     ISO_LEVEL_TF_2D        /* a 2D one, over the deviation */
 } iso_level_treatment;
 
-/* A level under a transfer function, for which a method makes what is shown. */
-typedef struct iso_level_subject {
-    const iso_pyramid *pyramid; /* by the method's filters */
-    size_t level;
-    const iso_tf_table *tf; /* of level 0 */
-    int threads;
-} iso_level_subject;
-
 /* What is shown instead of level 0. */
 typedef struct iso_level_shown {
     iso_level level; /* a copy of the pyramid's that shares its arrays */
@@ -34,8 +27,9 @@ typedef struct iso_level_shown {
     iso_tf_2d tf_2d;
     bool has_tf_2d;
     iso_adapt_judgment judgment;
-    float *scalar;  /* an array that `make` puts into the level; freed with this */
-    uint8_t *bytes; /* likewise */
+    float *scalar;   /* an array that `make` puts into the level; freed with this */
+    uint8_t *bytes;  /* likewise */
+    iso_rival rival; /* rendered by the reference instead of the level's scalar and the TF, where it has an emitter */
 } iso_level_shown;
 
 typedef struct iso_level_method {
@@ -46,7 +40,8 @@ typedef struct iso_level_method {
     iso_level_treatment treatment;
     /* Changes *shown, which has been filled by the fields above; NULL: it stays as it is. */
     iso_status (*make)(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-    double bytes;   /* a voxel beside the scalar */
+    iso_status (*rival)(const iso_level_subject *s, iso_rival *r, iso_error *err); /* NULL: it is no rival */
+    double bytes;                                                                  /* a voxel beside the scalar */
     double fetches; /* a sample, all textures of the level together */
 } iso_level_method;
 
@@ -55,7 +50,7 @@ size_t iso_level_method_count(void);
 const iso_level_method *iso_level_method_at(size_t index);
 extern const iso_names iso_level_method_names;
 
-/* "all", or names with commas between them, into wanted[]. ISO_E_USAGE with option and word. */
+/* "all", "own" (all but rivals), "rivals", or names, with commas between them, into wanted[]. ISO_E_USAGE with option and word. */
 iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_METHODS], iso_error *err);
 
 /* What m shows of the level. ISO_E_MEMORY, ISO_E_RANGE. */

@@ -53,6 +53,7 @@ static void render_pixel(const layer l[2], const iso_view *view, const iso_refer
     ray_state state = {.layer = &l[0],
                        .roi = view->roi ? &l[1] : NULL,
                        .view = view,
+                       .emitter = opt->emitter,
                        .integral = integral,
                        .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
@@ -75,6 +76,9 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
                         opt->intervals);
     if (view->tf_2d && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
+    if (opt->emitter && (view->roi || opt->quadrature != ISO_QUADRATURE_MIDPOINT))
+        return iso_fail(err, ISO_E_USAGE,
+                        "reference: an emitter is rendered by midpoints, without a region of interest");
     if (view->roi && (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED || opt->quadrature == ISO_QUADRATURE_FIRST_HIT))
         return iso_fail(err, ISO_E_USAGE, "reference: a region of interest is neither pre-integrated nor a surface");
     return ISO_OK;

@@ -26,6 +26,18 @@
 #include "scene/field.h"
 #include "scene/scene.h"
 
+/* A medium that is no scalar seen through one transfer function, such as colors that are stored at the voxels. */
+typedef struct iso_emitter_place {
+    const iso_view *view;
+    const struct iso_sampler *sampler; /* of the level that is rendered */
+    iso_vec3 index, to_viewer;         /* index coordinates of the level; world, unit */
+} iso_emitter_place;
+typedef struct iso_emitter {
+    /* Returns the extinction per mm; color: extinction * color * shade. Called from several threads. */
+    double (*emit)(const struct iso_emitter *e, const iso_emitter_place *at, double color[3]);
+    const void *field; /* what emit looks at */
+} iso_emitter;
+
 typedef enum iso_quadrature {
     ISO_QUADRATURE_CONVERGED,
     ISO_QUADRATURE_MIDPOINT,
@@ -37,11 +49,12 @@ typedef enum iso_quadrature {
 typedef struct iso_reference_options {
     iso_quadrature quadrature;
     iso_direction_source source;
-    double step_voxels;        /* midpoint and preintegrated; 0: the view's */
-    size_t intervals;          /* povray */
-    double tolerance;          /* converged: of a pixel's value */
-    double iso;                /* first hit: the value of the surface */
-    iso_surface_output output; /* first hit: what the image shows of it */
+    double step_voxels;         /* midpoint and preintegrated; 0: the view's */
+    size_t intervals;           /* povray */
+    double tolerance;           /* converged: of a pixel's value */
+    double iso;                 /* first hit: the value of the surface */
+    iso_surface_output output;  /* first hit: what the image shows of it */
+    const iso_emitter *emitter; /* midpoint: instead of the level's scalar and the view's transfer function; or NULL */
     int threads;
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);

@@ -63,6 +63,11 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
 /* The same of all layers: two media in one place (roi.h). */
 static double emission(const ray_state *ray, double t, double color[3])
 {
+    if (ray->emitter)
+        return ray->emitter->emit(ray->emitter,
+                                  &(iso_emitter_place){ray->view, ray->layer->sampler,
+                                                       iso_madd(ray->origin, ray->direction, t), ray->to_viewer},
+                                  color);
     double w = ray->roi ? iso_roi_weight(ray->view->roi, iso_madd(ray->origin, ray->direction, t)) : 0, inside[3];
     if (w <= 0)
         return layer_emission(ray, ray->layer, t, color);
@@ -287,8 +292,9 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
 /* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
 static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
 {
+    const double opaque = ray->emitter ? 40 : INFINITY; /* what is behind has a part of 4e-18 */
     stretch s = {{0}, 0};
-    for (double k = floor(t0 / ds); k * ds < t1; ++k) {
+    for (double k = floor(t0 / ds); k * ds < t1 && s.depth < opaque; ++k) {
         double a = fmax(k * ds, t0), b = fmin((k + 1) * ds, t1), color[3];
         if (!(b > a))
             continue;

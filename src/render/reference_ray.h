@@ -21,6 +21,7 @@ typedef struct layer {
 typedef struct ray_state {
     const layer *layer, *roi; /* roi: the region of interest's, or NULL */
     const iso_view *view;
+    const iso_emitter *emitter;      /* or NULL */
     const iso_tf_integral *integral; /* preintegrated */
     iso_vec3 origin, direction;      /* index per mm of t */
     iso_vec3 to_viewer;              /* world, unit */

@@ -121,6 +121,16 @@ double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 ind
     return value;
 }
 
+void iso_sample_floats(const iso_sampler *s, const float *values, size_t channels, iso_vec3 index, double *out)
+{
+    const stencil at = stencil_at(&s->level->geometry, index);
+    for (size_t k = 0; k < channels; ++k)
+        out[k] = 0;
+    for (int c = 0; c < 8; ++c)
+        for (size_t k = 0; k < channels; ++k)
+            out[k] += at.weight[c] * (double)values[at.voxel[c] * channels + k];
+}
+
 /* Central differences of the filtered scalar, one voxel apart to each side. */
 static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 {

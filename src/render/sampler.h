@@ -37,6 +37,9 @@ void iso_sampler_destroy(iso_sampler *s);
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
 /* The same for bytes, one for each voxel of the level. */
 double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 index);
+/* The same for floats, `channels` for each voxel (at most ISO_SAMPLE_CHANNELS), into out. */
+enum { ISO_SAMPLE_CHANNELS = 8 };
+void iso_sample_floats(const iso_sampler *s, const float *values, size_t channels, iso_vec3 index, double *out);
 /* World axes, |n| <= 1, zero where there is no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
 
