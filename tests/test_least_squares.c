@@ -164,6 +164,22 @@ static void many_planes_are_solved_in_blocks_as_in_one_piece(void **state)
     }
 }
 
+/* From the carry of the cascade: levels above the fifth, on each axis in turn. */
+static void high_levels_are_the_dense_solutions(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 3; ++axis) {
+        iso_volume v = noise(axis == 0 ? 137 : 37, axis == 1 ? 150 : 5, axis == 2 ? 161 : 3);
+        const iso_pyramid_options opt = least_squares(8);
+        iso_pyramid p = build(&v, &opt);
+        assert_true(p.level_count > 6);
+        for (size_t k = 4; k < p.level_count; ++k)
+            assert_at_most(difference(&v, k, &p.levels[k], 1), FLOAT_TOLERANCE);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
+}
+
 /* The middle of a long axis from a window with an apron of so many voxels, against the whole. */
 static double error_of_apron(size_t apron)
 {
@@ -413,6 +429,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_the_dense_solutions),
         cmocka_unit_test(many_planes_are_solved_in_blocks_as_in_one_piece),
+        cmocka_unit_test(high_levels_are_the_dense_solutions),
         cmocka_unit_test(an_apron_of_12_is_enough_and_of_6_is_not),
         cmocka_unit_test(the_residual_is_at_most_that_of_the_means),
         cmocka_unit_test(what_a_level_can_show_is_given_back),

@@ -27,6 +27,7 @@ typedef struct build_bench {
 typedef struct build_times {
     double gradient, encode, pyramid,
         total;                      /* of the build: with one level and nothing stored, with codes, with all levels */
+    double means;                   /* of the build with scalars by means */
     double memcpy_build;            /* of half of what the build reads and writes, as memcpy does both */
     double central, memcpy_central; /* central differences to float triples */
     size_t bytes_read, bytes_written, central_bytes;
@@ -155,6 +156,10 @@ static iso_status time_build(const build_bench *b, const iso_volume *v, build_ti
     t->bytes_read = iso_geometry_voxel_count(&v->geometry) * iso_type_bytes(v->type);
     t->bytes_written = buffers.bytes;
     status = time_cascade(v, &opt, buffers.out, b->runs, &t->total, err);
+    opt.scalar_filter = ISO_SCALAR_MEAN;
+    t->means = t->total;
+    if (status == ISO_OK && b->opt.scalar_filter != ISO_SCALAR_MEAN)
+        status = time_cascade(v, &opt, buffers.out, b->runs, &t->means, err);
     opt.level_count = 1;
     if (status == ISO_OK)
         status = time_cascade(v, &opt, &nothing, b->runs, &one, err);
@@ -241,6 +246,9 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
                1e-6 * (double)(t->bytes_read + t->bytes_written));
         printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode,
                t->pyramid);
+        if (b->opt.scalar_filter != ISO_SCALAR_MEAN)
+            printf("  means    %8.4f s  with mean scalars; %s takes %.2f times that\n", t->means,
+                   iso_scalar_filter_name(b->opt.scalar_filter), t->total / t->means);
         printf("gradients  %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
                1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central,
                1e-6 * (double)t->central_bytes);
@@ -269,6 +277,8 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
     json_object_set_new(root, "bytes_written", json_integer((json_int_t)t->bytes_written));
     json_object_set_new(root, "memcpy_seconds_same_bytes", json_real(t->memcpy_build));
     json_object_set_new(root, "ratio_to_memcpy", json_real(t->total / t->memcpy_build));
+    json_object_set_new(root, "seconds_means", json_real(t->means));
+    json_object_set_new(root, "ratio_to_means", json_real(t->total / t->means));
     json_object_set_new(root, "gradients_to_float",
                         json_pack("{s:f, s:f, s:f}", "seconds", t->central, "memcpy_seconds_same_bytes",
                                   t->memcpy_central, "ratio_to_memcpy", t->central / t->memcpy_central));

@@ -124,10 +124,15 @@ static size_t carry_row_floats(const iso_cascade *c)
     return (c->state_count + 1) * c->size[c->tile_top][0];
 }
 
+static size_t carry_plane_floats(const iso_cascade *c)
+{
+    return carry_row_floats(c) * c->size[c->tile_top][1] + iso_cascade_cells_floats(c);
+}
+
 /* Between the carry and a row of the level that it holds. */
 static float *carry_row(const iso_cascade *c, size_t y, size_t z)
 {
-    return c->carry + (z * c->size[c->tile_top][1] + y) * carry_row_floats(c);
+    return c->carry + z * carry_plane_floats(c) + y * carry_row_floats(c);
 }
 
 static void add_row(const tile *t, size_t k, const float *own, float *acc, bool add)
@@ -307,7 +312,7 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
     set_up(c, g, scale);
     const size_t *top = c->size[c->tile_top];
     if (c->tile_top > 0 && c->tile_top + 1 < c->level_count) {
-        c->carry = malloc(carry_row_floats(c) * top[1] * top[2] * sizeof *c->carry);
+        c->carry = malloc(carry_plane_floats(c) * top[2] * sizeof *c->carry);
         if (!c->carry)
             status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the state of %zu x %zu x %zu voxels", top[0],
                               top[1], top[2]);
@@ -346,13 +351,13 @@ size_t iso_cascade_reach(const iso_cascade *c)
 
 float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats)
 {
-    *plane_floats = carry_row_floats(c) * c->size[c->tile_top][1];
+    *plane_floats = carry_plane_floats(c);
     return c->carry;
 }
 
 size_t iso_cascade_bytes(const iso_cascade *c)
 {
-    size_t floats = c->carry ? carry_row_floats(c) * c->size[c->tile_top][1] * c->size[c->tile_top][2] : 0;
+    size_t floats = c->carry ? carry_plane_floats(c) * c->size[c->tile_top][2] : 0;
     for (size_t i = 0; i < c->gauss_count; ++i)
         for (size_t k = 1; k < c->level_count; ++k)
             floats += c->gauss[i].slot_count * c->gauss[i].components * c->size[k][0] * c->size[k][1];
@@ -426,11 +431,23 @@ size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
     return from / iso_cascade_step(c) * iso_cascade_step(c);
 }
 
+/* Where tiles begin when the planes before have been stored, and are fed for the wider filters alone. */
+static size_t first_tile(const iso_cascade *c, size_t z0, size_t z1, const iso_cascade_out *out)
+{
+    size_t stored = SIZE_MAX;
+    for (size_t k = 0; k <= c->tile_top; ++k)
+        stored = out[k].first << k < stored ? out[k].first << k : stored;
+    stored = stored < z1 ? stored : z1;
+    return (stored > z0 ? stored : z0) / iso_cascade_step(c);
+}
+
 iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out,
                             iso_error *err)
 {
     const size_t step = iso_cascade_step(c), last = c->size[0][2];
-    iso_status status = run_tiles(c, in, out, (tile_range){0, c->tile_top, z0 / step, (z1 + step - 1) / step}, err);
+    iso_status status = run_tiles(c, in, out,
+                                  (tile_range){0, c->tile_top, first_tile(c, z0, z1, out), (z1 + step - 1) / step},
+                                  err);
     if (status == ISO_OK && c->carry && z1 == last)
         status = run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
                            err);

@@ -84,10 +84,12 @@ void iso_cascade_gauss_destroy(iso_cascade *c);
 iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                   const iso_cascade_out *out, iso_error *err);
 
-/* cascade_spline.c; all but create, floats and destroy only where c->spline is set. */
+/* cascade_spline.c; all but create, floats, cells_floats and destroy only where c->spline is set. */
 iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err);
 void iso_cascade_spline_destroy(iso_cascade *c);
 size_t iso_cascade_spline_floats(const iso_cascade *c);
+/* Floats of a plane of the carry that are this filter's, at its end (cascade_spline_top.c). */
+size_t iso_cascade_cells_floats(const iso_cascade *c);
 /* Planes of a level that are complete after feeding up to z, and how many fewer they may be than without this filter. */
 size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z);
 size_t iso_cascade_spline_lag(void);

@@ -15,21 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/parallel.h"
-#include "pyramid/cascade_kernel.h"
-#include "pyramid/spline_kernel.h"
-
-enum { SPLINE_BLOCK = 8, SPLINE_APRON = 12, SPLINE_WINDOW = SPLINE_BLOCK + 2 * SPLINE_APRON };
-/* Fine planes between two meetings of the threads, and fine rows of a thread's task. */
-enum { SPLINE_BATCH = 16, SPLINE_ROWS = 32 };
-
-struct spline_level {
-    iso_spline_axis axis[3];
-    iso_spline_row *solve[2]; /* along x and y */
-    size_t slot_count;        /* coarse planes that are kept: plane p in slot p % slot_count */
-    float *slots;
-    size_t tasks; /* of coarse rows */
-};
+#include "pyramid/cascade_spline.h"
 
 /* ---- which planes ---- */
 
@@ -50,8 +36,16 @@ static size_t solved_planes(const spline_level *s, size_t summed)
     return summed >= SPLINE_APRON ? (summed - SPLINE_APRON) / SPLINE_BLOCK * SPLINE_BLOCK : 0;
 }
 
+/* Made at the end. */
+static bool is_top(const iso_cascade *c, size_t level)
+{
+    return c->carry && level > c->tile_top;
+}
+
 size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z)
 {
+    if (level > 0 && is_top(c, level))
+        return z == c->size[0][2] ? c->size[level][2] : 0;
     return level == 0 ? z : solved_planes(&c->spline[level], summed_planes(&c->spline[level], z));
 }
 
@@ -63,21 +57,28 @@ size_t iso_cascade_spline_lag(void)
 size_t iso_cascade_spline_from(const iso_cascade *c, size_t level, size_t complete)
 {
     const spline_level *s = &c->spline[level];
-    if (complete == s->axis[2].coarse)
+    if (complete == s->axis[2].coarse || is_top(c, level))
         return s->axis[2].fine;
     return iso_spline_first(&s->axis[2], complete > SPLINE_APRON ? complete - SPLINE_APRON : 0);
 }
 
 /* ---- create, destroy ---- */
 
-static size_t plane_floats(const spline_level *s)
-{
-    return s->axis[0].coarse * s->axis[1].coarse;
-}
-
 static size_t task_rows(const spline_level *s)
 {
     return SPLINE_ROWS > s->axis[1].ratio ? SPLINE_ROWS / s->axis[1].ratio : 1;
+}
+
+typedef struct spline_window {
+    size_t p0, p1, first, end; /* planes of the block, and those that it is solved with */
+} spline_window;
+
+static spline_window window_of(const spline_level *s, size_t block)
+{
+    const size_t nz = s->axis[2].coarse, p0 = block * SPLINE_BLOCK,
+                 p1 = p0 + SPLINE_BLOCK < nz ? p0 + SPLINE_BLOCK : nz;
+    return (spline_window){p0, p1, p0 > SPLINE_APRON ? p0 - SPLINE_APRON : 0,
+                           p1 + SPLINE_APRON < nz ? p1 + SPLINE_APRON : nz};
 }
 
 static bool create_level(const iso_cascade *c, size_t k, spline_level *s)
@@ -91,11 +92,17 @@ static bool create_level(const iso_cascade *c, size_t k, spline_level *s)
         if (good)
             iso_spline_factorize(&s->axis[a], 0, s->axis[a].coarse, s->solve[a]);
     }
+    const size_t blocks = (s->axis[2].coarse + SPLINE_BLOCK - 1) / SPLINE_BLOCK;
+    s->solve_z = malloc(blocks * SPLINE_WINDOW * sizeof *s->solve_z);
+    for (size_t b = 0; s->solve_z && b < blocks; ++b) {
+        const spline_window w = window_of(s, b);
+        iso_spline_factorize(&s->axis[2], w.first, w.end, s->solve_z + b * SPLINE_WINDOW);
+    }
     const size_t most = SPLINE_WINDOW + (SPLINE_BATCH >> k) + 6;
-    s->slot_count = s->axis[2].coarse < most ? s->axis[2].coarse : most;
-    s->slots = calloc(s->slot_count * plane_floats(s), sizeof *s->slots);
-    s->tasks = (s->axis[1].coarse + task_rows(s) - 1) / task_rows(s);
-    return good && s->slots;
+    s->slot_count = s->axis[2].coarse < most || is_top(c, k) ? s->axis[2].coarse : most;
+    s->slots = calloc(s->slot_count * spline_plane_floats(s), sizeof *s->slots);
+    s->tasks = is_top(c, k) ? 0 : (s->axis[1].coarse + task_rows(s) - 1) / task_rows(s);
+    return good && s->solve_z && s->slots;
 }
 
 iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err)
@@ -114,6 +121,7 @@ void iso_cascade_spline_destroy(iso_cascade *c)
     for (size_t k = 1; c->spline && k < c->level_count; ++k) {
         free(c->spline[k].solve[0]);
         free(c->spline[k].solve[1]);
+        free(c->spline[k].solve_z);
         free(c->spline[k].slots);
     }
     free(c->spline);
@@ -123,25 +131,11 @@ size_t iso_cascade_spline_floats(const iso_cascade *c)
 {
     size_t floats = 0;
     for (size_t k = 1; c->spline && k < c->level_count; ++k)
-        floats += c->spline[k].slot_count * plane_floats(&c->spline[k]);
+        floats += c->spline[k].slot_count * spline_plane_floats(&c->spline[k]);
     return floats;
 }
 
 /* ---- sums ---- */
-
-/* What one call of iso_cascade_spline_feed works with. */
-typedef struct spline_run {
-    iso_cascade *c;
-    const iso_planes *in;
-    const iso_cascade_out *out;
-    float *memory;
-    size_t per_thread;
-} spline_run;
-
-static float *slot(const spline_level *s, size_t plane)
-{
-    return s->slots + plane % s->slot_count * plane_floats(s);
-}
 
 static size_t largest(size_t a, size_t b)
 {
@@ -150,19 +144,14 @@ static size_t largest(size_t a, size_t b)
 
 static size_t scratch_floats(const iso_cascade *c)
 {
-    size_t most = 0;
+    size_t most = c->carry ? iso_cascade_cells_scratch(c) : 0;
     for (size_t k = 1; k < c->level_count; ++k) {
         const spline_level *s = &c->spline[k];
-        const size_t padded = iso_spline_padded(&s->axis[0]);
+        const size_t padded = is_top(c, k) ? 0 : iso_spline_padded(&s->axis[0]);
         most = largest(most, c->size[0][0] + task_rows(s) * padded + 2 * padded + s->axis[0].coarse + 64);
         most = largest(most, (largest(SPLINE_WINDOW, ISO_SPLINE_LANES)) * s->axis[0].coarse + 64);
     }
     return (most + 15) / 16 * 16;
-}
-
-static float *thread_scratch(const spline_run *r)
-{
-    return r->memory + (size_t)iso_thread_index() * r->per_thread;
 }
 
 /* sum = weight * row, or is increased by it. */
@@ -197,16 +186,17 @@ static void sum_plane(const spline_run *r, const spline_level *s, size_t task, s
     const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse, padded = iso_spline_padded(&s->axis[0]);
     const size_t j0 = task * task_rows(s), j1 = j0 + task_rows(s) < ny ? j0 + task_rows(s) : ny;
     const iso_spline_axis *a = &s->axis[2];
-    float *row = thread_scratch(r), *sums = row + s->axis[0].fine, *halves = sums + task_rows(s) * padded,
+    float *row = spline_scratch(r), *sums = row + s->axis[0].fine, *halves = sums + task_rows(s) * padded,
           *reduced = halves + 2 * padded + 16;
     double f;
     const size_t p = iso_spline_lookup(a, z, &f);
     sum_rows(r, s, z, j0, j1, row, sums);
     for (size_t j = j0; j < j1; ++j) {
         iso_spline_reduce_row(&s->axis[0], sums + (j - j0) * padded, halves, reduced);
-        weigh_row((float)((1 - f) / (double)a->ratio), reduced, nx, slot(s, p) + j * nx, z == iso_spline_first(a, p));
+        weigh_row((float)((1 - f) / (double)a->ratio), reduced, nx, spline_slot(s, p) + j * nx,
+                  z == iso_spline_first(a, p));
         if (f > 0)
-            weigh_row((float)(f / (double)a->ratio), reduced, nx, slot(s, p + 1) + j * nx,
+            weigh_row((float)(f / (double)a->ratio), reduced, nx, spline_slot(s, p + 1) + j * nx,
                       z == iso_spline_first(a, p + 1));
     }
 }
@@ -222,76 +212,95 @@ static void sum_planes(const spline_run *r, size_t z0, size_t z1)
         size_t k = 1, task = i;
         for (; task >= c->spline[k].tasks; ++k)
             task -= c->spline[k].tasks;
-        for (size_t z = z0; z < z1; ++z)
+        for (size_t z = largest(z0, iso_cascade_spline_from(c, k, r->out[k].first)); z < z1; ++z)
             sum_plane(r, &c->spline[k], task, z);
     }
 }
 
 /* ---- solving ---- */
 
-/* Planes p0 .. p1 - 1 along x and y. */
-static void solve_planes(const spline_run *r, const spline_level *s, size_t p0, size_t p1)
-{
-    enum { N = ISO_SPLINE_LANES, CHUNK = 64 };
-    const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse, groups = (ny + N - 1) / N,
-                 chunks = (nx + CHUNK - 1) / CHUNK;
-#pragma omp parallel num_threads(r->c->threads)
-    {
-#pragma omp for schedule(static)
-        for (size_t i = 0; i < (p1 - p0) * groups; ++i) {
-            const size_t y = i % groups * N;
-            iso_spline_solve_rows(s->solve[0], nx, slot(s, p0 + i / groups) + y * nx, nx, ny - y < N ? ny - y : N,
-                                  thread_scratch(r));
-        }
-#pragma omp for schedule(static)
-        for (size_t i = 0; i < (p1 - p0) * chunks; ++i) {
-            const size_t x = i % chunks * CHUNK;
-            iso_spline_solve(s->solve[1], ny, slot(s, p0 + i / chunks) + x, nx, nx - x < CHUNK ? nx - x : CHUNK);
-        }
-    }
-}
+/* What fine planes complete of a level: planes that are solved along x and y, and those of blocks. */
+typedef struct spline_range {
+    size_t p0, p1, block0, block1;
+} spline_range;
 
-/* The block that begins at plane p0, along z, to where it is stored. */
-static void solve_block(const spline_run *r, size_t k, size_t p0)
-{
-    iso_cascade *c = r->c;
-    const spline_level *s = &c->spline[k];
-    const iso_cascade_out *out = &r->out[k];
-    const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse, nz = s->axis[2].coarse;
-    const size_t first = p0 > SPLINE_APRON ? p0 - SPLINE_APRON : 0,
-                 p1 = p0 + SPLINE_BLOCK < nz ? p0 + SPLINE_BLOCK : nz,
-                 end = p1 + SPLINE_APRON < nz ? p1 + SPLINE_APRON : nz;
-    iso_spline_row rows[SPLINE_WINDOW];
-    float lo = c->lo[k], hi = c->hi[k];
-    if (p0 < out->first)
-        return;
-    iso_spline_factorize(&s->axis[2], first, end, rows);
-#pragma omp parallel for schedule(static) num_threads(c->threads) reduction(min : lo) reduction(max : hi)
-    for (size_t y = 0; y < ny; ++y) {
-        float *values = thread_scratch(r);
-        for (size_t p = first; p < end; ++p)
-            memcpy(values + (p - first) * nx, slot(s, p) + y * nx, nx * sizeof *values);
-        iso_spline_solve(rows, end - first, values, nx, nx);
-        for (size_t p = p0; p < p1; ++p) {
-            const float *row = values + (p - first) * nx;
-            iso_row_range(row, nx, &lo, &hi);
-            if (out->scalar)
-                memcpy(out->scalar + ((p - out->first) * ny + y) * nx, row, nx * sizeof *row);
-        }
-    }
-    c->lo[k] = lo;
-    c->hi[k] = hi;
-}
-
-/* What the fine planes z0 .. z1 - 1 complete. */
-static void finish_planes(const spline_run *r, size_t k, size_t z0, size_t z1)
+static spline_range completed(const spline_run *r, size_t k, size_t z0, size_t z1)
 {
     const spline_level *s = &r->c->spline[k];
-    const size_t p0 = summed_planes(s, z0), p1 = summed_planes(s, z1);
-    if (p1 > p0)
-        solve_planes(r, s, p0, p1);
-    for (size_t p = solved_planes(s, p0); p < solved_planes(s, p1); p += SPLINE_BLOCK)
-        solve_block(r, k, p);
+    const size_t first = r->out[k].first, p0 = summed_planes(s, z0), p1 = summed_planes(s, z1);
+    const size_t needed = largest(p0, first > SPLINE_APRON ? first - SPLINE_APRON : 0),
+                 block0 = largest(solved_planes(s, p0), first) / SPLINE_BLOCK,
+                 block1 = (solved_planes(s, p1) + SPLINE_BLOCK - 1) / SPLINE_BLOCK;
+    return (spline_range){needed, largest(needed, p1), block0, largest(block0, block1)};
+}
+
+/* A plane along x and y. */
+static void solve_plane(const spline_run *r, const spline_level *s, size_t p)
+{
+    enum { N = ISO_SPLINE_LANES, CHUNK = 64 };
+    const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse;
+    float *plane = spline_slot(s, p);
+    for (size_t y = 0; y < ny; y += N)
+        iso_spline_solve_rows(s->solve[0], nx, plane + y * nx, nx, ny - y < N ? ny - y : N, spline_scratch(r));
+    for (size_t x = 0; x < nx; x += CHUNK)
+        iso_spline_solve(s->solve[1], ny, plane + x, nx, nx - x < CHUNK ? nx - x : CHUNK);
+}
+
+/* Row y of a block along z, to where it is stored. */
+static void solve_row(const spline_run *r, size_t k, size_t block, size_t y, float *lo, float *hi)
+{
+    const spline_level *s = &r->c->spline[k];
+    const iso_cascade_out *out = &r->out[k];
+    const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse;
+    const spline_window w = window_of(s, block);
+    float *values = spline_scratch(r);
+    for (size_t p = w.first; p < w.end; ++p)
+        memcpy(values + (p - w.first) * nx, spline_slot(s, p) + y * nx, nx * sizeof *values);
+    iso_spline_solve(s->solve_z + block * SPLINE_WINDOW, w.end - w.first, values, nx, nx);
+    for (size_t p = w.p0; p < w.p1; ++p) {
+        const float *row = values + (p - w.first) * nx;
+        iso_row_range(row, nx, lo, hi);
+        if (out->scalar)
+            memcpy(out->scalar + ((p - out->first) * ny + y) * nx, row, nx * sizeof *row);
+    }
+}
+
+/* Of the levels k0 .. k1 - 1 together, so that threads meet seldom: a meeting may wait for a busy core. */
+static void finish_planes(const spline_run *r, size_t k0, size_t k1, size_t z0, size_t z1)
+{
+    iso_cascade *c = r->c;
+    spline_range of[MAX_LEVELS];
+    size_t planes = 0, rows = 0;
+    for (size_t k = k0; k < k1; ++k) {
+        of[k] = completed(r, k, z0, z1);
+        planes += of[k].p1 - of[k].p0;
+        rows += (of[k].block1 - of[k].block0) * c->size[k][1];
+    }
+#pragma omp parallel num_threads(c->threads) if (planes + rows > 0)
+    {
+        float lo[MAX_LEVELS], hi[MAX_LEVELS];
+        for (size_t k = k0; k < k1; ++k)
+            lo[k] = INFINITY, hi[k] = -INFINITY;
+#pragma omp for schedule(dynamic, 1)
+        for (size_t i = 0; i < planes; ++i) {
+            size_t k = k0, at = i;
+            for (; at >= of[k].p1 - of[k].p0; ++k)
+                at -= of[k].p1 - of[k].p0;
+            solve_plane(r, &c->spline[k], of[k].p0 + at);
+        }
+#pragma omp for schedule(dynamic, 4)
+        for (size_t i = 0; i < rows; ++i) {
+            size_t k = k0, at = i;
+            for (; at >= (of[k].block1 - of[k].block0) * c->size[k][1]; ++k)
+                at -= (of[k].block1 - of[k].block0) * c->size[k][1];
+            solve_row(r, k, of[k].block0 + at / c->size[k][1], at % c->size[k][1], &lo[k], &hi[k]);
+        }
+#pragma omp critical(iso_cascade_range)
+        for (size_t k = k0; k < k1; ++k) {
+            c->lo[k] = fminf(c->lo[k], lo[k]);
+            c->hi[k] = fmaxf(c->hi[k], hi[k]);
+        }
+    }
 }
 
 /* Values of a level may be larger than those of level 0, but not by this much. */
@@ -309,11 +318,18 @@ iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t 
     r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
     if (!r.memory)
         return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+    const size_t top = c->carry ? c->tile_top + 1 : c->level_count; /* the first level that is made at the end */
     for (size_t z = z0; z < z1; z += SPLINE_BATCH) {
         const size_t end = z + SPLINE_BATCH < z1 ? z + SPLINE_BATCH : z1;
         sum_planes(&r, z, end);
-        for (size_t k = 1; k < c->level_count; ++k)
-            finish_planes(&r, k, z, end);
+        if (c->carry && z >= out[0].first)
+            iso_cascade_cells_feed(&r, z, end);
+        finish_planes(&r, 1, top, z, end);
+    }
+    if (top < c->level_count && z1 == c->size[0][2]) {
+        for (size_t k = top; k < c->level_count; ++k)
+            iso_cascade_cells_gather(&r, &c->spline[k]);
+        finish_planes(&r, top, c->level_count, 0, z1);
     }
     free(r.memory);
     return ISO_OK;

@@ -144,6 +144,35 @@ ISO_SIMD static void join_intervals(const float *restrict t, const float *restri
         out[j] = u[j] + (t[j + 1] - u[j + 1]);
 }
 
+void iso_spline_moments(const float *restrict row, size_t n, size_t ratio, float *restrict scratch, const float **t,
+                        const float **u)
+{
+    n /= 2;
+    float *own_t = scratch, *own_u = own_t + n, *to_t = own_u + n, *to_u = to_t + n / 2 + 1;
+    first_halves(row, n, own_t, own_u);
+    for (size_t joined = 2; joined < ratio; joined *= 2) {
+        n /= 2;
+        join_halves(own_t, own_u, n, to_t, to_u);
+        float *free_t = own_t, *free_u = own_u;
+        own_t = to_t, own_u = to_u, to_t = free_t, to_u = free_u;
+    }
+    *t = own_t;
+    *u = own_u;
+}
+
+int iso_spline_cell(const iso_spline_axis *a, size_t s, size_t cell, iso_spline_part parts[2])
+{
+    const size_t at = cell * s + a->ratio / 2, interval = at / a->ratio;
+    const double part = (double)s / (double)a->ratio, start = (double)(at % a->ratio) / (double)a->ratio;
+    if (interval == 0 || interval >= a->coarse) { /* outside of the outermost centers a value counts whole */
+        parts[0] = (iso_spline_part){interval == 0 ? 0 : a->coarse - 1, (float)part, 0};
+        return 1;
+    }
+    parts[0] = (iso_spline_part){interval - 1, (float)(part * (1 - start)), (float)(-part * part)};
+    parts[1] = (iso_spline_part){interval, (float)(part * start), (float)(part * part)};
+    return 2;
+}
+
 size_t iso_spline_padded(const iso_spline_axis *a)
 {
     return (a->coarse + 1) * a->ratio;
@@ -152,15 +181,8 @@ size_t iso_spline_padded(const iso_spline_axis *a)
 void iso_spline_reduce_row(const iso_spline_axis *a, const float *restrict padded, float *restrict scratch,
                            float *restrict out)
 {
-    size_t n = iso_spline_padded(a) / 2;
-    float *t = scratch, *u = t + n, *to_t = u + n, *to_u = to_t + n / 2 + 1;
-    first_halves(padded, n, t, u);
-    for (size_t ratio = 2; ratio < a->ratio; ratio *= 2) {
-        n /= 2;
-        join_halves(t, u, n, to_t, to_u);
-        float *free_t = t, *free_u = u;
-        t = to_t, u = to_u, to_t = free_t, to_u = free_u;
-    }
+    const float *t, *u;
+    iso_spline_moments(padded, iso_spline_padded(a), a->ratio, scratch, &t, &u);
     /* Outside of the outermost centers a value counts whole. */
     const size_t last = a->coarse - 1;
     if (last == 0) {

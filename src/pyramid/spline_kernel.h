@@ -47,6 +47,18 @@ enum { ISO_SPLINE_LANES = 16 };
 void iso_spline_solve_rows(const iso_spline_row *rows, size_t count, float *values, size_t stride, size_t row_count,
                            float *scratch);
 
+/* Mean T and first moment U, of places from 0 to 1, of n / ratio intervals of the row; *t and *u point into scratch. */
+void iso_spline_moments(const float *restrict row, size_t n, size_t ratio, float *restrict scratch, const float **t,
+                        const float **u);
+
+/* What a cell of s fine voxels, s a power of two up to r / 2, adds to coarse voxel j: by_t * T + by_u * U. Returns how
+ * many of the two parts there are. */
+typedef struct iso_spline_part {
+    size_t j;
+    float by_t, by_u;
+} iso_spline_part;
+int iso_spline_cell(const iso_spline_axis *a, size_t s, size_t cell, iso_spline_part parts[2]);
+
 /* A^T v / r along x. padded: iso_spline_padded() floats, v from padded + ratio / 2 on, else zeros; scratch as many. */
 size_t iso_spline_padded(const iso_spline_axis *a);
 void iso_spline_reduce_row(const iso_spline_axis *a, const float *restrict padded, float *restrict scratch,

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* cascade_spline.h - what cascade_spline.c (levels that are made while level 0 is fed) and cascade_spline_top.c (those
+ * above the cascade's carry, made at the end) share; private to the two. */
+#ifndef ISO_PYRAMID_CASCADE_SPLINE_H
+#define ISO_PYRAMID_CASCADE_SPLINE_H
+
+#include "base/parallel.h"
+#include "pyramid/cascade_kernel.h"
+#include "pyramid/spline_kernel.h"
+
+enum { SPLINE_BLOCK = 8, SPLINE_APRON = 12, SPLINE_WINDOW = SPLINE_BLOCK + 2 * SPLINE_APRON };
+/* Fine planes between two meetings of the threads, and fine rows of a thread's task. */
+enum { SPLINE_BATCH = 32, SPLINE_ROWS = 32 };
+
+struct spline_level {
+    iso_spline_axis axis[3];
+    iso_spline_row *solve[2]; /* along x and y */
+    iso_spline_row *solve_z;  /* SPLINE_WINDOW of each block */
+    size_t slot_count;        /* coarse planes that are kept: plane p in slot p % slot_count */
+    float *slots;
+    size_t tasks; /* of coarse rows; 0: made at the end, from the carry */
+};
+
+/* What one call of iso_cascade_spline_feed works with. */
+typedef struct spline_run {
+    iso_cascade *c;
+    const iso_planes *in;
+    const iso_cascade_out *out;
+    float *memory;
+    size_t per_thread;
+} spline_run;
+
+static inline size_t spline_plane_floats(const spline_level *s)
+{
+    return s->axis[0].coarse * s->axis[1].coarse;
+}
+
+static inline float *spline_slot(const spline_level *s, size_t plane)
+{
+    return s->slots + plane % s->slot_count * spline_plane_floats(s);
+}
+
+static inline float *spline_scratch(const spline_run *r)
+{
+    return r->memory + (size_t)iso_thread_index() * r->per_thread;
+}
+
+/* cascade_spline_top.c */
+size_t iso_cascade_cells_scratch(const iso_cascade *c);
+/* The fine planes z0 .. z1 - 1 into the moments that the carry holds. */
+void iso_cascade_cells_feed(const spline_run *r, size_t z0, size_t z1);
+/* A^T v of a level above the carry, from them, into the level's slots. */
+void iso_cascade_cells_gather(const spline_run *r, spline_level *s);
+
+#endif
