@@ -203,6 +203,36 @@ static void a_level_with_a_shifted_scalar_fails(void **state)
     close_subject(&s);
 }
 
+/* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the choice is
+ * wrong, and with which option it is right. Nothing fails, as the level is still nearer than gradients on the fly. */
+static void a_wrong_choice_of_auto_is_named(void **state)
+{
+    (void)state;
+    subject s;
+    iso_volume volume;
+    const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){48, 48, 48}, (double[]){1, 1, 1});
+    const iso_field field = field_of(ISO_FIELD_PLATE, &geometry);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    open_field(&s, &field, make_scene(), "auto", size);
+    iso_pyramid_destroy(&s.pyramid);
+    build.direction_filter = ISO_DIRECTION_TENSOR;
+    build.level_count = levels;
+    assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
+    assert_ok(iso_pyramid_build(&volume, "auto", &build, &s.pyramid, NULL, &err));
+    s.pyramid.options.direction_filter = ISO_DIRECTION_AUTO;
+    s.pyramid.options.choice = (iso_direction_choice){.is_made = true};
+    for (size_t k = 1; k < levels; ++k)
+        s.pyramid.options.choice.filter[k] = ISO_DIRECTION_TENSOR;
+    s.validation.is_as_made = true; /* by pictures alone */
+    const iso_levels_summary summary = judge(&s);
+    print_message("%s\n", summary.sentence);
+    assert_non_null(strstr(summary.sentence, "Level 1: auto chose tensor, but "));
+    assert_non_null(strstr(summary.sentence, "build --direction-filter "));
+    assert_string_equal(json_string_value(json_object_get(row_of(&s, 1), "chosen_filter")), "tensor");
+    close_subject(&s);
+    iso_volume_destroy(&volume);
+}
+
 /* The gate by pictures alone: with the original TF, directions that point anywhere look less like level 0 than gradients on
  * the fly. The rebuilt levels are made equal to the stored ones by judging numbers that were measured. */
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked)
@@ -435,6 +465,7 @@ int main(void)
         cmocka_unit_test(intervals_are_students),
         cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
         cmocka_unit_test(a_failure_tells_what_speaks_against_it),
+        cmocka_unit_test(a_wrong_choice_of_auto_is_named),
         cmocka_unit_test(limits_are_read_by_level),
         cmocka_unit_test(angles_are_those_of_the_place_and_in_degrees),
         cmocka_unit_test(clean_volumes_hold),

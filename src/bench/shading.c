@@ -29,6 +29,7 @@ const iso_shading_method iso_shading_methods[ISO_SHADING_METHODS] = {
     {.name = "flipped", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_FLIPPED},
     {.name = "tensor", .filter = ISO_DIRECTION_TENSOR, .source = ISO_FROM_CODES},
     {.name = "tensor-flip", .filter = ISO_DIRECTION_TENSOR, .source = ISO_FROM_FLIPPED},
+    {.name = "auto", .filter = ISO_DIRECTION_AUTO, .source = ISO_FROM_CODES},
     {.name = "fly-adapted", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_ON_THE_FLY, .adapted = true},
     {.name = "def-adapted", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_CODES, .adapted = true},
 };

@@ -11,7 +11,7 @@
 enum { ISO_SHADING_LEVELS = 8, ISO_SHADING_SUBJECTS = 96 };
 
 /* Ways to make directions; those from FIRST_ADAPTED on with --adapted alone. */
-enum { ISO_SHADING_METHODS = 11, ISO_SHADING_ON_THE_FLY = 0, ISO_SHADING_DEFAULT = 5, ISO_SHADING_FIRST_ADAPTED = 9 };
+enum { ISO_SHADING_METHODS = 12, ISO_SHADING_ON_THE_FLY = 0, ISO_SHADING_DEFAULT = 5, ISO_SHADING_FIRST_ADAPTED = 10 };
 extern const iso_shading_method iso_shading_methods[ISO_SHADING_METHODS];
 
 typedef enum iso_shading_block {

@@ -81,6 +81,8 @@ static iso_status take_filter(const char *word, bool *flags, iso_error *err)
 {
     iso_direction_filter filter = ISO_DIRECTION_MOMENTS;
     iso_status status = iso_direction_filter_from_name(word, &filter, err);
+    if (status == ISO_OK && filter == ISO_DIRECTION_AUTO)
+        return iso_fail(err, ISO_E_USAGE, "--direction-filters: a chart compares filters, auto chooses among them");
     flags[filter] = true;
     return status;
 }

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "pyramid/agreement.h"
 #include "pyramid/pyramid_stream.h"
 #include "volume/format.h"
 
@@ -68,6 +69,11 @@ static json_t *levels_to_json(const iso_stream_report *r)
                               json_pack("{s:[I,I,I], s:s, s:f, s:f}", "size", (json_int_t)n[0], (json_int_t)n[1],
                                         (json_int_t)n[2], "type", iso_type_name(r->levels[k].type), "min",
                                         r->levels[k].min, "max", r->levels[k].max));
+        if (k > 0 && r->choice.is_made)
+            json_object_update_new(json_array_get(levels, k), json_pack("{s:s, s:f, s:f}", "direction_filter",
+                                                                        iso_direction_filter_name(r->choice.filter[k]),
+                                                                        "mean_agreement", r->choice.mean_agreement[k],
+                                                                        "axis_agreement", r->choice.axis_agreement[k]));
     }
     return levels;
 }
@@ -96,8 +102,12 @@ static void print_text(const iso_stream_report *r, const char *output)
 {
     for (size_t k = 0; k < r->level_count; ++k) {
         const size_t *n = r->levels[k].geometry.size;
-        printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, n[0], n[1], n[2], iso_type_name(r->levels[k].type),
+        char text[128];
+        printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g", k, n[0], n[1], n[2], iso_type_name(r->levels[k].type),
                r->levels[k].min, r->levels[k].max);
+        if (k > 0 && r->choice.is_made)
+            printf("  %s", iso_direction_choice_text(&r->choice, k, text, sizeof text));
+        printf("\n");
     }
     if (r->resumed_at_plane > 0)
         printf("resumed at plane %zu\n", r->resumed_at_plane);
@@ -225,6 +235,9 @@ const iso_command iso_command_build = {
         "least-squares what shows level 0 best when it is looked up (doc/method/least-squares-levels.md): levels look more\n"
         "alike, and their values may leave the range of level 0. (Bricks of mixed resolution, isoshade plan, are made in\n"
         "memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
+        "With --direction-filter auto each coarse level gets moments, or tensor where the gradients below its voxels agree\n"
+        "better on an axis than in a direction, by 0.4 and more; the volume is read once more for that, and the figures\n"
+        "are printed.\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"

@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "pyramid/agreement.h"
 #include "pyramid/pyramid_verify.h"
 #include "tf/histogram_verify.h"
 #include "volume/format.h"
@@ -174,10 +175,16 @@ typedef struct verified {
 } verified;
 
 /* checks: NULL where nothing was verified. */
-static json_t *level_to_json(const iso_level *l, const iso_level_check *check)
+static json_t *level_to_json(const iso_pyramid *p, size_t k, const iso_level_check *check)
 {
+    const iso_level *l = &p->levels[k];
+    const iso_direction_choice *choice = &p->options.choice;
     json_t *o = json_pack("{s:o, s:s, s:f, s:f}", "size", integers(l->geometry.size, 3), "type",
                           iso_type_name(l->stored_type), "min", l->min, "max", l->max);
+    if (k > 0 && choice->is_made)
+        json_object_update_new(o, json_pack("{s:s, s:f, s:f}", "direction_filter",
+                                            iso_direction_filter_name(choice->filter[k]), "mean_agreement",
+                                            choice->mean_agreement[k], "axis_agreement", choice->axis_agreement[k]));
     if (check)
         json_object_update_new(o, json_pack("{s:I, s:s?, s:o}", "differing_voxels", (json_int_t)check->differing,
                                             "what_differs", check->what, "first_voxel",
@@ -203,7 +210,7 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
     const iso_pyramid_options *opt = &p->options;
     json_t *root = iso_cli_json(cli), *levels = json_array();
     for (size_t k = 0; k < p->level_count; ++k)
-        json_array_append_new(levels, level_to_json(&p->levels[k], found ? &found->levels[k] : NULL));
+        json_array_append_new(levels, level_to_json(p, k, found ? &found->levels[k] : NULL));
     json_object_update_new(root,
                            json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o}", "pyramid", cli->arguments[0],
                                      "source", p->source, "built_by", p->built_by, "scalar_filter",
@@ -219,6 +226,7 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
 static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const verified *found)
 {
     const iso_pyramid_options *opt = &p->options;
+    char text[512];
     printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
            p->built_by[0] ? p->built_by : "isoshade before 0.2.0");
     printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",
@@ -230,8 +238,9 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
         const size_t *n = l->geometry.size;
         printf("  level %zu    %zu x %zu x %zu voxels of %s, %.9g to %.9g\n", k, n[0], n[1], n[2],
                iso_type_name(l->stored_type), l->min, l->max);
+        if (k > 0 && opt->choice.is_made)
+            printf("             %s\n", iso_direction_choice_text(&opt->choice, k, text, sizeof text));
     }
-    char text[512];
     for (size_t k = 0; found && k < p->level_count; ++k)
         printf("  %s\n", iso_level_check_text(&found->levels[k], k, text, sizeof text));
     for (size_t i = 0; found && i < found->joint_count; ++i)

@@ -78,14 +78,13 @@ void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y,
     store_codes(c, out, 0, y, z, r);
 }
 
-void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, state_row state,
-                     emit_rows *r)
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z,
+                     iso_state_row state, emit_rows *r)
 {
     if (z < out->first)
         return;
     const size_t n = c->size[k][0];
-    iso_direction_rows(c->opt.direction_filter, state.components, state.stride, n, r->d,
-                       out->magnitude ? r->magnitude : NULL);
+    iso_direction_rows(iso_direction_filter_of(&c->opt, k), &state, n, r->d, out->magnitude ? r->magnitude : NULL);
     store_codes(c, out, k, y, z, r);
 }
 
@@ -100,6 +99,7 @@ typedef struct tile {
     float *acc[MAX_LEVELS][2]; /* [k]: sums of two rows of level k, a half each */
     float *own[MAX_LEVELS];    /* [k]: a row of level k */
     float lo[MAX_LEVELS], hi[MAX_LEVELS];
+    iso_agreement agreement[MAX_LEVELS];
 } tile;
 
 static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
@@ -161,8 +161,10 @@ static void store_coarse(tile *t, size_t k, size_t y, size_t z, float *own)
         if (out->scalar && z >= out->first)
             memcpy(out->scalar + row * n, scalar, n * sizeof *scalar);
     }
-    if (c->state_count > 0)
-        iso_emit_coarse(c, out, k, y, z, (state_row){own, stride}, &t->rows);
+    if (c->only_sums_up)
+        iso_agreement_add_row(&t->agreement[k], own, stride, n);
+    else if (c->state_count > 0)
+        iso_emit_coarse(c, out, k, y, z, (iso_state_row){c->opt.direction_filter, own, stride}, &t->rows);
     if (c->carry && k == c->tile_top && t->base == 0)
         for (size_t i = 0; i <= c->state_count; ++i)
             memcpy(carry_row(c, y, z) + i * n, own + i * stride, n * sizeof *own);
@@ -249,6 +251,7 @@ static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_casc
         for (size_t k = base; k <= top; ++k) {
             c->lo[k] = fminf(c->lo[k], t.lo[k]);
             c->hi[k] = fmaxf(c->hi[k], t.hi[k]);
+            iso_agreement_add(&c->agreement[k], &t.agreement[k]);
         }
     }
     free(memory);
@@ -292,6 +295,7 @@ static void set_up(iso_cascade *c, const iso_geometry *g, double scale)
         c->lo[k] = INFINITY;
         c->hi[k] = -INFINITY;
     }
+    c->only_sums_up = opt->direction_filter == ISO_DIRECTION_AUTO && !opt->choice.is_made;
     c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN;
     c->state_count = opt->direction_filter == ISO_DIRECTION_EQ1 ? 0 : iso_state_count(opt->direction_filter);
     c->tile_top = c->level_count - 1 < CARRY_LEVEL ? c->level_count - 1 : CARRY_LEVEL;
@@ -454,6 +458,21 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
     if (status == ISO_OK)
         status = iso_cascade_gauss_feed(c, in, z0, z1, out, err);
     return status == ISO_OK ? iso_cascade_spline_feed(c, in, z0, z1, out, err) : status;
+}
+
+void iso_cascade_get_agreement(const iso_cascade *c, size_t level, iso_agreement *sums)
+{
+    *sums = c->agreement[level];
+}
+
+void iso_cascade_add_agreement(iso_cascade *c, size_t level, const iso_agreement *sums)
+{
+    iso_agreement_add(&c->agreement[level], sums);
+}
+
+void iso_cascade_choose(const iso_cascade *c, iso_direction_choice *choice)
+{
+    iso_agreement_choose(c->agreement, c->level_count - 1, choice);
 }
 
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max)

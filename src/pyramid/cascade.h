@@ -23,6 +23,7 @@
 #define ISO_PYRAMID_CASCADE_H
 
 #include "gradient/gradient_kernel.h"
+#include "pyramid/agreement.h"
 #include "pyramid/pyramid.h"
 
 /* Where a level's planes go; plane z stands at (z - first) planes. Planes below
@@ -71,6 +72,14 @@ size_t iso_cascade_carry_level(const iso_cascade *c);
 
 /* Memory that the cascade holds between slabs. */
 size_t iso_cascade_bytes(const iso_cascade *c);
+
+/* For options of ISO_DIRECTION_AUTO whose choice is not made (iso_agreement_options): what all that was fed adds up to, up
+ * to the fifth level; `out` of iso_cascade_feed() holds NULLs. The sums of several cascades that were
+ * fed parts of a volume, from multiples of iso_cascade_step() on, may be added. */
+void iso_cascade_get_agreement(const iso_cascade *c, size_t level, iso_agreement *sums);
+void iso_cascade_add_agreement(iso_cascade *c, size_t level, const iso_agreement *sums);
+/* The choice that follows. */
+void iso_cascade_choose(const iso_cascade *c, iso_direction_choice *choice);
 
 /* The range of the level's scalars so far; min > max when there are none. */
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max);

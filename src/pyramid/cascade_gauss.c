@@ -167,7 +167,7 @@ static void finish_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
         if (!r->channel->is_scalar) {
             block b = make_block(r);
             iso_eq1_finish(row, nx * ny, nx, c->opt.eq1_exponent);
-            iso_emit_coarse(c, out, k, y, z, (state_row){row, nx * ny}, &b.rows);
+            iso_emit_coarse(c, out, k, y, z, (iso_state_row){c->opt.direction_filter, row, nx * ny}, &b.rows);
         } else if (z >= out->first) {
             iso_row_range(row, nx, &lo, &hi);
             if (out->scalar)

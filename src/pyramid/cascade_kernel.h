@@ -4,6 +4,7 @@
 #ifndef ISO_PYRAMID_CASCADE_KERNEL_H
 #define ISO_PYRAMID_CASCADE_KERNEL_H
 
+#include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"
 
@@ -35,6 +36,8 @@ struct iso_cascade {
     size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
     bool scalar_means;  /* else scalars have a filter of their own */
     float *carry;       /* states and scalars of level tile_top, where there are levels above it */
+    bool only_sums_up;  /* nothing is chosen yet: the levels' agreement is measured, nothing is stored */
+    iso_agreement agreement[MAX_LEVELS];
     /* Gaussian filters, plane by plane (cascade_gauss.c). */
     gauss_channel gauss[2];
     size_t gauss_count;
@@ -69,14 +72,9 @@ emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s);
 void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
 /* Stores the directions of the row's gradients. */
 void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
-/* The components of a row's state, `stride` floats apart. */
-typedef struct state_row {
-    const float *components;
-    size_t stride;
-} state_row;
 /* Stores a row of directions of a coarse level from its state. */
-void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, state_row state,
-                     emit_rows *rows);
+void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z,
+                     iso_state_row state, emit_rows *rows);
 
 /* cascade_gauss.c */
 iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);

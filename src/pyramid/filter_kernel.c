@@ -13,7 +13,11 @@
 
 size_t iso_state_count(iso_direction_filter f)
 {
-    return f == ISO_DIRECTION_NAIVE ? 3 : f == ISO_DIRECTION_TENSOR ? 9 : f == ISO_DIRECTION_EQ1 ? 5 : 4;
+    return f == ISO_DIRECTION_NAIVE    ? 3
+           : f == ISO_DIRECTION_TENSOR ? 9
+           : f == ISO_DIRECTION_EQ1    ? 5
+           : f == ISO_DIRECTION_AUTO   ? 10
+                                       : 4;
 }
 
 /* ---- taps ---- */
@@ -120,6 +124,12 @@ ISO_SIMD static void products(const float *restrict a, const float *restrict b, 
         acc[i] = add ? acc[i] + a[i] * b[i] : a[i] * b[i];
 }
 
+/* Where T begins in a state. */
+static size_t tensor_row(iso_direction_filter f)
+{
+    return f == ISO_DIRECTION_AUTO ? 4 : 3;
+}
+
 void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float *const g[3], size_t n,
                               float *restrict acc, size_t stride, bool add)
 {
@@ -132,11 +142,14 @@ void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float
         eq1_weigh(gx, gy, gz, n, eq1_exponent, acc, stride);
         return;
     }
-    if (f == ISO_DIRECTION_TENSOR) {
+    if (f == ISO_DIRECTION_TENSOR || f == ISO_DIRECTION_AUTO) {
         static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-        moment_vectors(gx, gy, gz, n, acc, stride, add);
+        if (f == ISO_DIRECTION_AUTO)
+            moments(gx, gy, gz, n, acc, stride, add);
+        else
+            moment_vectors(gx, gy, gz, n, acc, stride, add);
         for (size_t i = 0; i < 6; ++i)
-            products(g[pair[i][0]], g[pair[i][1]], n, acc + (3 + i) * stride, add);
+            products(g[pair[i][0]], g[pair[i][1]], n, acc + (tensor_row(f) + i) * stride, add);
         return;
     }
     iso_accumulate_row(gx, n, acc, add);
@@ -318,17 +331,17 @@ ISO_SIMD static void moment_directions(const float *restrict state, size_t strid
 /* The main axis of T by squaring: T^64 is the axis alone unless the two largest
  * eigenvalues are within a few per cent of each other, where no axis means much.
  * The column of the largest diagonal element is the longest. */
-ISO_SIMD static void tensor_directions(const float *restrict state, size_t stride, size_t n, float *restrict dx,
-                                       float *restrict dy, float *restrict dz)
+ISO_SIMD static void tensor_directions(const float *restrict state, const float *restrict tensor, size_t stride,
+                                       size_t n, float *restrict dx, float *restrict dy, float *restrict dz)
 {
     for (size_t i = 0; i < n; ++i) {
-        const float *s = state + i;
-        float trace = s[3 * stride] + s[4 * stride] + s[5 * stride];
+        const float *s = state + i, *t = tensor + i;
+        float trace = t[0] + t[stride] + t[2 * stride];
         float inverse = 1 / trace;
         inverse = trace >= FLT_MIN ? inverse : 0;
         float nx = s[0] * inverse, ny = s[stride] * inverse, nz = s[2 * stride] * inverse;
-        float a = s[3 * stride] * inverse, b = s[4 * stride] * inverse, c = s[5 * stride] * inverse;
-        float d = s[6 * stride] * inverse, e = s[7 * stride] * inverse, f = s[8 * stride] * inverse;
+        float a = t[0] * inverse, b = t[stride] * inverse, c = t[2 * stride] * inverse;
+        float d = t[3 * stride] * inverse, e = t[4 * stride] * inverse, f = t[5 * stride] * inverse;
         for (int step = 0; step < 6; ++step) { /* rows (a d e) (d b f) (e f c) */
             float a2 = a * a + d * d + e * e, b2 = d * d + b * b + f * f, c2 = e * e + f * f + c * c;
             float d2 = a * d + d * b + e * f, e2 = a * e + d * f + e * c, f2 = d * e + b * f + f * c;
@@ -350,14 +363,16 @@ ISO_SIMD static void tensor_directions(const float *restrict state, size_t strid
     }
 }
 
-void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *const d[3],
+void iso_direction_rows(iso_direction_filter f, const iso_state_row *row, size_t n, float *const d[3],
                         float *restrict magnitude)
 {
-    const float *ss = state + 3 * stride;
+    const float *state = row->components, *tensor = state + tensor_row(row->of) * row->stride;
+    const size_t stride = row->stride;
+    const float *ss = f == ISO_DIRECTION_TENSOR ? tensor : state + 3 * stride;
     if (f == ISO_DIRECTION_MOMENTS)
         moment_directions(state, stride, n, d[0], d[1], d[2]);
     else if (f == ISO_DIRECTION_TENSOR)
-        tensor_directions(state, stride, n, d[0], d[1], d[2]);
+        tensor_directions(state, tensor, stride, n, d[0], d[1], d[2]);
     else
         unit_rows(state, state + stride, state + 2 * stride, n, d[0], d[1], d[2], magnitude);
     if (!magnitude || f == ISO_DIRECTION_NAIVE)

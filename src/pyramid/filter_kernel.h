@@ -6,6 +6,7 @@
  *   naive    G (3)         the mean gradient
  *   eq1      m^p G (3), m^p, m    G the filtered gradient of the level, m its length
  *   tensor   N (3), T (6)  T = mean of g g^T: xx, yy, zz, xy, xz, yz; its trace is S
+ *   auto     N (3), S, T (6)   what both moments and tensor need, with the same bits
  * Row c of a state starts at state + c * stride. */
 #ifndef ISO_PYRAMID_FILTER_KERNEL_H
 #define ISO_PYRAMID_FILTER_KERNEL_H
@@ -13,7 +14,7 @@
 #include "gradient/gradient_kernel.h"
 #include "pyramid/pyramid.h"
 
-enum { ISO_FILTER_MAX_TAPS = 32, ISO_STATE_MAX = 9 };
+enum { ISO_FILTER_MAX_TAPS = 32, ISO_STATE_MAX = 10 };
 
 size_t iso_state_count(iso_direction_filter f);
 
@@ -63,8 +64,16 @@ void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t expon
 
 /* ---- what is stored ---- */
 
-/* Directions of a coarse level, and magnitudes (NULL: not wanted). */
-void iso_direction_rows(iso_direction_filter f, const float *state, size_t stride, size_t n, float *const d[3],
+/* The components of a row's state, `stride` floats apart, and the filter that they are of. */
+typedef struct iso_state_row {
+    iso_direction_filter of;
+    const float *components;
+    size_t stride;
+} iso_state_row;
+
+
+/* Directions of a coarse level, and magnitudes (NULL: not wanted). f: moments or tensor where the state is that of auto. */
+void iso_direction_rows(iso_direction_filter f, const iso_state_row *state, size_t n, float *const d[3],
                         float *restrict magnitude);
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
 /* The low three bytes of each word; bytes has room for 3 n + 16. */

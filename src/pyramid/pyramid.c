@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"
 #include "pyramid/pyramid_layout.h"
@@ -27,6 +28,7 @@ static const struct {
       [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of [diaz-garcia-2017]: a Gaussian times the gradient magnitude"},
       [ISO_DIRECTION_NAIVE] = {"naive", "means of the children's gradients, of length 1"},
       [ISO_DIRECTION_TENSOR] = {"tensor", "the main axis of summed outer products: opposite gradients agree"},
+      [ISO_DIRECTION_AUTO] = {"auto", "moments or tensor, for each level by how its gradients agree"},
 };
 const iso_names iso_scalar_filter_names = ISO_NAMES_OF_ROWS("scalar filter", scalar_filters);
 const iso_names iso_direction_filter_names = ISO_NAMES_OF_ROWS("direction filter", direction_filters);
@@ -53,6 +55,12 @@ const char *iso_scalar_filter_name(iso_scalar_filter f)
 const char *iso_direction_filter_name(iso_direction_filter f)
 {
     return direction_filters[f].name;
+}
+
+iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, size_t level)
+{
+    const bool chosen = opt->direction_filter == ISO_DIRECTION_AUTO && opt->choice.is_made && level < 32;
+    return chosen ? opt->choice.filter[level] : opt->direction_filter;
 }
 
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err)
@@ -132,7 +140,11 @@ static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p
     iso_geometry g = v->geometry;
     iso_cascade *cascade = NULL;
     iso_cascade_out out[32];
-    iso_status status = iso_cascade_create(&g, v->type, opt, scale, &cascade, err);
+    const size_t nz = v->geometry.size[2];
+    const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz};
+    iso_status status = iso_agreement_choose_for(&planes, &g, scale, &p->options, progress, err);
+    if (status == ISO_OK)
+        status = iso_cascade_create(&g, v->type, opt, scale, &cascade, err);
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         iso_level *l = &p->levels[k];
         const iso_type type = k == 0 ? iso_layout_type(v->type) : ISO_F32;
@@ -142,8 +154,6 @@ static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p
         out[k] = (iso_cascade_out){0, l->scalar, l->codes, l->directions, l->magnitude};
         g = iso_geometry_coarser(&g);
     }
-    const size_t nz = v->geometry.size[2];
-    const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz};
     const size_t slab = status == ISO_OK ? iso_cascade_step(cascade) * 4 : 1;
     for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
         iso_progress_report(progress, "pyramid", (double)z / (double)nz);

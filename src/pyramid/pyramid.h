@@ -20,6 +20,7 @@
  *   naive    the mean of the children's gradient vectors; stored unit.
  *   tensor   T = sum g g^T beside N; the main axis of T, on N's side, times L:
  *            opposite gradients agree on an axis where their mean vanishes.
+ *   auto     a level each gets moments or tensor (agreement.h).
  * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the
  * length of the filtered gradient (eq1, naive).
  * scalar: mean of the 2x2x2 children, a Gaussian, or the least-squares level: of all levels
@@ -46,8 +47,17 @@ typedef enum iso_direction_filter {
     ISO_DIRECTION_EQ1,
     ISO_DIRECTION_NAIVE,
     ISO_DIRECTION_TENSOR,
-    ISO_DIRECTION_COUNT
+    ISO_DIRECTION_COUNT,
+    ISO_DIRECTION_AUTO =
+        ISO_DIRECTION_COUNT /* one of these for each coarse level, by what is measured of its gradients */
 } iso_direction_filter;
+
+/* What ISO_DIRECTION_AUTO chose for each coarse level, and the figures that it chose by (agreement.h). */
+typedef struct iso_direction_choice {
+    bool is_made;
+    iso_direction_filter filter[32];
+    double mean_agreement[32], axis_agreement[32];
+} iso_direction_choice;
 
 typedef struct iso_pyramid_options {
     size_t level_count; /* with level 0; fewer where a level would be a single voxel */
@@ -61,6 +71,7 @@ typedef struct iso_pyramid_options {
     bool keep_float;
     bool keep_magnitude;
     int threads;
+    iso_direction_choice choice; /* with ISO_DIRECTION_AUTO; made by the build */
 } iso_pyramid_options;
 iso_pyramid_options iso_pyramid_defaults(void);
 
@@ -70,6 +81,8 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
 const char *iso_scalar_filter_name(iso_scalar_filter f);
 const char *iso_direction_filter_name(iso_direction_filter f);
+/* The filter of a coarse level: the one that was asked for, or chosen. */
+iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, size_t level);
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err);
 iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter *f, iso_error *err);
 

@@ -94,7 +94,9 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (files[i].stored)
                 status = save_file(dir, &l->geometry, k, &files[i], data[i], err);
-        json_array_append_new(levels, iso_layout_level(&l->geometry, l->stored_type, l->min, l->max, files, k));
+        json_t *level = iso_layout_level(&l->geometry, l->stored_type, l->min, l->max, files, k);
+        iso_layout_choice(&p->options, k, level);
+        json_array_append_new(levels, level);
     }
     if (status == ISO_OK)
         return iso_layout_save(dir, p->source, &p->options, levels, err);
@@ -196,6 +198,24 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"code\" is \"%s\", which no pyramid stores", r->path, code);
 }
 
+static iso_status load_choice(iso_json_reader *r, const json_t *entry, size_t level, iso_pyramid_options *opt)
+{
+    iso_direction_choice *c = &opt->choice;
+    const char *name = NULL;
+    if (level == 0 || opt->direction_filter != ISO_DIRECTION_AUTO)
+        return ISO_OK;
+    iso_json_get_string(r, entry, "direction_filter", true, &name);
+    iso_json_get_number(r, entry, "mean_agreement", true, 0, 2, &c->mean_agreement[level]);
+    iso_json_get_number(r, entry, "axis_agreement", true, 0, 2, &c->axis_agreement[level]);
+    if (r->status == ISO_OK)
+        r->status = iso_direction_filter_from_name(name, &c->filter[level], r->err);
+    if (r->status == ISO_OK && c->filter[level] != ISO_DIRECTION_MOMENTS && c->filter[level] != ISO_DIRECTION_TENSOR)
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: level %zu: auto chooses moments or tensor, not %s", r->path,
+                             level, name);
+    c->is_made = r->status == ISO_OK;
+    return r->status;
+}
+
 /* What is read of a pyramid besides pyramid.json. */
 typedef enum load_what { LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
 
@@ -259,6 +279,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     for (size_t k = 0; k < count; ++k) {
         iso_status status = load_level(r, dir, what, json_array_get(levels, k), &out->options, &out->levels[k]);
+        if (status == ISO_OK)
+            status = load_choice(r, json_array_get(levels, k), k, &out->options);
         if (status != ISO_OK)
             return status;
         if (k == 0)

@@ -91,6 +91,16 @@ json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min
                      iso_type_name(scalar_type), "min", min, "max", max, "files", list);
 }
 
+void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *object)
+{
+    const iso_direction_choice *c = &opt->choice;
+    if (level == 0 || opt->direction_filter != ISO_DIRECTION_AUTO || !c->is_made)
+        return;
+    json_object_update_new(object, json_pack("{s:s, s:f, s:f}", "direction_filter",
+                                             iso_direction_filter_name(c->filter[level]), "mean_agreement",
+                                             c->mean_agreement[level], "axis_agreement", c->axis_agreement[level]));
+}
+
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err)
 {
     char *path = iso_path_join(dir, name), *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));

@@ -37,6 +37,8 @@ json_t *iso_layout_options(const iso_pyramid_options *opt);
 json_t *iso_layout_geometry(const iso_geometry *g);
 json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,
                          const level_file files[FILE_COUNT], size_t level);
+/* What was chosen for a coarse level, into its object. Nothing where nothing was. */
+void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *object);
 /* Writes pyramid.json; takes the list of levels. */
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_options *opt, json_t *levels,
                            iso_error *err);

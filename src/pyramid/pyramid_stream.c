@@ -32,11 +32,13 @@ static iso_status open_input(pyramid_build *s, iso_error *err)
     return iso_ranks_agree(s->how->ranks, status, err);
 }
 
-static iso_status set_up(pyramid_build *s, double *scale, iso_error *err)
+static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *progress, iso_error *err)
 {
     double range = 0;
     iso_status status = iso_stream_input_range(s, &range, err);
     *scale = iso_cascade_scale(&s->header.geometry, range);
+    if (status == ISO_OK)
+        status = iso_stream_choose(s, *scale, progress, err);
     if (status == ISO_OK)
         status = iso_cascade_create(&s->header.geometry, s->header.type, s->opt, *scale, &s->cascade, err);
     if (status != ISO_OK)
@@ -115,8 +117,11 @@ static iso_status describe_and_commit(pyramid_build *s, iso_error *err)
         s->report->levels[k].type = l->type;
         s->report->levels[k].min = lo;
         s->report->levels[k].max = hi;
-        json_array_append_new(levels, iso_layout_level(&l->geometry, l->type, lo, hi, l->files, k));
+        json_t *level = iso_layout_level(&l->geometry, l->type, lo, hi, l->files, k);
+        iso_layout_choice(s->opt, k, level);
+        json_array_append_new(levels, level);
     }
+    s->report->choice = s->opt->choice;
     iso_stream_remove_progress(s);
     iso_status status = iso_layout_save(s->output.temp_path, s->in->path, s->opt, levels, err);
     return status == ISO_OK ? iso_output_commit(&s->output, err) : status;
@@ -153,14 +158,15 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     *report = (iso_stream_report){0};
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    *s = (pyramid_build){.in = in, .opt = opt, .how = how, .report = report};
+    *s = (pyramid_build){.in = in, .own = *opt, .how = how, .report = report};
+    s->opt = &s->own;
     const double start = iso_clock_seconds();
     double scale = 1;
     size_t done = 0;
     json_t *job = NULL;
     iso_status status = open_input(s, err);
     if (status == ISO_OK)
-        status = iso_ranks_agree(how->ranks, set_up(s, &scale, err), err);
+        status = iso_ranks_agree(how->ranks, set_up(s, &scale, progress, err), err);
     if (status == ISO_OK)
         status = begin_all(s, dir, scale, &job, &done, err);
     if (status == ISO_OK) {

@@ -17,7 +17,8 @@
 #include "pyramid/pyramid.h"
 #include "volume/stream.h"
 
-/* Opens the volume at its first plane. Volumes of floats are opened and read twice, the first time for their range. */
+/* Opens the volume at its first plane. Volumes of floats are opened and read twice, the first time for their range; with
+ * ISO_DIRECTION_AUTO all are read once more, for the choice. */
 typedef struct iso_stream_input {
     iso_status (*open)(void *user, iso_volume_source **source, iso_error *err);
     void *user;
@@ -40,6 +41,7 @@ typedef struct iso_stream_report {
         iso_type type;
         double min, max;
     } levels[32];
+    iso_direction_choice choice; /* with ISO_DIRECTION_AUTO */
     size_t slab_planes, buffer_bytes, resumed_at_plane;
     double seconds_read, seconds_build, seconds_write,
         seconds_total;                       /* read, write: waiting for the threads that do it */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
 
 enum { MAX_LEVELS = 32 };
@@ -15,7 +16,8 @@ enum { MAX_LEVELS = 32 };
 typedef struct rebuild {
     const iso_pyramid *p;
     iso_cascade *cascade;
-    size_t level_count; /* that the options make of level 0 */
+    iso_direction_choice choice; /* by level 0's values, where the choice was left to the build */
+    size_t level_count;          /* that the options make of level 0 */
     iso_cascade_out out[MAX_LEVELS];
     iso_level_check *checks;
 } rebuild;
@@ -96,11 +98,17 @@ static void compare_planes(rebuild *r, size_t k, size_t end)
     }
 }
 
+static iso_planes planes_of(const iso_level *l)
+{
+    const size_t *n = l->geometry.size;
+    return (iso_planes){l->scalar, ISO_F32, {n[0], n[1], n[2]}, 0, n[2]};
+}
+
 static iso_status run(rebuild *r, size_t slab, const iso_progress *progress, iso_error *err)
 {
     const iso_level *l = &r->p->levels[0];
-    const size_t *n = l->geometry.size, nz = n[2];
-    const iso_planes planes = {l->scalar, ISO_F32, {n[0], n[1], nz}, 0, nz};
+    const size_t nz = l->geometry.size[2];
+    const iso_planes planes = planes_of(l);
     iso_status status = ISO_OK;
     for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
         const size_t end = z + slab < nz ? z + slab : nz;
@@ -122,6 +130,14 @@ static bool is_same_geometry(const iso_geometry *a, const iso_geometry *b)
     return same && memcmp(&a->index_to_world, &b->index_to_world, sizeof a->index_to_world) == 0;
 }
 
+/* What auto chose, and the figures that it chose by. */
+static bool is_same_choice(const rebuild *r, size_t k)
+{
+    const iso_direction_choice *a = &r->p->options.choice, *b = &r->choice;
+    return !b->is_made || (a->filter[k] == b->filter[k] && a->mean_agreement[k] == b->mean_agreement[k] &&
+                           a->axis_agreement[k] == b->axis_agreement[k]);
+}
+
 /* What belongs to a level as a whole. */
 static void compare_levels(rebuild *r)
 {
@@ -133,6 +149,7 @@ static void compare_levels(rebuild *r)
         iso_cascade_range(r->cascade, k, &lo, &hi);
         const char *what = !is_same_geometry(&g, &l->geometry) ? "geometry"
                            : lo != l->min || hi != l->max      ? "range"
+                           : !is_same_choice(r, k)             ? "direction filter"
                                                                : NULL;
         if (what && !check->what) {
             check->what = what;
@@ -157,6 +174,10 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
         return iso_fail(err, ISO_E_FORMAT, "the pyramid has %zu levels, a volume of its size at most %zu",
                         p->level_count, r.level_count);
     iso_status status = find_scale(&p->levels[0], &scale, err);
+    const iso_planes planes = planes_of(&p->levels[0]);
+    if (status == ISO_OK)
+        status = iso_agreement_choose_for(&planes, &p->levels[0].geometry, scale, &opt, progress, err);
+    r.choice = opt.direction_filter == ISO_DIRECTION_AUTO ? opt.choice : (iso_direction_choice){0};
     if (status == ISO_OK)
         status = iso_cascade_create(&p->levels[0].geometry, p->levels[0].stored_type, &opt, scale, &r.cascade, err);
     const size_t slab = status == ISO_OK ? iso_cascade_step(r.cascade) * 4 : 1;
@@ -174,7 +195,8 @@ const char *iso_level_check_text(const iso_level_check *check, size_t level, cha
 {
     if (!check->what)
         snprintf(text, size, "level %zu: all %zu voxels are made from level 0", level, check->voxels);
-    else if (strcmp(check->what, "geometry") == 0 || strcmp(check->what, "range") == 0)
+    else if (strcmp(check->what, "geometry") == 0 || strcmp(check->what, "range") == 0 ||
+             strcmp(check->what, "direction filter") == 0)
         snprintf(text, size, "level %zu: its %s is not that of the level made from level 0", level, check->what);
     else
         snprintf(text, size,

@@ -13,7 +13,8 @@
 typedef struct iso_level_check {
     size_t voxels, differing; /* differing: in any of what is stored */
     size_t first[3];          /* the first voxel that differs, and the first thing that does there: */
-    const char *what; /* "values", "directions", ...; "geometry" and "range" of the whole level; NULL: nothing */
+    const char *
+        what; /* "values", "directions", ...; "geometry", "range", "direction filter" of the whole level; NULL: nothing */
 } iso_level_check;
 
 /* Fills checks[0 .. p->level_count - 1]. ISO_OK when all levels were compared, whatever was found. ISO_E_RANGE: level 0

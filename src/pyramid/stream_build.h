@@ -2,6 +2,7 @@
 /* stream_build.h - the parts of a streaming build (pyramid_stream.h), private to them.
  *
  *   pyramid_stream.c   from beginning to end: opens, sets up, and closes
+ *   stream_choose.c    reads the volume once before, where the direction filters are to be chosen
  *   stream_slabs.c     how many planes a slab has, its buffers; slabs one after the other, alone
  *   stream_turns.c     slabs in turns with other ranks of an MPI job
  *   stream_progress.c  what a killed build leaves, and how it is taken up
@@ -37,6 +38,7 @@ typedef struct stream_plan {
 typedef struct pyramid_build {
     const iso_stream_input *in;
     const iso_pyramid_options *opt;
+    iso_pyramid_options own; /* opt points to it: with what was chosen */
     const iso_stream_options *how;
     iso_stream_report *report;
     iso_output output; /* rank 0's */
@@ -78,6 +80,8 @@ static inline size_t stream_plane_bytes(const pyramid_build *s)
 /* The range of the input: that of the type for integers of 8 and 16 bits, else by reading all samples, each rank its
  * share. */
 iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *err);
+/* Where s->opt leaves the direction filters to the build: reads all samples, each rank its share, and chooses. */
+iso_status iso_stream_choose(pyramid_build *s, double scale, const iso_progress *progress, iso_error *err);
 /* The most planes that are fed twice when a rank does not have the slab before. */
 size_t iso_stream_longest_warm_up(const pyramid_build *s);
 /* Sets plan.slab to as many planes as are fast and as memory allows. */

@@ -99,6 +99,8 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                           "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
                           "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
                           "rivals", rivals);
+    if (row->chosen)
+        json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
     json_object_set_new(o, "stored",
                         json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
@@ -151,10 +153,19 @@ static bool is_worse_by_any(const json_t *rival)
     return false;
 }
 
+/* Other stored directions under the same TF: then it was the choice of the filter. */
+static bool is_choice_wrong(const json_t *row, const json_t *rival)
+{
+    return json_object_get(row, "chosen_filter") && strcmp(iso_row_text(rival, "method"), "on-the-fly") != 0 &&
+           strcmp(iso_row_text(rival, "tf"), iso_row_text(row, "tf")) == 0;
+}
+
 static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *rival)
 {
     iso_words_append(s->sentence, sizeof s->sentence,
                      " Level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
+    if (is_choice_wrong(row, rival))
+        iso_words_append(s->sentence, sizeof s->sentence, "auto chose %s, but ", iso_row_text(row, "chosen_filter"));
     add_way(s, rival);
     iso_words_append(s->sentence, sizeof s->sentence, " look more like level 0 (");
     add_figures(s, rival, "better", "less");
@@ -201,14 +212,15 @@ static double advantage(const json_t *rival)
     return most;
 }
 
-static const json_t *best_rival(const json_t *row)
+/* choices: only what auto could have chosen. */
+static const json_t *best_rival(const json_t *row, bool choices)
 {
     const json_t *best = NULL;
     json_t *rival;
     size_t i;
     json_array_foreach(json_object_get(row, "rivals"), i, rival)
     {
-        if (advantage(rival) > (best ? advantage(best) : 0))
+        if (advantage(rival) > (best ? advantage(best) : 0) && (!choices || is_choice_wrong(row, rival)))
             best = rival;
     }
     return best;
@@ -262,7 +274,14 @@ static void tell(iso_levels_summary *s, const json_t *rows)
     size_t i;
     json_t *row;
     json_array_foreach(rows, i, row) add_failures(s, row);
-    json_array_foreach(rows, i, row) if (best_rival(row)) add_rival(s, row, best_rival(row));
+    json_array_foreach(rows, i, row)
+    {
+        const json_t *best = best_rival(row, false), *choice = best_rival(row, true);
+        if (best)
+            add_rival(s, row, best);
+        if (choice && choice != best)
+            add_rival(s, row, choice);
+    }
     add_near_ones(s, rows);
     if (views < 6)
         iso_words_append(s->sentence, sizeof s->sentence, " Of %.0f views intervals are wide.", views);

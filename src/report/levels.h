@@ -8,7 +8,8 @@
  *    (paired.h) and a margin below which nobody sees a difference;
  *  - what is stored is what level 0 makes.
  * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
- * option that has it, and fails nothing. */
+ * option that has it, and fails nothing; where the direction filter was chosen by the build, another one that is better
+ * under the same TF says that the choice is wrong on this scene. */
 #ifndef ISO_REPORT_LEVELS_H
 #define ISO_REPORT_LEVELS_H
 
@@ -43,6 +44,7 @@ typedef struct iso_report_level {
     bool shown; /* level 0 shows something; else its pictures are alike whatever is wrong, and nothing is compared */
     size_t level, views;
     const char *method; /* the default */
+    const char *chosen; /* the direction filter that `build --direction-filter auto` chose for this level; or NULL */
     bool adapted;
     double confidence, margin;
     double value[ISO_LEVEL_FIGURE_COUNT];

@@ -15,6 +15,7 @@ const iso_method iso_methods[] = {
     {"moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES},
 };
 const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
+static const iso_method tensor = {"tensor", ISO_DIRECTION_TENSOR, ISO_FROM_CODES};
 enum { max_views = ISO_DIAGONAL_VIEWS };
 
 static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
@@ -221,7 +222,7 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
         else if (m->filter == own->filter)
             all->own = m;
     }
-    all->room = 2 * (iso_method_count + 1) * v->pyramid->level_count;
+    all->room = 2 * (iso_method_count + 2) * v->pyramid->level_count;
     all->levels = calloc(all->room, sizeof *all->levels);
     if (!all->levels)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu rows of levels", all->room);
@@ -229,6 +230,9 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
         status = measure_method(v, run, &iso_methods[i], err);
     if (status == ISO_OK && all->own == own)
         status = measure_method(v, run, own, err);
+    /* What auto chose from, so that a wrong choice is seen. */
+    if (status == ISO_OK && own->filter == ISO_DIRECTION_AUTO)
+        status = measure_method(v, run, &tensor, err);
     return status;
 }
 

@@ -168,10 +168,14 @@ static void add_consistency(const iso_validation *v, iso_job *job)
     const double pixels = (double)(v->consistency_size * v->consistency_size * v->consistency_views);
     iso_job_add_phase(job, "consistency", 1);
     iso_job_add_lane(job);
-    for (size_t i = 0; i < iso_method_count; ++i)
+    const iso_direction_filter own = v->pyramid->options.direction_filter;
+    const char *more[] = {iso_direction_filter_name(own), "tensor"}; /* consistency.c has both for auto */
+    const size_t more_count = own == ISO_DIRECTION_AUTO ? 2 : own == ISO_DIRECTION_TENSOR;
+    for (size_t i = 0; i < iso_method_count + more_count; ++i)
         for (size_t level = 1; level < v->pyramid->level_count; ++level) {
             char name[64];
-            snprintf(name, sizeof name, "consistency: %s, level %zu", iso_methods[i].name, level);
+            snprintf(name, sizeof name, "consistency: %s, level %zu",
+                     i < iso_method_count ? iso_methods[i].name : more[i - iso_method_count], level);
             iso_job_add_part(job, name, "consistency", 1e-5 * pixels);
         }
 }

@@ -115,10 +115,13 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
                              *fly = find(all, level, all->on_the_fly, false);
     const struct iso_scene_asked *asked = &v->scene->levels;
     const iso_scene_level_limits *limits[] = {&asked->ssim_dissimilarity, &asked->flip, &asked->rmse};
+    const bool is_chosen = all->own->filter == ISO_DIRECTION_AUTO && v->pyramid->options.choice.is_made;
+    const iso_direction_filter chosen = iso_direction_filter_of(&v->pyramid->options, level);
     iso_report_level row = {.shown = all->shown,
                             .level = level,
                             .views = v->consistency_views,
                             .method = all->own->name,
+                            .chosen = is_chosen ? iso_direction_filter_name(chosen) : NULL,
                             .adapted = adapted,
                             .confidence = confidence,
                             .margin = margin,
@@ -133,6 +136,8 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
         if (m->level != level || m == own || m == fly ||
             (m->adapted && !adapted)) /* refused: the original's pictures */
             continue;
+        if (is_chosen && m->method->source == ISO_FROM_CODES && m->method->filter == chosen && m->adapted == adapted)
+            continue; /* the same pictures */
         rivals[row.rival_count] = rival_of(own, m, row.views, options[row.rival_count]);
         ++row.rival_count;
     }
