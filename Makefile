@@ -11,7 +11,7 @@ build := build/$(config)
 
 # ---- what it stands on: Debian packages -----------------------------------
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
-	libxxhash-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
+	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
@@ -26,7 +26,7 @@ flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=unde
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
+library_pkgs := jansson libxml-2.0 libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)

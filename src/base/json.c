@@ -8,17 +8,10 @@
 #include "base/file.h"
 #include "base/names.h"
 
-iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
+iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err)
 {
-    char *text;
-    size_t size;
-    *root = NULL;
-    iso_status status = iso_file_read(path, &text, &size, err);
-    if (status != ISO_OK)
-        return status;
     json_error_t where;
     *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
-    free(text);
     if (!*root)
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", path, where.line, where.column, where.text);
     if (!json_is_object(*root)) {
@@ -27,6 +20,19 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT, "%s: holds no JSON object", path);
     }
     return ISO_OK;
+}
+
+iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
+{
+    char *text;
+    size_t size;
+    *root = NULL;
+    iso_status status = iso_file_read(path, &text, &size, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_json_parse(path, text, size, root, err);
+    free(text);
+    return status;
 }
 
 iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
@@ -179,7 +185,12 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
         for (int i = 0; keys[i] && !known; ++i)
             known = strcmp(keys[i], key) == 0;
         if (!known) {
-            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: unknown key \"%s\" in %s", r->path, key, where);
+            iso_names names = {"key", keys, 0, sizeof keys[0], 0, ISO_NAMES_NO_SUMMARY, false};
+            while (keys[names.count])
+                ++names.count;
+            char list[512];
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: unknown key \"%s\" in %s, must be one of: %s", r->path, key,
+                                 where, iso_names_join(&names, NULL, list, sizeof list));
             return;
         }
     }

@@ -13,6 +13,8 @@
 
 #include "base/status.h"
 
+/* The object that a text is; path is the file that messages name. ISO_E_FORMAT with line and column. */
+iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err);
 /* Loads an object. ISO_E_IO, or ISO_E_FORMAT with line and column. */
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err);
 

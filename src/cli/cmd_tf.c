@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "cli/tf_adapt.h"
 #include "cli/tf_bound.h"
+#include "cli/tf_convert.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "options/adapted.h"
@@ -17,57 +18,13 @@
 #include "scene/subject.h"
 #include "report/gnuplot.h"
 #include "tf/format.h"
+#include "tf/color_space.h"
 
-/* ---- convert and show -------------------------------------------------------------- */
-
-/* A TF file's table, for a volume where one is given, else for the range [0, 1] and voxels of 1 mm. */
-static iso_status load_table(const iso_tf_arguments *a, const char *path, iso_tf *tf, iso_tf_table *table,
-                             double *unit_mm, iso_error *err)
-{
-    iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
-    double lo = 0, hi = 1;
-    iso_status status = iso_tf_load(path, tf, err);
-    if (status == ISO_OK && a->volume) {
-        iso_volume v;
-        status = iso_volume_input_load(a->volume, &a->input, &v, err);
-        if (status == ISO_OK) {
-            iso_volume_stats stats = iso_volume_measure(&v);
-            lo = stats.min, hi = stats.max, g = v.geometry;
-            iso_volume_destroy(&v);
-        }
-    }
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(tf, lo, hi, &g, table, err);
-    if (status == ISO_OK)
-        *unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(&g) : 1);
-    return status;
-}
-
-static iso_status convert(const iso_tf_arguments *a, iso_error *err)
-{
-    iso_tf tf = {0};
-    iso_tf_table table = {0};
-    double unit_mm = 1;
-    char written[256];
-    if (a->cli->argument_count != 2 || !a->output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE -o OUT, a name that ends with %s",
-                        iso_tf_format_written(written, sizeof written));
-    const iso_tf_format *format = iso_tf_format_of(a->output);
-    if (!format || !format->save)
-        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output,
-                        iso_tf_format_written(written, sizeof written));
-    iso_status status = load_table(a, a->cli->arguments[1], &tf, &table, &unit_mm, err);
-    if (status == ISO_OK)
-        status = format->save(&table, unit_mm, a->output, err);
-    iso_tf_destroy(&tf);
-    iso_tf_table_destroy(&table);
-    return status;
-}
+/* ---- show -------------------------------------------------------------------------- */
 
 static int srgb_byte(double linear)
 {
-    double v = fmin(fmax(linear, 0), 1);
-    return (int)lrint(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055));
+    return (int)lrint(255 * iso_linear_to_srgb(fmin(fmax(linear, 0), 1)));
 }
 
 /* A panel a TF: opacity over value, filled with the colours; after Figure 4 of [diaz-garcia-2016]. */
@@ -86,12 +43,11 @@ static iso_status write_script(const iso_tf_arguments *a, const char *dir, const
             iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "", picture, count);
     double unit_mm = 0; /* the first one's for all, so that the panels can be compared */
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        iso_tf tf = {0};
-        iso_tf_table t = {0};
-        double own_unit_mm = 1;
+        iso_cli_tf_table loaded = {0};
         const char *name = a->cli->arguments[1 + i];
-        status = load_table(a, name, &tf, &t, &own_unit_mm, err);
-        unit_mm = i == 0 ? own_unit_mm : unit_mm;
+        status = iso_cli_tf_load_table(a, name, &loaded, err);
+        const iso_tf_table t = loaded.table;
+        unit_mm = i == 0 ? loaded.unit_mm : unit_mm;
         if (status == ISO_OK) {
             fprintf(gp, "$data%zu << EOD\n", i);
             for (size_t e = 0; e < t.count; ++e)
@@ -106,8 +62,7 @@ static iso_status write_script(const iso_tf_arguments *a, const char *dir, const
                 "'' using 1:2 with lines lc rgb '#404040' lw 1.2\n",
                 iso_path_base(name), unit_mm, t.lo, t.hi, (t.hi - t.lo) / (double)(t.count - 1), i);
         }
-        iso_tf_destroy(&tf);
-        iso_tf_table_destroy(&t);
+        iso_cli_tf_table_destroy(&loaded);
     }
     if (gp && (fprintf(gp, "unset multiplot\n") < 0 || fclose(gp) != 0) && status == ISO_OK)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
@@ -268,7 +223,7 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     build.level_count = (size_t)a->level + 1;
     iso_status status = iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err);
     if (status == ISO_OK)
-        status = iso_tf_load(a->tf, &tf, err);
+        status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
     if (status == ISO_OK)
         status = iso_cli_tf_load_subject(a, false, &build, &p, err);
     if (status == ISO_OK)
@@ -310,6 +265,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "bound: the scene", "FILE.scene.json"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "bound: of the image, instead of the scene's", "N|NxM"},
+        ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -325,13 +281,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         const char *what = cli.arguments[0];
         status = strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
-                 : strcmp(what, "convert") == 0 ? convert(&a, err)
+                 : strcmp(what, "convert") == 0 ? iso_cli_tf_convert(&a, err)
+                 : strcmp(what, "names") == 0   ? iso_cli_tf_names(&a, err)
                  : strcmp(what, "show") == 0    ? show(&a, err)
                  : strcmp(what, "bound") == 0   ? bound(&a, err)
                  : strcmp(what, "triangle") == 0
                      ? triangle(&a, err)
                      : iso_fail(err, ISO_E_USAGE,
-                                "unknown action \"%s\", must be one of: adapt, bound, convert, show, triangle", what);
+                                "unknown action \"%s\", must be one of: adapt, bound, convert, names, show, triangle",
+                                what);
     }
     iso_cli_end(&cli);
     return status;
@@ -343,14 +301,16 @@ const iso_command iso_command_tf = {
     .min_arguments = 1,
     .max_arguments = 16,
     .usage =
-        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE -o OUT | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE -o OUT | names FILE | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
         "         in the pyramid. render and export do the same with --adapt.\n"
         "bound    says how far the images of a scene's coarse levels can be from level 0's, before any is drawn: an upper\n"
         "         bound of the RMSE, with its own transfer function and with --adapt.\n"
-        "convert  from and to the formats below, by the names' endings.\n"
+        "convert  from and to the formats below, by the names' endings and the content; says how far what is looked up is from\n"
+        "         what the other program shows. Lengths and opacities that a file does not say have to be given.\n"
+        "names    the transfer functions of a file with several, a line each, for --name.\n"
         "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .examples =
@@ -359,7 +319,11 @@ const iso_command iso_command_tf = {
         "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48 --level 1\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
         "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
-        "  isoshade tf convert refscenes/shells.tf.json -o shells.csv\n",
+        "  isoshade tf convert refscenes/shells.tf.json --volume shells.nrrd -o shells.vp.json\n"
+        "  isoshade tf convert shells.vp.json --range fit -o again.tf.json\n"
+        "  isoshade tf convert refscenes/shells.tf.json -o shells.paraview.json\n"
+        "  isoshade tf names shells.paraview.json\n"
+        "  isoshade tf convert shells.paraview.json --unit-distance 2 -o ramp.png\n",
     .lists = (const iso_names *const[]){&iso_tf_format_names, NULL},
     .run = run,
 };

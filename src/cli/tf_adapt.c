@@ -116,7 +116,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_status status = check_output_name(a, err);
     if (status == ISO_OK)
-        status = iso_tf_load(a->tf, &tf, err);
+        status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
     if (status == ISO_OK)
         status = iso_cli_tf_load_subject(a, !a->adapted.always, &build, &p, err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)

@@ -6,11 +6,13 @@
 #include "options/adapted.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/transfer.h"
 
 /* What the actions of `isoshade tf` are given. */
 typedef struct iso_tf_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
+    iso_cli_transfer transfer;
     char *tf, *output, *volume, *scene, *size;
     int level, level_count;
     const iso_cli *cli;

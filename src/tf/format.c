@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE /* memmem */
 #include "tf/format.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -49,10 +51,180 @@ char *iso_tf_format_written(char *text, size_t size)
     return text;
 }
 
+bool iso_tf_file_has(const iso_tf_file *file, const char *text)
+{
+    return memmem(file->text, file->size, text, strlen(text)) != NULL;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+static bool is_named(const iso_tf_format *format, const char *path)
+{
+    return format->load &&
+           (iso_path_ends_with(path, format->suffix) || (format->also && iso_path_ends_with(path, format->also)));
+}
+
+static bool looks_like(const iso_tf_format *format, const iso_tf_file *file)
+{
+    return format->load && format->probe && format->probe(file);
+}
+
+/* The format that the name allows and the content has. NULL: the content is another's than the name says; *other is the
+ * other. Where nothing tells, our own, whose reader says what the file is not. */
+static const iso_tf_format *find_format(const iso_tf_file *file, const iso_tf_format **other)
+{
+    const iso_tf_format *named = iso_tf_format_of(file->path);
+    *other = NULL;
+    named = named && named->load ? named : NULL;
+    for (size_t i = 0; i < FORMAT_COUNT; ++i) {
+        if (!looks_like(formats[i], file))
+            named = named || !is_named(formats[i], file->path) ? named : formats[i];
+        else if (is_named(formats[i], file->path))
+            return formats[i];
+        else
+            *other = formats[i];
+    }
+    if (*other)
+        return named ? NULL : *other;
+    return named ? named : &iso_tf_format_json;
+}
+
+/* The range that the user says, instead of the file's. */
+static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *path, iso_error *err)
+{
+    if (!q->has_range)
+        return ISO_OK;
+    const double lo = tf->fit_range ? 0 : tf->range[0], hi = tf->fit_range ? 1 : tf->range[1];
+    const double to[2] = {q->fit ? 0 : q->range[0], q->fit ? 1 : q->range[1]};
+    if (!(to[1] > to[0]))
+        return iso_fail(err, ISO_E_USAGE, "%s: the range is [%g, %g], its end must exceed its start", path, to[0],
+                        to[1]);
+    for (size_t i = 0; i < tf->point_count; ++i)
+        tf->points[i].value = to[0] + (tf->points[i].value - lo) / (hi - lo) * (to[1] - to[0]);
+    tf->range[0] = to[0], tf->range[1] = to[1];
+    tf->fit_range = q->fit;
+    return ISO_OK;
+}
+
+iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err)
+{
+    char *text = NULL;
+    iso_tf_file file = {.path = path, .request = request};
+    const iso_tf_format *other;
+    *tf = (iso_tf){0};
+    iso_status status = iso_file_read(path, &text, &file.size, err);
+    if (status != ISO_OK)
+        return status;
+    file.text = text;
+    const iso_tf_format *format = find_format(&file, &other);
+    status = format ? format->load(&file, tf, err)
+                    : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s, whose names end with %s", path,
+                               other->summary, other->also ? other->also : other->suffix);
+    free(text);
+    if (status == ISO_OK && (status = set_range(request, tf, path, err)) != ISO_OK)
+        iso_tf_destroy(tf);
+    return status;
+}
+
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err)
 {
-    const iso_tf_format *format = iso_tf_format_of(path);
-    if (!format || !format->load) /* what it is not is said by the reader of our own format */
-        format = &iso_tf_format_json;
-    return format->load(path, tf, err);
+    return iso_tf_load_as(path, &(iso_tf_request){0}, tf, err);
+}
+
+/* ---- what loaders share ------------------------------------------------------------------------------------------ */
+
+/* "a, b and 3 more" into text. */
+static void list_names(const char *const *names, size_t count, char *text, size_t size)
+{
+    size_t length = 0, listed = 0;
+    for (; listed < count && length + strlen(names[listed]) + 32 < size; ++listed)
+        length += (size_t)snprintf(text + length, size - length, "%s\"%s\"", listed ? ", " : "", names[listed]);
+    if (listed < count)
+        snprintf(text + length, size - length, " and %zu more", count - listed);
+}
+
+/* All of them, a line each: the request is for no more. */
+static iso_status give_names(const char *const *names, size_t count, char **text, iso_error *err)
+{
+    size_t size = 0;
+    FILE *memory = open_memstream(text, &size);
+    for (size_t i = 0; i < count && memory; ++i)
+        fprintf(memory, "%s\n", names[i]);
+    if (!memory || fclose(memory) != 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    return iso_fail(err, ISO_E_USAGE, "the names are listed");
+}
+
+iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *const *names, size_t count,
+                         size_t *chosen, iso_error *err)
+{
+    const char *wanted = file->request->name;
+    char list[640] = "";
+    *chosen = 0;
+    if (file->request->names)
+        return give_names(names, count, file->request->names, err);
+    if (count == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: holds no %s", file->path, what);
+    if (!wanted && count == 1)
+        return ISO_OK;
+    for (size_t i = 0; i < count && wanted; ++i)
+        if (strcmp(names[i], wanted) == 0) {
+            *chosen = i;
+            return ISO_OK;
+        }
+    list_names(names, count, list, sizeof list);
+    return wanted
+               ? iso_fail(err, ISO_E_USAGE, "%s: has no %s \"%s\", only: %s", file->path, what, wanted, list)
+               : iso_fail(err, ISO_E_USAGE, "%s: holds %zu, choose a %s by --name: %s", file->path, count, what, list);
+}
+
+static iso_status set_unit(const iso_tf_file *file, iso_tf_curves *c, iso_error *err)
+{
+    const double said = file->request->unit_mm;
+    if (c->unit_mm > 0 && said > 0 && !c->unit_is_default)
+        return iso_fail(err, ISO_E_USAGE, "%s: says itself that its opacities are for %g mm; --unit-distance cannot",
+                        file->path, c->unit_mm);
+    if (!(c->unit_mm > 0) && !(said > 0))
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "%s: does not say what length its opacities are for%s%s: say it by tf convert --unit-distance MM",
+            file->path, c->unit_is ? ", " : "", c->unit_is ? c->unit_is : "");
+    if (said > 0)
+        c->unit_mm = said, c->unit_is_voxel = false;
+    if (!(c->unit_mm >= 1e-6 && c->unit_mm <= 1e6))
+        return iso_fail(err, ISO_E_RANGE, "%s: opacities are for %g mm, must be 1e-6 to 1e6", file->path, c->unit_mm);
+    return ISO_OK;
+}
+
+static iso_status set_opacity(const iso_tf_file *file, iso_tf_curves *c, iso_error *err)
+{
+    const iso_tf_request *q = file->request;
+    if (c->opacity.count && q->has_opacity)
+        return iso_fail(err, ISO_E_USAGE, "%s: has opacities of its own; --opacity is for colors alone", file->path);
+    if (c->opacity.count)
+        return ISO_OK;
+    if (!q->has_opacity)
+        return iso_fail(err, ISO_E_USAGE, "%s: has colors alone: say an opacity by tf convert --opacity A[,B]",
+                        file->path);
+    iso_status status = iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[0].x, q->opacity[0], file->path, err);
+    return status != ISO_OK ? status
+                            : iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[c->color.count - 1].x, q->opacity[1],
+                                                       file->path, err);
+}
+
+iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, iso_tf *tf, iso_error *err)
+{
+    iso_status status = curves->color.count ? ISO_OK
+                                            : iso_fail(err, ISO_E_FORMAT, "%s: has no points of color", file->path);
+    if (status == ISO_OK) {
+        iso_tf_curve_sort(&curves->color);
+        iso_tf_curve_sort(&curves->opacity);
+        status = set_opacity(file, curves, err);
+    }
+    if (status == ISO_OK)
+        status = set_unit(file, curves, err);
+    if (status == ISO_OK)
+        status = iso_tf_resample(curves, file->path, tf, err);
+    iso_tf_curves_destroy(curves);
+    return status;
 }

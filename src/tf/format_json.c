@@ -1,35 +1,44 @@
 /* SPDX-License-Identifier: MIT */
 /* format_json.c - our own transfer functions (tf.h says what a file holds). */
-#include "tf/adapt.h"
 #include "tf/format.h"
 
-static iso_status load_json(const char *path, iso_tf *tf, iso_error *err)
+static bool looks_like_json(const iso_tf_file *file)
+{
+    return iso_tf_file_has(file, "\"isoshade.tf/");
+}
+
+/* It says everything itself. */
+static iso_status check_request(const iso_tf_file *file, iso_error *err)
+{
+    const iso_tf_request *q = file->request;
+    const char *option = q->unit_mm > 0 ? "--unit-distance" : q->has_opacity ? "--opacity" : q->name ? "--name" : NULL;
+    return option ? iso_fail(err, ISO_E_USAGE, "%s: %s is for the formats of other programs", file->path, option)
+                  : ISO_OK;
+}
+
+static iso_status load_json(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     json_t *root;
-    *tf = (iso_tf){0};
-    iso_status status = iso_json_load(path, &root, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_tf_from_json(root, path, tf, err);
+    iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
+    if (status == ISO_OK)
+        status = check_request(file, err);
+    if (status == ISO_OK)
+        status = iso_tf_from_json(root, file->path, tf, err);
     json_decref(root);
     return status;
 }
 
-static iso_status save_json(const iso_tf_table *table, double unit_mm, const char *path, iso_error *err)
+static iso_status save_json(const iso_tf_output *output, const char *path, iso_error *err)
 {
-    iso_tf tf = {0};
-    (void)unit_mm; /* the points' own unit comes from the table */
-    iso_status status = iso_tf_from_table(table, &tf, err);
-    if (status == ISO_OK)
-        status = iso_tf_save(&tf, path, err);
-    iso_tf_destroy(&tf);
-    return status;
+    return iso_tf_save(output->tf, path, err);
 }
 
 const iso_tf_format iso_tf_format_json = {
     .name = "json",
-    .summary = "isoshade's own: points of value, color and opacity; converted, an entry a point",
+    .summary = "isoshade's own: points of value, color and opacity",
     .suffix = ".tf.json",
+    .also = ".json",
+    .probe = looks_like_json,
     .load = load_json,
     .save = save_json,
 };

@@ -5,11 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* IEC 61966-2-1 */
-static double srgb_to_linear(double c)
-{
-    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
+#include "tf/color_space.h"
 
 static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf_point *p)
 {
@@ -24,7 +20,7 @@ static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf
     for (int c = 0; c < 3; ++c) {
         iso_json_get_number(r, item, keys[1 + c], true, 0, 1, &p->rgb_linear[c]);
         if (srgb)
-            p->rgb_linear[c] = srgb_to_linear(p->rgb_linear[c]);
+            p->rgb_linear[c] = iso_srgb_to_linear(p->rgb_linear[c]);
     }
     iso_json_get_number(r, item, "opacity", true, 0, 1, &p->opacity);
 }

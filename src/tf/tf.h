@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tf.h - transfer functions: value to linear colour and extinction.
+/* tf.h - transfer functions: value to linear color and extinction.
  *
  * A TF file (*.tf.json) holds points; opacity is stated for a length, the
  * opacity unit distance u, and becomes extinction = -ln(1 - a) / u in 1/mm (the
@@ -28,6 +28,14 @@
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 
+/* How far the table of a TF of another program is from what that program shows, in display color and in opacity, each
+ * 0 to 1: at the table's entries, and between them, where a curve may be steeper than the table is fine. */
+typedef struct iso_tf_loss {
+    bool measured; /* false: nothing was converted */
+    double color, opacity;
+    double between;
+} iso_tf_loss;
+
 typedef struct iso_tf {
     size_t point_count;
     iso_tf_point *points; /* of the library's header; ascending in value */
@@ -36,10 +44,24 @@ typedef struct iso_tf {
     double unit_distance; /* in mm, or in voxels */
     bool unit_is_voxels;
     size_t table_size;
+    iso_tf_loss loss;
 } iso_tf;
+
+/* What a file of another program may leave open. */
+typedef struct iso_tf_request {
+    const char *name; /* which of several; NULL: there is one */
+    char **names;     /* not NULL: nothing is loaded, the names are listed here, a line each; to be freed */
+    double unit_mm;   /* that its opacities are for; 0: as the file says */
+    bool has_opacity; /* opacity from the range's start to its end, for a file that has colors alone */
+    double opacity[2];
+    bool has_range, fit; /* range instead of the file's; fit: the volume's */
+    double range[2];
+} iso_tf_request;
 
 /* A file of any format that is read (format.h). */
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
+/* The same with what the file leaves open. ISO_E_USAGE: what has to be said and is not, or is said and the file says it. */
+iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err);
 /* The same from an object inside another file; `path` is the file that error messages name. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
 /* A new object in the form of the file, points linear. */

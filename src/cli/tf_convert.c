@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/tf_convert.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tf/format.h"
+
+void iso_cli_tf_table_destroy(iso_cli_tf_table *t)
+{
+    iso_tf_destroy(&t->tf);
+    iso_tf_table_destroy(&t->table);
+}
+
+/* Range and length of the volume's own, where the TF left them to it. */
+static void resolve(iso_tf *tf, const iso_tf_table *table, double unit_mm)
+{
+    if (tf->fit_range)
+        for (size_t i = 0; i < tf->point_count; ++i)
+            tf->points[i].value = table->lo + tf->points[i].value * (table->hi - table->lo);
+    tf->fit_range = false;
+    tf->range[0] = table->lo, tf->range[1] = table->hi;
+    tf->unit_is_voxels = false;
+    tf->unit_distance = unit_mm;
+}
+
+iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, iso_cli_tf_table *t, iso_error *err)
+{
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
+    double lo = 0, hi = 1;
+    *t = (iso_cli_tf_table){0};
+    iso_status status = iso_cli_transfer_load(&a->transfer, path, &t->tf, err);
+    if (status == ISO_OK && a->volume) {
+        iso_volume v;
+        status = iso_volume_input_load(a->volume, &a->input, &v, err);
+        if (status == ISO_OK) {
+            iso_volume_stats stats = iso_volume_measure(&v);
+            lo = stats.min, hi = stats.max, g = v.geometry;
+            iso_volume_destroy(&v);
+        }
+    }
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&t->tf, lo, hi, &g, &t->table, err);
+    t->voxel_mm = iso_geometry_mean_spacing_mm(&g);
+    t->unit_mm = t->tf.unit_distance * (t->tf.unit_is_voxels ? t->voxel_mm : 1);
+    if (status == ISO_OK && a->volume)
+        resolve(&t->tf, &t->table, t->unit_mm);
+    if (status != ISO_OK)
+        iso_cli_tf_table_destroy(t);
+    return status;
+}
+
+/* ---- convert ----------------------------------------------------------------------------------------------------- */
+
+/* How far table b is from a at a's entries, in display color and in opacity of unit_mm. */
+static iso_tf_loss distance(const iso_tf_table *a, const iso_tf_table *b, double unit_mm)
+{
+    iso_tf_loss loss = {.measured = true};
+    double at[2][4];
+    for (size_t i = 0; i < a->count; ++i) {
+        const double x = a->lo + (a->hi - a->lo) * (double)i / (double)(a->count - 1);
+        iso_tf_lookup(a, x, at[0]);
+        iso_tf_lookup(b, x, at[1]);
+        for (int c = 0; c < 3; ++c)
+            loss.color = fmax(loss.color, fabs(iso_linear_to_srgb(at[0][c]) - iso_linear_to_srgb(at[1][c])));
+        loss.opacity = fmax(loss.opacity, fabs(expm1(-at[0][3] * unit_mm) - expm1(-at[1][3] * unit_mm)));
+    }
+    return loss;
+}
+
+/* What was written, as it is read again. */
+static iso_status read_again(const iso_tf_format *format, const char *path, double unit_mm, const iso_cli_tf_table *t,
+                             iso_tf_loss *loss, iso_error *err)
+{
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1},
+                                                     (double[]){t->voxel_mm, t->voxel_mm, t->voxel_mm});
+    iso_tf_table again = {0};
+    iso_tf tf = {0};
+    iso_tf_request request = {0};
+    if (!format->load)
+        return ISO_OK;
+    if (format->says_no_unit)
+        request.unit_mm = unit_mm;
+    iso_status status = iso_tf_load_as(path, &request, &tf, err);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err);
+    if (status == ISO_OK)
+        *loss = distance(&t->table, &again, unit_mm);
+    iso_tf_table_destroy(&again);
+    iso_tf_destroy(&tf);
+    return status;
+}
+
+static json_t *loss_json(const iso_tf_loss *loss)
+{
+    return loss->measured
+               ? json_pack("{s:f, s:f, s:f}", "color", loss->color, "opacity", loss->opacity, "between", loss->between)
+               : json_null();
+}
+
+static void print_loss(const char *of_what, const iso_tf_loss *loss)
+{
+    if (!loss->measured)
+        return;
+    printf("%s: color within %.2f/255, opacity within %.2f/255", of_what, 255 * loss->color, 255 * loss->opacity);
+    if (255 * loss->between > 1)
+        printf("; between two entries of the table, where the curves are steep, %.0f/255", 255 * loss->between);
+    putchar('\n');
+}
+
+static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const iso_tf_format *format, double unit_mm,
+                   const iso_tf_loss *written)
+{
+    if (a->cli->json) {
+        json_t *root = iso_cli_json(a->cli);
+        json_object_update_new(root, json_pack("{s:s, s:s, s:o, s:f, s:I, s:I, s:o, s:o}", "output", a->output,
+                                               "format", format->name, "range",
+                                               t->tf.fit_range ? json_string("fit") : iso_json_numbers(t->tf.range, 2),
+                                               "unit_distance_mm", unit_mm, "points", (json_int_t)t->tf.point_count,
+                                               "entries", (json_int_t)t->table.count, "read", loss_json(&t->tf.loss),
+                                               "written", loss_json(written)));
+        iso_cli_print_json(root);
+        return;
+    }
+    if (a->cli->quiet)
+        return;
+    if (t->tf.fit_range)
+        printf("%s: %zu points over the volume's range, opacities for %g mm\n", a->output, t->tf.point_count, unit_mm);
+    else
+        printf("%s: %zu points from %g to %g, opacities for %g mm\n", a->output, t->tf.point_count, t->table.lo,
+               t->table.hi, unit_mm);
+    print_loss("read: against what its program shows", &t->tf.loss);
+    print_loss("written: read again", written);
+}
+
+/* Files whose places are the volume's values need them, and files with an opacity a voxel the voxel. */
+static iso_status check_known(const iso_tf_arguments *a, const iso_tf_format *format, const iso_tf *tf, iso_error *err)
+{
+    if (format->needs_range && tf->fit_range)
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s: its range is the volume's, and %s files hold values: say --volume FILE or --range LO,HI",
+                        a->cli->arguments[1], format->suffix);
+    return ISO_OK;
+}
+
+iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
+{
+    char written[256];
+    iso_cli_tf_table t;
+    iso_tf_loss loss = {0};
+    if (a->cli->argument_count != 2 || !a->output)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE -o OUT, a name that ends with %s",
+                        iso_tf_format_written(written, sizeof written));
+    const iso_tf_format *format = iso_tf_format_of(a->output);
+    if (!format || !format->save)
+        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output,
+                        iso_tf_format_written(written, sizeof written));
+    iso_status status = iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err);
+    if (status != ISO_OK)
+        return status;
+    status = check_known(a, format, &t.tf, err);
+    const double unit_mm = format->is_per_voxel ? t.voxel_mm : t.unit_mm;
+    if (status == ISO_OK)
+        status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, a->output, err);
+    if (status == ISO_OK)
+        status = read_again(format, a->output, unit_mm, &t, &loss, err);
+    if (status == ISO_OK)
+        report(a, &t, format, unit_mm, &loss);
+    iso_cli_tf_table_destroy(&t);
+    return status;
+}
+
+/* ---- names ------------------------------------------------------------------------------------------------------- */
+
+iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
+{
+    char *names = NULL;
+    iso_tf tf = {0};
+    if (a->cli->argument_count != 2)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf names FILE");
+    iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
+    if (names) {
+        fputs(names, stdout);
+        status = ISO_OK;
+    } else if (status == ISO_OK) {
+        status = iso_fail(err, ISO_E_FORMAT, "%s: its format has no names, it holds one transfer function",
+                          a->cli->arguments[1]);
+    }
+    free(names);
+    iso_tf_destroy(&tf);
+    return status;
+}

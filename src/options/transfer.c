@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+#include "options/transfer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* "A" or "A,B" of numbers in [lo, hi]; how many, 0 where it is neither. */
+static int read_pair(const char *text, double lo, double hi, double values[2])
+{
+    int count = 0;
+    for (char *end; count < 2; text = end + 1) {
+        values[count] = strtod(text, &end);
+        if (end == text || !(values[count] >= lo && values[count] <= hi))
+            return 0;
+        ++count;
+        if (*end == '\0')
+            return count;
+        if (*end != ',')
+            return 0;
+    }
+    return 0;
+}
+
+iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *q, iso_error *err)
+{
+    double unit[2] = {0};
+    int numbers = 0;
+    *q = (iso_tf_request){.name = a->name, .has_opacity = a->opacity, .has_range = a->range};
+    if (a->unit_distance && read_pair(a->unit_distance, 1e-6, 1e6, unit) != 1)
+        return iso_fail(err, ISO_E_USAGE, "--unit-distance is \"%s\", wanted millimetres, 1e-6 to 1e6",
+                        a->unit_distance);
+    q->unit_mm = unit[0];
+    if (a->opacity && (numbers = read_pair(a->opacity, 0, 1, q->opacity)) == 0)
+        return iso_fail(err, ISO_E_USAGE, "--opacity is \"%s\", wanted one or two numbers of 0 to 1", a->opacity);
+    if (numbers == 1)
+        q->opacity[1] = q->opacity[0];
+    q->fit = a->range && strcmp(a->range, "fit") == 0;
+    if (a->range && !q->fit && (read_pair(a->range, -1e30, 1e30, q->range) != 2 || !(q->range[1] > q->range[0])))
+        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", wanted \"fit\" or two rising numbers LO,HI", a->range);
+    return ISO_OK;
+}
+
+iso_status iso_cli_transfer_load(const iso_cli_transfer *a, const char *path, iso_tf *tf, iso_error *err)
+{
+    iso_tf_request request;
+    *tf = (iso_tf){0};
+    iso_status status = iso_cli_transfer_request(a, &request, err);
+    return status == ISO_OK ? iso_tf_load_as(path, &request, tf, err) : status;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/* format_inviwo.c - transfer functions of Inviwo, both forms of point that its versions have written. */
+#include "tf/xml.h"
+
+static bool looks_like_inviwo(const iso_tf_file *file)
+{
+    return iso_tf_file_has(file, "<InviwoTreeData") || iso_tf_file_has(file, "<InviwoWorkspace");
+}
+
+/* <point><pos x y/><rgba x y z w/></point>; newer <Point><pos content/><rgba x y z w/></Point>. */
+static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_tf_curves *c, iso_error *err)
+{
+    static const char *const attributes[] = {"x", "y", "z", "w"};
+    const xmlNode *pos = iso_xml_child(point, "pos"), *rgba = iso_xml_child(point, "rgba");
+    double x = 0, color[4] = {0};
+    if (!pos || !rgba)
+        return iso_fail(err, ISO_E_FORMAT, "%s:%ld: a point has no <%s>", file->path, xmlGetLineNo((xmlNode *)point),
+                        pos ? "rgba" : "pos");
+    const bool newer = xmlHasProp((xmlNode *)pos, (const xmlChar *)"content");
+    iso_status status = iso_xml_number(file, pos, newer ? "content" : "x", iso_xml_fraction, &x, err);
+    for (int k = 0; k < 4 && status == ISO_OK; ++k)
+        status = iso_xml_number(file, rgba, attributes[k], iso_xml_fraction, &color[k], err);
+    if (status == ISO_OK)
+        status = iso_tf_curve_add_color(&c->color, x, color, file->path, err);
+    return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, color[3], file->path, err) : status;
+}
+
+/* Outside the mask nothing is seen, as is nothing inside where the mask is the whole range. */
+static iso_status check_mask(const iso_tf_file *file, const xmlNode *root, iso_error *err)
+{
+    double lo = 0, hi = 1;
+    iso_status status = iso_xml_optional_number(file, iso_xml_next(root, root, "maskMin"), "content", iso_xml_any, &lo,
+                                                err);
+    if (status == ISO_OK)
+        status = iso_xml_optional_number(file, iso_xml_next(root, root, "maskMax"), "content", iso_xml_any, &hi, err);
+    if (status == ISO_OK && (lo > 0 || hi < 1))
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: is masked to %g to %g (\"maskMin\", \"maskMax\"), only 0 to 1 is supported", file->path,
+                          lo, hi);
+    return status;
+}
+
+static iso_status read_points(const iso_tf_file *file, const xmlNode *root, iso_tf_curves *c, iso_error *err)
+{
+    static const char *const names[] = {"point", "Point"};
+    iso_status status = check_mask(file, root, err);
+    for (int k = 0; k < 2; ++k)
+        for (const xmlNode *p = iso_xml_next(root, root, names[k]); p && status == ISO_OK;
+             p = iso_xml_next(root, p, names[k]))
+            status = read_point(file, p, c, err);
+    return status;
+}
+
+static iso_status load_inviwo(const iso_tf_file *file, iso_tf *tf, iso_error *err)
+{
+    xmlDocPtr doc;
+    iso_tf_curves curves = {.are_fractions = true, .unit_is = "in Inviwo a 150th of the volume's longest side"};
+    iso_status status = iso_xml_parse(file, &doc, err);
+    if (status != ISO_OK)
+        return status;
+    const xmlNode *root = xmlDocGetRootElement(doc);
+    if (!iso_xml_is(root, "InviwoTreeData") && !iso_xml_is(root, "InviwoWorkspace"))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, wanted <InviwoTreeData> or <InviwoWorkspace>", file->path,
+                          (const char *)root->name);
+    if (status == ISO_OK)
+        status = read_points(file, root, &curves, err);
+    xmlFreeDoc(doc);
+    if (status == ISO_OK)
+        return iso_tf_take_curves(file, &curves, tf, err);
+    iso_tf_curves_destroy(&curves);
+    return status;
+}
+
+const iso_tf_format iso_tf_format_inviwo = {
+    .name = "inviwo",
+    .summary = "a transfer function of Inviwo; read only",
+    .suffix = ".itf",
+    .probe = looks_like_inviwo,
+    .load = load_inviwo,
+};

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* format_voreen.c - transfer functions of Voreen: keys of bytes over a domain, some with a color for each side. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "tf/xml.h"
+
+static bool looks_like_voreen(const iso_tf_file *file)
+{
+    return iso_tf_file_has(file, "<TransFunc") || iso_tf_file_has(file, "<VoreenData");
+}
+
+typedef struct range {
+    double lo, hi;
+} range;
+
+static iso_status read_side(const iso_tf_file *file, const xmlNode *key, const char *side, double x, iso_tf_curves *c,
+                            iso_error *err)
+{
+    static const char *const attributes[] = {"r", "g", "b", "a"};
+    const xmlNode *color = iso_xml_child(key, side);
+    double v[4] = {0};
+    iso_status status = color ? ISO_OK
+                              : iso_fail(err, ISO_E_FORMAT, "%s:%ld: a key has no <%s>", file->path,
+                                         xmlGetLineNo((xmlNode *)key), side);
+    for (int k = 0; k < 4 && status == ISO_OK; ++k)
+        status = iso_xml_number(file, color, attributes[k], iso_xml_byte, &v[k], err);
+    for (int k = 0; k < 4; ++k)
+        v[k] /= 255;
+    if (status == ISO_OK)
+        status = iso_tf_curve_add_color(&c->color, x, v, file->path, err);
+    return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, v[3], file->path, err) : status;
+}
+
+static bool is_split(const xmlNode *key)
+{
+    char *text = iso_xml_text(iso_xml_child(key, "split"), "value");
+    const bool yes = text && strcmp(text, "true") == 0;
+    xmlFree(text);
+    return yes;
+}
+
+static iso_status read_key(const iso_tf_file *file, const xmlNode *key, range domain, iso_tf_curves *c, iso_error *err)
+{
+    const xmlNode *intensity = iso_xml_child(key, "intensity");
+    double t = 0;
+    iso_status status = intensity ? iso_xml_number(file, intensity, "value", iso_xml_fraction, &t, err)
+                                  : iso_fail(err, ISO_E_FORMAT, "%s:%ld: a key has no <intensity>", file->path,
+                                             xmlGetLineNo((xmlNode *)key));
+    const double x = domain.lo + t * (domain.hi - domain.lo);
+    if (status == ISO_OK)
+        status = read_side(file, key, "colorL", x, c, err);
+    return status == ISO_OK && is_split(key) ? read_side(file, key, "colorR", x, c, err) : status;
+}
+
+/* Things that would change what is seen, and that nothing here does. */
+static iso_status check_rest(const iso_tf_file *file, const xmlNode *tf, iso_error *err)
+{
+    double lo = 0, hi = 1, gamma = 1;
+    const xmlNode *threshold = iso_xml_child(tf, "threshold");
+    iso_status status = iso_xml_optional_number(file, threshold, "x", iso_xml_any, &lo, err);
+    if (status == ISO_OK)
+        status = iso_xml_optional_number(file, threshold, "y", iso_xml_any, &hi, err);
+    if (status == ISO_OK)
+        status = iso_xml_optional_number(file, iso_xml_child(tf, "gammaValue"), "value", iso_xml_any, &gamma, err);
+    if (status == ISO_OK && (lo > 0 || hi < 1))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has a <threshold> of %g to %g, only 0 to 1 is supported", file->path,
+                          lo, hi);
+    if (status == ISO_OK && gamma != 1)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has a <gammaValue> of %g, only 1 is supported", file->path, gamma);
+    return status;
+}
+
+static iso_status read_tf(const iso_tf_file *file, const xmlNode *tf, iso_tf_curves *c, iso_error *err)
+{
+    const xmlNode *domain = iso_xml_child(tf, "domain"), *keys = iso_xml_child(tf, "Keys");
+    range r = {0, 1};
+    iso_status status = check_rest(file, tf, err);
+    if (status == ISO_OK)
+        status = iso_xml_optional_number(file, domain, "x", iso_xml_any, &r.lo, err);
+    if (status == ISO_OK)
+        status = iso_xml_optional_number(file, domain, "y", iso_xml_any, &r.hi, err);
+    c->are_fractions = !domain || (r.lo == 0 && r.hi == 1);
+    if (status == ISO_OK && !(r.hi > r.lo))
+        status = iso_fail(err, ISO_E_RANGE, "%s: its <domain> is %g to %g, its end must exceed its start", file->path,
+                          r.lo, r.hi);
+    for (const xmlNode *key = iso_xml_child(keys, "key"); key && status == ISO_OK; key = iso_xml_next(keys, key, "key"))
+        status = read_key(file, key, r, c, err);
+    return status;
+}
+
+static iso_status load_voreen(const iso_tf_file *file, iso_tf *tf, iso_error *err)
+{
+    xmlDocPtr doc;
+    iso_tf_curves curves = {.unit_is = "in Voreen a 200th of the volume's longest side"};
+    iso_status status = iso_xml_parse(file, &doc, err);
+    if (status != ISO_OK)
+        return status;
+    const xmlNode *root = xmlDocGetRootElement(doc);
+    const xmlNode *found = iso_xml_next(root, root, "TransFuncIntensity");
+    if (!found)
+        found = iso_xml_next(root, root, "TransFunc1DKeys"); /* as later versions call it */
+    status = found ? read_tf(file, found, &curves, err)
+                   : iso_fail(err, ISO_E_FORMAT,
+                              "%s: holds no <TransFuncIntensity>, the 1D transfer function of Voreen", file->path);
+    xmlFreeDoc(doc);
+    if (status == ISO_OK)
+        return iso_tf_take_curves(file, &curves, tf, err);
+    iso_tf_curves_destroy(&curves);
+    return status;
+}
+
+const iso_tf_format iso_tf_format_voreen = {
+    .name = "voreen",
+    .summary = "a 1D transfer function of Voreen; read only",
+    .suffix = ".tfi",
+    .probe = looks_like_voreen,
+    .load = load_voreen,
+};
