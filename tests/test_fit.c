@@ -196,8 +196,8 @@ static void error_never_ends_above_its_start(void **state)
         iso_tf_table_destroy(&tables[t]);
 }
 
-/* How far the surface of value .25 that the level shows stands from the one of level 0: root mean square over the rows, in
- * voxels of level 0. */
+/* How far the surface of value .25 that the level shows stands from the one of level 0: root mean square over the rows,
+ * in voxels of level 0. */
 static double misplacement(const subject *s, const float *coarse)
 {
     const size_t *n = s->p.levels[0].geometry.size, border = 4;
@@ -239,24 +239,6 @@ static void fitted_level_shows_a_surface_where_level_0_has_it(void **state)
         assert_at_most(after, 0.75 * before);
         drop(&s);
     }
-}
-
-static void least_squares_are_nearer_than_means(void **state)
-{
-    (void)state;
-    subject s = subject_of(noise(21, 18, 15), 2, curve_of(ramp(0, 1)));
-    bind(&s);
-    double squares[2] = {0};
-    float *shown = malloc(s.map.fine_count * sizeof *shown);
-    for (int k = 0; k < 2; ++k) {
-        assert_ok(iso_interpolation_gather(&s.map, s.coarse, shown, 1, &err));
-        for (size_t i = 0; i < s.map.fine_count; ++i)
-            squares[k] += pow((double)shown[i] - (double)s.problem.fine[i], 2);
-        assert_ok(iso_fit_least_squares(&s.problem, 20, 2, s.coarse, &err));
-    }
-    assert_at_most(squares[1], 0.999 * squares[0]);
-    free(shown);
-    drop(&s);
 }
 
 static void threads_change_no_bit(void **state)
@@ -305,7 +287,6 @@ int main(void)
         cmocka_unit_test(gradient_is_that_of_finite_differences),
         cmocka_unit_test(error_never_ends_above_its_start),
         cmocka_unit_test(fitted_level_shows_a_surface_where_level_0_has_it),
-        cmocka_unit_test(least_squares_are_nearer_than_means),
         cmocka_unit_test(threads_change_no_bit),
         cmocka_unit_test(what_a_constant_curve_shows_stays),
     };

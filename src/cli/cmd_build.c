@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
+#include "cli/build_for.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "pyramid/agreement.h"
@@ -15,7 +16,7 @@
 #include "volume/format.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code;
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
@@ -125,6 +126,25 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_volume_input_open(u->path, u->input, source, err);
 }
 
+/* Levels for a scene are made in memory, by one process. */
+static iso_status build_for(const iso_cli *cli, const iso_volume_input *input, const build_options *in,
+                            const iso_ranks *ranks, iso_error *err)
+{
+    const char *path = cli->arguments[0];
+    iso_pyramid_options opt;
+    if (in->resume)
+        return iso_fail(err, ISO_E_USAGE, "--for and --resume: levels for a scene are made in one go");
+    if (ranks)
+        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, not by ranks");
+    char *output = in->output ? strdup(in->output) : default_output(path);
+    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const iso_build_for job = {cli, input, path, in->scene, output, in->memory_mb};
+    if (status == ISO_OK)
+        status = iso_cli_build_for(&job, &opt, err);
+    free(output);
+    return status;
+}
+
 static iso_status build(const iso_cli *cli, const iso_volume_input *input, const build_options *in, iso_ranks *ranks,
                         iso_error *err)
 {
@@ -180,6 +200,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0,
          "direction filter of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
+        {"for", 0, POPT_ARG_STRING, &in.scene, 0,
+         "choose each coarse level's scalar so that this scene shows it most like level 0", "SCENE"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
@@ -199,13 +221,14 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     cli.quiet = cli.quiet || iso_ranks_is_other();
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = build(&cli, &input, &in, ranks, err);
+        status = in.scene ? build_for(&cli, &input, &in, ranks, err) : build(&cli, &input, &in, ranks, err);
     iso_cli_end(&cli);
     free(in.output);
     free(in.estimator);
     free(in.scalar_filter);
     free(in.direction_filter);
     free(in.code);
+    free(in.scene);
     return status;
 }
 
@@ -239,11 +262,15 @@ const iso_command iso_command_build = {
         "better on an axis than in a direction, by 0.4 and more; the volume is read once more for that, and the figures\n"
         "are printed.\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
-        "files together; each rank takes --memory, and --resume works with any number of ranks.",
+        "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
+        "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
+        "or fitted to the scene's transfer function; twelve small pictures of each decide. It is made in memory, and serves\n"
+        "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
-                "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n",
+                "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
+                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, NULL},
     .run = run,

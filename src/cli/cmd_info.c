@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "fit/level_scalar.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "pyramid/agreement.h"
-#include "pyramid/pyramid_verify.h"
 #include "tf/histogram_verify.h"
 #include "volume/format.h"
 
@@ -220,7 +220,25 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
                                      iso_code_describe(opt->code)->name, "verified", found != NULL, "levels", levels));
     if (found)
         json_object_set_new(root, "joint_histograms", joints_to_json(found));
+    if (p->made_for)
+        json_object_set(root, "made_for", p->made_for);
     iso_cli_print_json(root);
+}
+
+/* "level 1 least-squares, level 2 fitted", of a pyramid that was built for a scene. */
+static void print_made_for(const iso_pyramid *p)
+{
+    const json_t *levels = json_object_get(p->made_for, "levels"), *level;
+    const char *scene = json_string_value(json_object_get(p->made_for, "scene"));
+    size_t i;
+    printf("  made for   %s:", scene ? scene : "a scene without a name");
+    json_array_foreach(levels, i, level)
+    {
+        const char *scalar = json_string_value(json_object_get(level, "scalar"));
+        printf("%s level %d %s", i > 0 ? "," : "", (int)json_integer_value(json_object_get(level, "level")),
+               scalar ? scalar : "?");
+    }
+    printf("\n");
 }
 
 static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const verified *found)
@@ -233,6 +251,8 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
            iso_scalar_filter_name(opt->scalar_filter), iso_direction_filter_name(opt->direction_filter),
            iso_gradient_name(opt->gradient.method), iso_code_describe(opt->code)->name,
            opt->keep_float ? " --keep-float" : "", opt->keep_magnitude ? " --keep-magnitude" : "");
+    if (p->made_for)
+        print_made_for(p);
     for (size_t k = 0; k < p->level_count; ++k) {
         const iso_level *l = &p->levels[k];
         const size_t *n = l->geometry.size;
@@ -250,7 +270,7 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
 static iso_status verify(const iso_cli *cli, const iso_pyramid *p, verified *found, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    iso_status status = iso_pyramid_verify(p, cli->threads, found->levels, &progress, err);
+    iso_status status = iso_fit_verify(p, cli->threads, found->levels, &progress, err);
     return status != ISO_OK ? status
                             : iso_joint_verify(p, cli->arguments[0], cli->threads, &found->joints, &found->joint_count,
                                                &progress, err);

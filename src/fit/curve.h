@@ -4,8 +4,8 @@
  *     p(s) = (a r, a g, a b, a),   a = 1 - exp(-extinction(s) length)
  *
  * linear between its entries, constant beyond its ends. Widened, it is its mean over a window of values: a steep ramp
- * becomes a gentle one, a narrow peak a broad one, so that a voxel that is still on the wrong side of it is told in which
- * direction to move. */
+ * becomes a gentle one, a narrow peak a broad one, so that a voxel that is still on the wrong side of it is told in
+ * which direction to move. */
 #ifndef ISO_FIT_CURVE_H
 #define ISO_FIT_CURVE_H
 

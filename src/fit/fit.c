@@ -267,32 +267,3 @@ size_t iso_fit_bytes(size_t fine_count, size_t coarse_count)
 {
     return fine_count * sizeof(float) + fine_count / ISO_FIT_RUN + 7 * coarse_count * sizeof(float);
 }
-
-/* Weights of 1, so that the pass scatters A c - v. */
-static void difference_of_row(void *context, const iso_fine_row *row)
-{
-    const iso_fit_row r = row_of(context, row);
-    for (size_t x = 0; x < r.count; ++x) {
-        r.weight[x] = 1;
-        r.result[x] = r.shown[x] - r.fine[x];
-    }
-}
-
-iso_status iso_fit_least_squares(const iso_fit_problem *problem, size_t rounds, int threads, float *coarse,
-                                 iso_error *err)
-{
-    fit f;
-    iso_fit_options opt = iso_fit_defaults();
-    opt.threads = threads;
-    iso_status status = begin(&f, problem, &opt, err);
-    if (status == ISO_OK) {
-        memset(f.wanted, 1, iso_interpolation_run_count(problem->map));
-        status = go(&f, difference_of_row, coarse, f.gradient, err);
-    }
-    if (status == ISO_OK)
-        status = solve(&f, rounds, err);
-    if (status == ISO_OK)
-        add(coarse, 1, f.step, f.coarse_count);
-    end(&f);
-    return status;
-}

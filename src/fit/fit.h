@@ -6,11 +6,11 @@
  *
  *     E(c) = sum over fine voxels j of |p((A c)_j) - p(v_j)|^2
  *
- * by Gauss-Newton: p is replaced by its tangent at s, so that each step is a linear least-squares problem with one weight
- * a fine voxel, w_j = |p'(s_j)|^2, solved by some rounds of conjugate gradients on A^T W A; then the step is halved until
- * the error falls. Voxels that p is flat at have no weight: they are free, and keep the values that they had. That is what
- * lets a fitted level be nearer than the level of least squares, and why a fine voxel on the wrong side of a steep ramp is
- * not seen. So p is first widened (curve.h), and its width is continued down to none.
+ * by Gauss-Newton: p is replaced by its tangent at s, so that each step is a linear least-squares problem with one
+ * weight a fine voxel, w_j = |p'(s_j)|^2, solved by some rounds of conjugate gradients on A^T W A; then the step is
+ * halved until the error falls. Voxels that p is flat at have no weight: they are free, and keep the values that they
+ * had. That is what lets a fitted level be nearer than the level of least squares, and why a fine voxel on the wrong
+ * side of a steep ramp is not seen. So p is first widened (curve.h), and its width is continued down to none.
  *
  * The result is the iterate of least E, so it is never farther than the start. */
 #ifndef ISO_FIT_FIT_H
@@ -51,9 +51,5 @@ iso_status iso_fit_error(const iso_fit_problem *problem, const iso_fit_options *
 /* coarse: the start, then the result. ISO_E_MEMORY. */
 iso_status iso_fit_scalar(const iso_fit_problem *problem, const iso_fit_options *opt, float *coarse,
                           iso_fit_report *report, iso_error *err);
-
-/* coarse: of least squares of the values themselves, sum (A c - v)^2, by conjugate gradients from what it holds. */
-iso_status iso_fit_least_squares(const iso_fit_problem *problem, size_t rounds, int threads, float *coarse,
-                                 iso_error *err);
 
 #endif

@@ -201,5 +201,6 @@ void iso_pyramid_destroy(iso_pyramid *p)
     }
     free(p->levels);
     free(p->source);
+    json_decref(p->made_for);
     *p = (iso_pyramid){0};
 }

@@ -29,6 +29,8 @@
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
+#include <jansson.h>
+
 #include "base/names.h"
 #include "base/progress.h"
 #include "encode/code.h"
@@ -94,6 +96,7 @@ typedef struct iso_level {
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
+    bool made_for_scene;  /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;
@@ -105,6 +108,7 @@ typedef struct iso_pyramid {
     char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
     size_t level_count;
     iso_level *levels;
+    json_t *made_for; /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
 } iso_pyramid;
 
 /* ISO_E_RANGE: options outside their limits, non-finite voxels. */

@@ -99,7 +99,7 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
         json_array_append_new(levels, level);
     }
     if (status == ISO_OK)
-        return iso_layout_save(dir, p->source, &p->options, levels, err);
+        return iso_layout_save(dir, p->source, &p->options, levels, p->made_for, err);
     json_decref(levels);
     return status;
 }
@@ -255,6 +255,20 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     return status;
 }
 
+/* Those that were made for a scene. What that says is read by who makes them (fit/level_scalar.h). */
+static void mark_levels(iso_pyramid *p)
+{
+    const json_t *levels = json_object_get(p->made_for, "levels"), *entry;
+    size_t i;
+    json_array_foreach(levels, i, entry)
+    {
+        const json_int_t level = json_integer_value(json_object_get(entry, "level"));
+        const char *scalar = json_string_value(json_object_get(entry, "scalar"));
+        if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "as-built") != 0)
+            p->levels[level].made_for_scene = true;
+    }
+}
+
 static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, const json_t *root, iso_pyramid *out)
 {
     iso_error *err = r->err;
@@ -266,6 +280,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     iso_json_get_string(r, root, "built_by", false, &built_by);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
     json_t *levels = iso_json_get_array(r, root, "levels", true);
+    out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
     if (r->status != ISO_OK)
         return r->status;
     const size_t count = json_array_size(levels);
@@ -277,6 +292,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     out->level_count = count;
     if (!out->source || !out->levels)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
+    mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
         iso_status status = load_level(r, dir, what, json_array_get(levels, k), &out->options, &out->levels[k]);
         if (status == ISO_OK)

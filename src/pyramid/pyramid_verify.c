@@ -70,7 +70,7 @@ static iso_status begin_rebuild(rebuild *r, size_t slab, iso_error *err)
 /* What is stored of voxel `at` of the level and was made at `made` of the slab, bit by bit; or NULL. */
 static const char *difference(const iso_level *l, const iso_cascade_out *o, size_t at, size_t made)
 {
-    if (o->scalar && memcmp(l->scalar + at, o->scalar + made, sizeof(float)) != 0)
+    if (o->scalar && !l->made_for_scene && memcmp(l->scalar + at, o->scalar + made, sizeof(float)) != 0)
         return "values";
     if (memcmp(l->codes + 3 * at, o->codes + 3 * made, 3) != 0)
         return "directions";
@@ -147,10 +147,10 @@ static void compare_levels(rebuild *r)
         iso_level_check *check = &r->checks[k];
         double lo, hi;
         iso_cascade_range(r->cascade, k, &lo, &hi);
-        const char *what = !is_same_geometry(&g, &l->geometry) ? "geometry"
-                           : lo != l->min || hi != l->max      ? "range"
-                           : !is_same_choice(r, k)             ? "direction filter"
-                                                               : NULL;
+        const char *what = !is_same_geometry(&g, &l->geometry)                    ? "geometry"
+                           : !l->made_for_scene && (lo != l->min || hi != l->max) ? "range"
+                           : !is_same_choice(r, k)                                ? "direction filter"
+                                                                                  : NULL;
         if (what && !check->what) {
             check->what = what;
             check->differing = check->voxels;

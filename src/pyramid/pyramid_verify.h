@@ -4,7 +4,8 @@
  * Checksums tell whether files are as they were written, not whether they belong together. A build is deterministic:
  * neither threads, slabs nor ranks change a byte. So all that is stored is made again from the values of level 0, by the
  * pyramid's own options, slab by slab, and compared bit by bit: values, directions, and floats and magnitudes where they
- * are kept, level 0's directions too; then each level's geometry and range. */
+ * are kept, level 0's directions too; then each level's geometry and range. Values and range of levels that were made for
+ * a scene (pyramid.h) are left out: fit/level_scalar.h has them. */
 #ifndef ISO_PYRAMID_VERIFY_H
 #define ISO_PYRAMID_VERIFY_H
 

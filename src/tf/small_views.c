@@ -25,11 +25,17 @@ static iso_vec3 turn(iso_vec3 v, int axis)
     return iso_v3((axis == 1 ? -v.x : v.x) / 3, (axis == 2 ? -v.y : v.y) / 3, (axis == 3 ? -v.z : v.z) / 3);
 }
 
+static const iso_vec3 directions[3][3] = {{{2, 2, -1}, {2, -1, 2}, {-1, 2, 2}},
+                                          {{2, -1, 2}, {-1, 2, 2}, {2, 2, -1}},
+                                          {{-1, 2, 2}, {2, 2, -1}, {2, -1, 2}}};
+
+iso_vec3 iso_small_views_direction(int view)
+{
+    return turn(directions[view % 3][0], view / 3);
+}
+
 static small_camera frame_box(const iso_geometry *g, int view)
 {
-    static const iso_vec3 directions[3][3] = {{{2, 2, -1}, {2, -1, 2}, {-1, 2, 2}},
-                                              {{2, -1, 2}, {-1, 2, 2}, {2, 2, -1}},
-                                              {{-1, 2, 2}, {2, 2, -1}, {2, -1, 2}}};
     const iso_vec3 center = iso_geometry_box_center_mm(g);
     iso_vec3 axes[3];
     double half[3] = {0}; /* of the box along the axes */

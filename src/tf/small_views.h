@@ -32,6 +32,9 @@ typedef struct iso_small_views_input {
     int threads;
 } iso_small_views_input;
 
+/* Along which view i looks, a unit vector of the world. */
+iso_vec3 iso_small_views_direction(int view);
+
 /* ISO_E_MEMORY. */
 iso_status iso_small_views_compare(const iso_small_views_input *in,
                                    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS], iso_error *err);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "pyramid/pyramid_verify.h"
+#include "fit/level_scalar.h"
 #include "tf/histogram_verify.h"
 #include "validate/validate.h"
 
@@ -70,7 +70,7 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err)
         return ISO_OK;
     }
     iso_progress_report(v->progress, "levels", 0);
-    iso_status status = iso_pyramid_verify(v->pyramid, v->threads, checks, v->progress, err);
+    iso_status status = iso_fit_verify(v->pyramid, v->threads, checks, v->progress, err);
     for (size_t k = 0; k < v->pyramid->level_count && status == ISO_OK; ++k)
         status = add_to_report(v, &checks[k], k, err);
     v->is_as_made = status == ISO_OK && !v->foreign[0];

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/build_for.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "plan/scene_levels.h"
+#include "scene/scene.h"
+
+/* Refused before anything is read. */
+static iso_status check(const iso_build_for *b, iso_error *err)
+{
+    iso_volume_source *source = NULL;
+    if (iso_pyramid_is_one(b->volume))
+        return iso_fail(err, ISO_E_USAGE, "--for makes the levels of a volume; %s is a pyramid, whose levels are made",
+                        b->volume);
+    iso_status status = iso_volume_input_open(b->volume, b->input, &source, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_volume *v = iso_source_volume(source);
+    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type) / 1048576;
+    if (needed > b->memory_mb)
+        status = iso_fail(err, ISO_E_MEMORY,
+                          "%s: levels for a scene are made in memory and need %.0f MB, --memory is %g", b->volume,
+                          needed, b->memory_mb);
+    iso_source_close(source);
+    return status;
+}
+
+char *iso_cli_scene_level_text(const iso_scene_level *made, size_t level, char *text, size_t size)
+{
+    const iso_level_candidate *chosen = &made->candidates[made->chosen];
+    int used = snprintf(text, size, "level %zu: %s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(made->chosen),
+                        chosen->adapted ? " and its adapted TF" : "", chosen->ssim_dissimilarity);
+    const char *before = " (";
+    for (int i = 0; i < ISO_LEVEL_SCALAR_COUNT; ++i) {
+        const iso_level_candidate *c = &made->candidates[i];
+        if (c == chosen || !c->tried || used < 0 || (size_t)used >= size)
+            continue;
+        used += snprintf(text + used, size - (size_t)used, "%s%s %.4f", before,
+                         iso_level_scalar_name((iso_level_scalar)i), c->ssim_dissimilarity);
+        before = ", ";
+    }
+    if (used > 0 && (size_t)used < size)
+        snprintf(text + used, size - (size_t)used, ")");
+    return text;
+}
+
+static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_level *levels)
+{
+    if (b->cli->json) {
+        json_t *root = iso_cli_json(b->cli), *seconds = json_array();
+        for (size_t k = 1; k < p->level_count; ++k)
+            json_array_append_new(seconds, json_real(levels[k].seconds));
+        json_object_set_new(json_object_get(root, "options"), "for", json_string(b->scene));
+        json_object_set_new(root, "output", json_string(b->output));
+        json_object_set(root, "made_for", p->made_for);
+        json_object_set_new(root, "seconds_of_levels", seconds);
+        iso_cli_print_json(root);
+        return;
+    }
+    for (size_t k = 0; k < p->level_count; ++k) {
+        const iso_level *l = &p->levels[k];
+        printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, l->geometry.size[0], l->geometry.size[1],
+               l->geometry.size[2], iso_type_name(l->stored_type), l->min, l->max);
+    }
+    for (size_t k = 1; k < p->level_count; ++k) {
+        char text[256];
+        printf("%s\n", iso_cli_scene_level_text(&levels[k], k, text, sizeof text));
+    }
+    printf("%s\n", b->output);
+}
+
+iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(b->cli);
+    iso_scene scene = {0};
+    iso_volume volume = {0};
+    iso_pyramid p = {0};
+    iso_scene_level levels[32];
+    iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
+    iso_status status = check(b, err);
+    if (status == ISO_OK)
+        status = iso_scene_load(b->scene, &scene, err);
+    if (status == ISO_OK)
+        status = iso_volume_input_load(b->volume, b->input, &volume, err);
+    if (status == ISO_OK)
+        status = iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err);
+    iso_volume_destroy(&volume);
+    if (status == ISO_OK)
+        status = iso_scene_levels_make(&p, 1, &scene, b->cli->threads, levels, &progress, err);
+    if (status == ISO_OK)
+        status = iso_pyramid_save(&p, b->output, err);
+    if (status == ISO_OK)
+        print(b, &p, levels);
+    iso_pyramid_destroy(&p);
+    iso_scene_destroy(&scene);
+    return status;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* build_for.h - `isoshade build VOLUME --for SCENE`: levels that show this scene best (plan/scene_levels.h). */
+#ifndef ISO_CLI_BUILD_FOR_H
+#define ISO_CLI_BUILD_FOR_H
+
+#include "options/cli.h"
+#include "pyramid/pyramid.h"
+#include "volume/input.h"
+
+typedef struct iso_build_for {
+    const iso_cli *cli;
+    const iso_volume_input *input;
+    const char *volume, *scene, *output;
+    double memory_mb;
+} iso_build_for;
+
+/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed; ISO_E_USAGE: a pyramid. */
+iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err);
+
+/* "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people; returns text. */
+struct iso_scene_level;
+char *iso_cli_scene_level_text(const struct iso_scene_level *made, size_t level, char *text, size_t size);
+
+#endif

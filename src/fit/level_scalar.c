@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT */
+#include "fit/level_scalar.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pyramid/spline_kernel.h"
+
+static const struct {
+    const char *name, *summary;
+} kinds_of_scalar[] = {
+    [ISO_LEVEL_AS_BUILT] = {"as-built", "by the pyramid's scalar filter"},
+    [ISO_LEVEL_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0"},
+    [ISO_LEVEL_FITTED] = {"fitted", "what the transfer function makes of it is nearest to level 0"},
+};
+const iso_names iso_level_scalar_names = ISO_NAMES_OF_ROWS("level scalar", kinds_of_scalar);
+
+const char *iso_level_scalar_name(iso_level_scalar s)
+{
+    return kinds_of_scalar[s].name;
+}
+
+/* c = (A^T A)^-1 c, in place: the grid's system is a product of one an axis. */
+static iso_status solve_axes(const iso_interpolation *map, size_t level, float *c, iso_error *err)
+{
+    const size_t n[3] = {map->axis[0].coarse_size, map->axis[1].coarse_size, map->axis[2].coarse_size};
+    const size_t plane = n[0] * n[1], most = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
+    iso_spline_row *rows = malloc(most * sizeof *rows);
+    float *scratch = malloc(ISO_SPLINE_LANES * n[0] * sizeof *scratch);
+    if (!rows || !scratch) {
+        free(rows);
+        free(scratch);
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a row of %zu voxels", most);
+    }
+    for (int a = 0; a < 3; ++a) {
+        const iso_spline_axis axis = {map->axis[a].fine_size, n[a], (size_t)1 << level};
+        iso_spline_factorize(&axis, 0, n[a], rows);
+        if (a == 2)
+            iso_spline_solve(rows, n[2], c, plane, plane);
+        for (size_t z = 0; a == 1 && z < n[2]; ++z)
+            iso_spline_solve(rows, n[1], c + z * plane, n[0], n[0]);
+        for (size_t y = 0; a == 0 && y < n[1] * n[2]; y += ISO_SPLINE_LANES) {
+            const size_t left = n[1] * n[2] - y;
+            iso_spline_solve_rows(rows, n[0], c + y * n[0], n[0], left < ISO_SPLINE_LANES ? left : ISO_SPLINE_LANES,
+                                  scratch);
+        }
+    }
+    free(rows);
+    free(scratch);
+    return ISO_OK;
+}
+
+static iso_status make_least_squares(const iso_level_scalar_input *in, const iso_interpolation *map, float *c,
+                                     iso_error *err)
+{
+    const float cell = ldexpf(1, -3 * (int)in->level); /* both sides of the system are by the fine voxel */
+    iso_status status = iso_interpolation_scatter(map, in->level0->scalar, c, in->threads, err);
+    for (size_t i = 0; i < map->coarse_count && status == ISO_OK; ++i)
+        c[i] *= cell;
+    return status == ISO_OK ? solve_axes(map, in->level, c, err) : status;
+}
+
+static iso_status make_fitted(const iso_level_scalar_input *in, const iso_interpolation *map, float *fitted,
+                              iso_fit_report *report, iso_error *err)
+{
+    iso_fit_curve curve;
+    iso_fit_report unread;
+    iso_fit_options opt = iso_fit_defaults();
+    const double length_mm = iso_geometry_mean_spacing_mm(&in->level0->geometry);
+    opt.threads = in->threads;
+    iso_status status = iso_fit_curve_create(in->tf, length_mm, &curve, err);
+    if (status == ISO_OK)
+        status = iso_fit_scalar(&(iso_fit_problem){map, in->level0->scalar, &curve}, &opt, fitted,
+                                report ? report : &unread, err);
+    iso_fit_curve_destroy(&curve);
+    return status;
+}
+
+iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least_squares, float *fitted,
+                                  iso_fit_report *report, iso_error *err)
+{
+    iso_interpolation map;
+    iso_status status = iso_interpolation_create(&map, in->level0->geometry.size, in->level, err);
+    if (status != ISO_OK)
+        return status;
+    status = make_least_squares(in, &map, least_squares, err);
+    if (status == ISO_OK && fitted) {
+        memcpy(fitted, least_squares, map.coarse_count * sizeof *fitted);
+        status = make_fitted(in, &map, fitted, report, err);
+    }
+    iso_interpolation_destroy(&map);
+    return status;
+}
+
+size_t iso_level_scalar_bytes(const size_t n[3])
+{
+    const size_t fine = n[0] * n[1] * n[2], coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2);
+    return iso_fit_bytes(fine, coarse) + 2 * coarse * sizeof(float);
+}
+
+static void read_level(iso_json_reader *r, const json_t *entry, const iso_pyramid *p, iso_level_scalar kinds[32])
+{
+    size_t level = 1, kind = 0;
+    const char *name = NULL;
+    iso_json_get_size(r, entry, "level", true, 1, p->level_count - 1, &level);
+    iso_json_get_string(r, entry, "scalar", true, &name);
+    if (r->status == ISO_OK)
+        r->status = iso_names_find(&iso_level_scalar_names, name, &kind, r->err) == ISO_OK
+                        ? ISO_OK
+                        : iso_fail_in(r->err, ISO_E_FORMAT, "%s", r->path);
+    if (r->status == ISO_OK)
+        kinds[level] = (iso_level_scalar)kind;
+}
+
+iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_level_scalar kinds[32], iso_error *err)
+{
+    iso_json_reader r = {.path = "pyramid.json", .err = err};
+    const iso_level *level0 = &p->levels[0];
+    iso_tf own = {0};
+    *tf = (iso_tf_table){0};
+    for (size_t k = 0; k < 32; ++k)
+        kinds[k] = ISO_LEVEL_AS_BUILT;
+    const json_t *levels = iso_json_get_array(&r, p->made_for, "levels", true);
+    const json_t *points = iso_json_get_object(&r, p->made_for, "tf", true);
+    for (size_t i = 0; i < json_array_size(levels) && r.status == ISO_OK; ++i)
+        read_level(&r, json_array_get(levels, i), p, kinds);
+    iso_status status = r.status;
+    if (status == ISO_OK)
+        status = iso_tf_from_json(points, r.path, &own, err);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&own, level0->min, level0->max, &level0->geometry, tf, err);
+    iso_tf_destroy(&own);
+    return status;
+}
+
+/* Notes the voxels of a level that differ from those made again. */
+static void compare(const iso_level *l, const float *made, iso_level_check *check)
+{
+    const size_t *n = l->geometry.size, count = iso_geometry_voxel_count(&l->geometry);
+    double lo = INFINITY, hi = -INFINITY;
+    for (size_t i = 0; i < count; ++i) {
+        lo = fmin(lo, (double)made[i]);
+        hi = fmax(hi, (double)made[i]);
+        if (memcmp(&l->scalar[i], &made[i], sizeof(float)) == 0)
+            continue;
+        if (!check->what) {
+            check->what = "values";
+            check->first[0] = i % n[0], check->first[1] = i / n[0] % n[1], check->first[2] = i / (n[0] * n[1]);
+        }
+        ++check->differing;
+    }
+    if (!check->what && (lo != l->min || hi != l->max)) {
+        check->what = "range";
+        check->differing = check->voxels;
+    }
+}
+
+iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *checks, const iso_progress *progress,
+                          iso_error *err)
+{
+    iso_tf_table tf = {0};
+    iso_level_scalar kinds[32];
+    iso_status status = iso_pyramid_verify(p, threads, checks, progress, err);
+    if (status != ISO_OK || !p->made_for)
+        return status;
+    status = iso_level_scalars_read(p, &tf, kinds, err);
+    for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k) {
+        const size_t bytes = iso_geometry_voxel_count(&p->levels[k].geometry) * sizeof(float);
+        float *made[2] = {malloc(bytes), malloc(bytes)};
+        if (!made[0] || !made[1])
+            status = iso_fail(err, ISO_E_MEMORY, "no memory to make level %zu again", k);
+        iso_progress_report(progress, "levels", (double)k / (double)p->level_count);
+        if (status == ISO_OK && kinds[k] != ISO_LEVEL_AS_BUILT) {
+            const bool fitted = kinds[k] == ISO_LEVEL_FITTED;
+            status = iso_level_scalars_make(&(iso_level_scalar_input){&p->levels[0], &tf, k, threads}, made[0],
+                                            fitted ? made[1] : NULL, NULL, err);
+            if (status == ISO_OK)
+                compare(&p->levels[k], made[fitted], &checks[k]);
+        }
+        free(made[0]);
+        free(made[1]);
+    }
+    iso_tf_table_destroy(&tf);
+    return status;
+}

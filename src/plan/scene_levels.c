@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+#include "plan/scene_levels.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "compare/metrics.h"
+#include "compare/ssim.h"
+#include "render/reference.h"
+#include "scene/views.h"
+#include "tf/adapt.h"
+
+enum { VIEWS = ISO_SMALL_VIEWS_COUNT, PIXELS = ISO_SCENE_LEVELS_PIXELS };
+
+iso_level_scalar iso_scene_level_choose(const iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT])
+{
+    iso_level_scalar best = ISO_LEVEL_AS_BUILT;
+    for (int i = 1; i < ISO_LEVEL_SCALAR_COUNT; ++i) {
+        double worst = -INFINITY; /* a candidate is held to what is built, and compared with the best so far */
+        for (int v = 0; v < VIEWS; ++v)
+            worst = fmax(worst, c[i].of_view[v] - c[0].of_view[v]);
+        const bool nearer = c[i].ssim_dissimilarity < (1 - ISO_SCENE_LEVELS_GAIN) * c[best].ssim_dissimilarity;
+        if (c[i].tried && nearer && worst <= ISO_ADAPT_WORST_VIEW && c[i].rmse <= (1 + ISO_SCENE_RMSE_LOSS) * c[0].rmse)
+            best = (iso_level_scalar)i;
+    }
+    return best;
+}
+
+/* ---- looking ----------------------------------------------------------------------------------------------------- */
+
+/* Views of a scene along the lines of small views, and what level 0 shows in them. */
+typedef struct looks {
+    iso_view views[VIEWS];
+    iso_image finest[VIEWS];
+} looks;
+
+static iso_status draw(const iso_pyramid *p, const iso_level *level, iso_view *view, const iso_tf_table *tf,
+                       int threads, iso_image *image, iso_error *err)
+{
+    iso_reference_options opt = iso_reference_defaults();
+    const iso_tf_table own = view->tf;
+    opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+    opt.threads = threads;
+    view->tf = *tf;
+    const iso_status status = iso_reference_render(level, p->options.code, view, &opt, image, NULL, err);
+    view->tf = own;
+    return status;
+}
+
+static void forget(looks *l)
+{
+    for (int i = 0; i < VIEWS; ++i) {
+        iso_view_destroy(&l->views[i]);
+        iso_image_destroy(&l->finest[i]);
+    }
+}
+
+static iso_status look(const iso_pyramid *p, const iso_scene *scene, int threads, looks *l, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    iso_status status = ISO_OK;
+    *l = (looks){0};
+    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+        iso_scene s = *scene; /* with what it points to, which stays the scene's */
+        s.width = s.height = PIXELS;
+        s.camera_fit = s.orthographic = true;
+        s.camera_direction = iso_small_views_direction(i);
+        s.camera_up = iso_view_up(s.camera_direction);
+        s.margin = 1;
+        status = iso_scene_resolve(&s, &level0->geometry, level0->min, level0->max, &l->views[i], err);
+        if (status == ISO_OK)
+            status = draw(p, level0, &l->views[i], &l->views[i].tf, threads, &l->finest[i], err);
+    }
+    return status;
+}
+
+/* A candidate is what p would show with this scalar at the level. */
+static iso_status judge(const iso_pyramid *p, size_t level, looks *l, float *scalar, int threads,
+                        iso_level_candidate *c, iso_error *err)
+{
+    iso_pyramid with = *p;
+    iso_level levels[32];
+    iso_adapt_options adapt = iso_adapt_defaults();
+    iso_adapt_judgment judgment;
+    iso_tf_table tf = {0};
+    adapt.threads = threads;
+    memcpy(levels, p->levels, p->level_count * sizeof *levels);
+    levels[level].scalar = scalar;
+    with.levels = levels;
+    *c = (iso_level_candidate){.tried = true};
+    iso_status status = iso_adapt_level(&with, NULL, level, &l->views[0].tf, &adapt, &tf, &judgment, err);
+    c->adapted = !judgment.use_original;
+    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+        iso_image image = {0};
+        iso_metrics m;
+        double ssim = 1;
+        status = draw(p, &levels[level], &l->views[i], &tf, threads, &image, err);
+        if (status == ISO_OK)
+            status = iso_ssim_foreground(&l->finest[i], &image, &ssim, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&l->finest[i], &image, &m, err);
+        c->of_view[i] = 1 - ssim;
+        c->ssim_dissimilarity += (1 - ssim) / VIEWS;
+        c->rmse += status == ISO_OK ? m.rmse / VIEWS : 0;
+        iso_image_destroy(&image);
+    }
+    iso_tf_table_destroy(&tf);
+    return status;
+}
+
+static iso_status judge_all(const iso_pyramid *p, size_t level, looks *l, float *const scalars[ISO_LEVEL_SCALAR_COUNT],
+                            int threads, iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int i = 0; i < ISO_LEVEL_SCALAR_COUNT && status == ISO_OK; ++i)
+        if (scalars[i])
+            status = judge(p, level, l, scalars[i], threads, &candidates[i], err);
+    return status;
+}
+
+iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
+                                 float *const scalars[ISO_LEVEL_SCALAR_COUNT], int threads,
+                                 iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err)
+{
+    looks l;
+    memset(candidates, 0, ISO_LEVEL_SCALAR_COUNT * sizeof *candidates);
+    iso_status status = look(p, scene, threads, &l, err);
+    if (status == ISO_OK)
+        status = judge_all(p, level, &l, scalars, threads, candidates, err);
+    forget(&l);
+    return status;
+}
+
+/* ---- making ------------------------------------------------------------------------------------------------------ */
+
+static void set_scalar(iso_level *l, float *scalar)
+{
+    l->scalar = scalar;
+    l->made_for_scene = true;
+    l->min = INFINITY;
+    l->max = -INFINITY;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+        l->min = fmin(l->min, (double)scalar[i]);
+        l->max = fmax(l->max, (double)scalar[i]);
+    }
+}
+
+static iso_status make_level(iso_pyramid *p, size_t level, looks *l, int threads, iso_scene_level *made, iso_error *err)
+{
+    const double began = iso_clock_seconds();
+    const size_t bytes = iso_geometry_voxel_count(&p->levels[level].geometry) * sizeof(float);
+    const bool fits = level >= ISO_SCENE_FITTED_FROM;
+    const bool built = p->options.scalar_filter == ISO_SCALAR_LEAST_SQUARES;
+    float *scalars[ISO_LEVEL_SCALAR_COUNT] = {p->levels[level].scalar, malloc(bytes), fits ? malloc(bytes) : NULL};
+    iso_status status = scalars[1] && (scalars[2] || !fits)
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_MEMORY, "no memory for level %zu", level);
+    *made = (iso_scene_level){0};
+    if (status == ISO_OK)
+        status = iso_level_scalars_make(&(iso_level_scalar_input){&p->levels[0], &l->views[0].tf, level, threads},
+                                        scalars[ISO_LEVEL_LEAST_SQUARES], scalars[ISO_LEVEL_FITTED], &made->fit, err);
+    if (status == ISO_OK)
+        status = judge_all(p, level, l,
+                           (float *[]){scalars[0], built ? NULL : scalars[ISO_LEVEL_LEAST_SQUARES], scalars[2]},
+                           threads, made->candidates, err);
+    made->chosen = status == ISO_OK ? iso_scene_level_choose(made->candidates) : ISO_LEVEL_AS_BUILT;
+    if (made->chosen != ISO_LEVEL_AS_BUILT) {
+        set_scalar(&p->levels[level], scalars[made->chosen]);
+        scalars[made->chosen] = scalars[ISO_LEVEL_AS_BUILT];
+        free(scalars[made->chosen]);
+        scalars[made->chosen] = NULL;
+    }
+    free(scalars[ISO_LEVEL_LEAST_SQUARES]);
+    free(scalars[ISO_LEVEL_FITTED]);
+    made->seconds = iso_clock_seconds() - began;
+    return status;
+}
+
+static json_t *candidates_to_json(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT])
+{
+    json_t *list = json_array();
+    for (int i = 0; i < ISO_LEVEL_SCALAR_COUNT; ++i)
+        if (candidates[i].tried)
+            json_array_append_new(list, json_pack("{s:s, s:b, s:f, s:f}", "scalar",
+                                                  iso_level_scalar_name((iso_level_scalar)i), "adapted_tf",
+                                                  candidates[i].adapted, "ssim_dissimilarity",
+                                                  candidates[i].ssim_dissimilarity, "rmse", candidates[i].rmse));
+    return list;
+}
+
+static json_t *made_for(const iso_scene *scene, size_t first, size_t count, const iso_scene_level *levels)
+{
+    json_t *list = json_array();
+    for (size_t k = first; k < count; ++k)
+        json_array_append_new(list, json_pack("{s:I, s:s, s:o}", "level", (json_int_t)k, "scalar",
+                                              iso_level_scalar_name(levels[k].chosen), "candidates",
+                                              candidates_to_json(levels[k].candidates)));
+    return json_pack("{s:s, s:o, s:o}", "scene", scene->path, "levels", list, "tf", iso_tf_to_json(&scene->tf));
+}
+
+iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,
+                                 iso_scene_level *levels, const iso_progress *progress, iso_error *err)
+{
+    iso_scene_level own[32];
+    looks l;
+    levels = levels ? levels : own;
+    iso_status status = look(p, scene, threads, &l, err);
+    for (size_t k = first; k < p->level_count && status == ISO_OK; ++k) {
+        iso_progress_report(progress, "levels for the scene", (double)(k - first) / (double)(p->level_count - first));
+        status = make_level(p, k, &l, threads, &levels[k], err);
+    }
+    iso_progress_report(progress, "levels for the scene", 1);
+    forget(&l);
+    if (status != ISO_OK)
+        return status;
+    json_decref(p->made_for);
+    p->made_for = made_for(scene, first, p->level_count, levels);
+    return p->made_for ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for what the levels are made for");
+}
+
+size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type)
+{
+    const size_t fine = iso_geometry_voxel_count(level0), pyramid = 7 * fine + fine; /* floats, codes; coarse levels */
+    const size_t drawing = 12 * fine;                                                /* lattice directions of level 0 */
+    const size_t fit = iso_level_scalar_bytes(level0->size);
+    return iso_type_bytes(type) * fine + pyramid + (drawing > fit ? drawing : fit);
+}

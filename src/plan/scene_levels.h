@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/* scene_levels.h - the scalars of coarse levels that show one scene best.
+ *
+ * Each coarse level has candidates (fit/level_scalar.h): what the pyramid's filter makes, least squares, and from level
+ * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. They are looked at: small
+ * pictures with the scene's lights, shading, clip planes and ray step, along the twelve lines of small_views.h, by the
+ * reference's midpoint sums; each candidate under the transfer function that renderers would show it by with --adapt
+ * (adapt.h). The candidate whose pictures are nearest to those of level 0 is taken.
+ *
+ * Neither the error at the voxels nor pictures without light can tell: of a shell in steep gradients, the fit takes the
+ * error at the voxels down to a quarter while its pictures, in steps as long as a level's, are half as far again.
+ *
+ * What is chosen, and the figures, are written to p->made_for (doc/formats.md). */
+#ifndef ISO_SCENE_LEVELS_H
+#define ISO_SCENE_LEVELS_H
+
+#include "fit/level_scalar.h"
+#include "scene/scene.h"
+#include "tf/small_views.h"
+
+enum { ISO_SCENE_LEVELS_PIXELS = 64, ISO_SCENE_FITTED_FROM = 2 };
+
+/* How far the pictures of a candidate are from level 0's. */
+typedef struct iso_level_candidate {
+    bool tried;
+    bool adapted;                          /* its transfer function */
+    double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM over what is shown */
+    double ssim_dissimilarity, rmse;       /* means */
+} iso_level_candidate;
+
+typedef struct iso_scene_level {
+    iso_level_scalar chosen;
+    iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
+    iso_fit_report fit;
+    double seconds; /* with looking */
+} iso_scene_level;
+
+/* A candidate takes the place of one before it in the enum where its 1 - SSIM is less by this part of it, its RMSE
+ * is not more by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW: differences below say nothing. */
+#define ISO_SCENE_LEVELS_GAIN 0.02
+#define ISO_SCENE_RMSE_LOSS 0.15
+iso_level_scalar iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT]);
+
+/* Pictures of `level` with the scalars of `candidates` (NULL: not tried), into the others' fields. */
+iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
+                                 float *const scalars[ISO_LEVEL_SCALAR_COUNT], int threads,
+                                 iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err);
+
+/* Replaces the scalars of levels first to p->level_count - 1 by those chosen, with their ranges, and sets p->made_for.
+ * levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could tell apart;
+ * ISO_E_MEMORY. */
+iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,
+                                 iso_scene_level *levels, const iso_progress *progress, iso_error *err);
+
+/* Bytes that a build for a scene takes, volume of `type` and pyramid included. */
+size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type);
+
+#endif

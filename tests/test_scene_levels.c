@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+/* Levels for a scene: which scalar is chosen, and that a pyramid which says so can be made again. */
+#include "pyramids.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "folder.h"
+#include "plan/scene_levels.h"
+#include "tf/adapt.h"
+
+/* A surface at a third of the range, lit by a headlight. */
+static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
+                                {0.3, {0.9, 0.7, 0.4}, 0},
+                                {0.36, {1, 0.9, 0.8}, 0.8},
+                                {1, {0.6, 0.9, 0.8}, 0.8}};
+
+static iso_scene surface_scene(void)
+{
+    return (iso_scene){.path = (char *)"surface.scene.json",
+                       .light_count = 1,
+                       .lights = {{.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 1}},
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
+                       .tf = {.point_count = 4,
+                              .points = points,
+                              .fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 256}};
+}
+
+/* A ball with a bumpy surface, sharper than a coarse voxel. */
+static iso_volume bumpy_ball(size_t n)
+{
+    iso_volume v = noise(n, n, n);
+    float *data = v.data;
+    for (size_t i = 0; i < n * n * n; ++i) {
+        const double half = 0.5 * (double)n, x = (double)(i % n) + 0.5 - half, y = (double)(i / n % n) + 0.5 - half,
+                     z = (double)(i / n / n) + 0.5 - half, r = sqrt(x * x + y * y + z * z) + 1e-9;
+        const double surface = 0.33 * (double)n * (1 + 0.12 * sin(5 * x / r) * cos(4 * y / r) * sin(6 * z / r + 1));
+        data[i] = (float)fmin(fmax(0.5 + 0.8 * (surface - r), 0), 1);
+    }
+    return v;
+}
+
+static iso_pyramid ball_pyramid(size_t n)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_volume v = bumpy_ball(n);
+    opt.level_count = 4;
+    opt.threads = 2;
+    iso_pyramid p = build(&v, &opt);
+    iso_volume_destroy(&v);
+    return p;
+}
+
+/* ---- choosing ---------------------------------------------------------------------------------------------------- */
+
+static void set(iso_level_candidate *c, double ssim_dissimilarity, double rmse)
+{
+    *c = (iso_level_candidate){.tried = true, .ssim_dissimilarity = ssim_dissimilarity, .rmse = rmse};
+    for (int i = 0; i < ISO_SMALL_VIEWS_COUNT; ++i)
+        c->of_view[i] = ssim_dissimilarity;
+}
+
+static void the_nearest_is_chosen(void **state)
+{
+    (void)state;
+    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT];
+    set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
+    set(&c[ISO_LEVEL_FITTED], 0.06, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
+    set(&c[ISO_LEVEL_FITTED], 0.09, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.11, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
+    set(&c[ISO_LEVEL_FITTED], 0.11, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+}
+
+static void what_is_no_clear_gain_is_not_chosen(void **state)
+{
+    (void)state;
+    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
+    set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.10 * (1 - 0.5 * ISO_SCENE_LEVELS_GAIN), 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* too little */
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05 * (1.01 + ISO_SCENE_RMSE_LOSS));
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* its colors are farther */
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
+    c[ISO_LEVEL_LEAST_SQUARES].of_view[7] = 0.10 + 1.1 * ISO_ADAPT_WORST_VIEW;
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* a view is farther */
+    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
+    c[ISO_LEVEL_LEAST_SQUARES].tried = false;
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+    set(&c[ISO_LEVEL_LEAST_SQUARES], NAN, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+}
+
+/* Scalars that look wrong lose, whatever they are called; those that look right win. */
+static void small_views_see_a_planted_scalar(void **state)
+{
+    (void)state;
+    iso_pyramid p = ball_pyramid(40);
+    const iso_scene scene = surface_scene();
+    const size_t count = iso_geometry_voxel_count(&p.levels[2].geometry);
+    float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
+    iso_view view;
+    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT];
+    assert_ok(iso_scene_resolve(&(iso_scene){.path = scene.path,
+                                             .width = 8,
+                                             .height = 8,
+                                             .camera_fit = true,
+                                             .orthographic = true,
+                                             .camera_direction = {1, 0, 0},
+                                             .camera_up = {0, 0, 1},
+                                             .margin = 1,
+                                             .step_voxels = 0.5,
+                                             .shading = {.ambient = 1},
+                                             .tf = scene.tf},
+                                &p.levels[0].geometry, p.levels[0].min, p.levels[0].max, &view, &err));
+    assert_ok(iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], &view.tf, 2, 2}, bad, good, NULL, &err));
+    for (size_t i = 0; i < count; ++i)
+        bad[i] = p.levels[2].scalar[i] + 0.3f * ((float)noise_at(i) - 0.5f);
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){p.levels[2].scalar, bad, good}, 2, c, &err));
+    assert_true(c[ISO_LEVEL_LEAST_SQUARES].ssim_dissimilarity > c[ISO_LEVEL_AS_BUILT].ssim_dissimilarity);
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){p.levels[2].scalar, NULL, bad}, 2, c, &err));
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+    assert_false(c[ISO_LEVEL_LEAST_SQUARES].tried);
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){bad, p.levels[2].scalar, NULL}, 2, c, &err));
+    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
+    free(good);
+    free(bad);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+/* The same numbers as --scalar-filter least-squares, made another way: rounding, and what its apron leaves out. */
+static void least_squares_are_those_of_the_filter(void **state)
+{
+    (void)state;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_volume v = noise(37, 21, 30);
+    opt.scalar_filter = ISO_SCALAR_LEAST_SQUARES;
+    opt.threads = 2;
+    iso_pyramid p = build(&v, &opt);
+    iso_volume_destroy(&v);
+    for (size_t level = 1; level < p.level_count; ++level) {
+        const size_t count = iso_geometry_voxel_count(&p.levels[level].geometry);
+        float *made = malloc(count * sizeof *made);
+        assert_ok(
+            iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], NULL, level, 3}, made, NULL, NULL, &err));
+        for (size_t i = 0; i < count; ++i)
+            assert_within((double)made[i], (double)p.levels[level].scalar[i], 1e-5);
+        free(made);
+    }
+    iso_pyramid_destroy(&p);
+}
+
+/* ---- making, storing, making again ------------------------------------------------------------------------------- */
+
+static iso_pyramid stored_ball(iso_scene_level levels[32])
+{
+    iso_pyramid p = ball_pyramid(40), loaded;
+    const iso_scene scene = surface_scene();
+    char *dir = iso_path_join(folder, "ball.iso");
+    assert_ok(iso_scene_levels_make(&p, 1, &scene, 2, levels, NULL, &err));
+    assert_ok(iso_pyramid_save(&p, dir, &err));
+    iso_pyramid_destroy(&p);
+    assert_ok(iso_pyramid_load(dir, &loaded, &err));
+    free(dir);
+    return loaded;
+}
+
+static void a_sharp_surface_gets_levels_of_its_own(void **state)
+{
+    (void)state;
+    iso_scene_level levels[32];
+    iso_pyramid p = stored_ball(levels);
+    iso_tf_table tf;
+    iso_level_scalar kinds[32];
+    assert_int_equal(levels[2].chosen, ISO_LEVEL_FITTED);
+    assert_at_most(levels[2].candidates[ISO_LEVEL_FITTED].ssim_dissimilarity,
+                   0.9 * levels[2].candidates[ISO_LEVEL_AS_BUILT].ssim_dissimilarity);
+    assert_at_most(levels[2].fit.error_end, levels[2].fit.error_start);
+    assert_ok(iso_level_scalars_read(&p, &tf, kinds, &err));
+    for (size_t k = 1; k < p.level_count; ++k)
+        assert_int_equal(kinds[k], levels[k].chosen);
+    assert_true(p.levels[2].made_for_scene);
+    for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[2].geometry); ++i)
+        assert_true((double)p.levels[2].scalar[i] >= p.levels[2].min &&
+                    (double)p.levels[2].scalar[i] <= p.levels[2].max);
+    iso_tf_table_destroy(&tf);
+    iso_pyramid_destroy(&p);
+}
+
+static void it_is_made_again_from_level_0(void **state)
+{
+    (void)state;
+    iso_scene_level levels[32];
+    iso_level_check checks[32];
+    iso_pyramid p = stored_ball(levels);
+    for (int threads = 1; threads < 4; threads += 2) {
+        assert_ok(iso_fit_verify(&p, threads, checks, NULL, &err));
+        for (size_t k = 0; k < p.level_count; ++k)
+            assert_null(checks[k].what);
+    }
+    p.levels[2].scalar[17] = nextafterf(p.levels[2].scalar[17], 9);
+    assert_ok(iso_fit_verify(&p, 1, checks, NULL, &err));
+    assert_string_equal(checks[2].what, "values");
+    assert_true(checks[2].differing == 1 && checks[2].first[0] == 17 % p.levels[2].geometry.size[0]);
+    p.levels[2].scalar[17] = nextafterf(p.levels[2].scalar[17], -9);
+    p.levels[2].max *= 1.5;
+    assert_ok(iso_fit_verify(&p, 1, checks, NULL, &err));
+    assert_string_equal(checks[2].what, "range");
+    iso_pyramid_destroy(&p);
+}
+
+/* What pyramid.json says is what is checked: neither a mean that calls itself fitted passes, nor another TF's fit. */
+static void what_it_says_of_itself_is_held_to_it(void **state)
+{
+    (void)state;
+    iso_scene_level levels[32];
+    iso_level_check checks[32];
+    iso_pyramid p = stored_ball(levels);
+    json_t *all = json_object_get(p.made_for, "levels"), *entry = json_array_get(all, 1);
+    json_object_set_new(entry, "scalar", json_string("least-squares"));
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    assert_string_equal(checks[2].what, "values");
+    json_object_set_new(entry, "scalar", json_string("fitted"));
+    json_t *point = json_array_get(json_object_get(json_object_get(p.made_for, "tf"), "points"), 1);
+    json_object_set_new(point, "value", json_real(0.32));
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    assert_string_equal(checks[2].what, "values");
+    json_object_set_new(entry, "scalar", json_string("guessed"));
+    assert_status(iso_fit_verify(&p, 2, checks, NULL, &err), ISO_E_FORMAT);
+    iso_pyramid_destroy(&p);
+}
+
+static void memory_is_foreseen(void **state)
+{
+    (void)state;
+    const size_t size[3] = {100, 100, 100};
+    const iso_geometry g = iso_geometry_axis_aligned(size, (const double[]){1, 1, 1});
+    /* A byte of the volume; floats and codes of the pyramid; lattice directions while level 0 is drawn. */
+    assert_within((double)iso_scene_levels_bytes(&g, ISO_U8) / 1e6, 1 + 8 + 12, 0.5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_nearest_is_chosen),
+        cmocka_unit_test(what_is_no_clear_gain_is_not_chosen),
+        cmocka_unit_test(small_views_see_a_planted_scalar),
+        cmocka_unit_test(least_squares_are_those_of_the_filter),
+        cmocka_unit_test(a_sharp_surface_gets_levels_of_its_own),
+        cmocka_unit_test(it_is_made_again_from_level_0),
+        cmocka_unit_test(what_it_says_of_itself_is_held_to_it),
+        cmocka_unit_test(memory_is_foreseen),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
