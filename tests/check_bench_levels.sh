@@ -45,6 +45,16 @@ assert rows['brick-tables'] < 1, rows        # one brick: as adapting the whole 
 two, limit = ([c['rmse'] for c in r['cases'] if c['method'] == m] for m in ('two-gaussians', 'rgba-opacity'))
 assert all(abs(a - b) < 0.2 * b for a, b in zip(two, limit)), (two, limit)
 PY
+expect levels_for_a_scene_run 0 "$ISOSHADE" "${few[@]}" sphere.nrrd --tfs opaque,soft --methods default,fitted,for-scene --json
+check they_are_no_worse_than_what_they_choose_from python3 - out <<'PY'
+import json, sys
+r = json.load(open(sys.argv[1]))
+cases = {(c['tf'], c['level'], c['method']): c['dssim'] for c in r['cases'] if not c['left_out']}
+tried = {k[:2] for k in cases}
+assert len(tried) >= 3, cases
+for k in tried:  # other views than those that chose: a tenth
+    assert cases[k + ('for-scene',)] <= 1.1 * min(cases[k + ('default',)], cases[k + ('fitted',)] if k[1] > 1 else 1), (k, cases)
+PY
 expect quick_is_small 0 "$ISOSHADE" bench levels shells.nrrd --quick --levels 2 --tfs soft --methods original -q --json
 check two_views_of_96_pixels grep -q '"views": 2' out
 expect a_budget_ends_it 0 "$ISOSHADE" "${few[@]}" shells.nrrd shells.nrrd --budget 1e-9 --methods original --json

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/level_scene.h"
+
 /* The first is the default of `build`, and of what shows it with an adapted transfer function. */
 static const iso_level_method methods[] = {
     {.name = "default",
@@ -37,6 +39,16 @@ static const iso_level_method methods[] = {
      .summary = "the same, adapted TF where small views say so",
      .scalar = ISO_SCALAR_LEAST_SQUARES,
      .treatment = ISO_LEVEL_TF_ADAPTED,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "fitted",
+     .summary = "a scalar fitted to the TF, adapted TF where small views say so",
+     .make = iso_level_make_fitted,
+     .bytes = 3,
+     .fetches = 2},
+    {.name = "for-scene",
+     .summary = "as build --for: means, least squares or fitted, by small pictures",
+     .make = iso_level_make_for_scene,
      .bytes = 3,
      .fetches = 2},
     {.name = "naive",

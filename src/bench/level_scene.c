@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+#include "bench/level_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan/scene_levels.h"
+
+/* The level shows `scalar`, which it takes, under the transfer function that --adapt makes of it. */
+static iso_status show(const iso_level_subject *s, float *scalar, iso_level_shown *shown, iso_error *err)
+{
+    iso_pyramid with = *s->pyramid;
+    iso_level levels[32];
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = s->threads;
+    shown->scalar = shown->level.scalar = scalar;
+    shown->level.min = shown->level.max = (double)scalar[0];
+    for (size_t i = 1; i < iso_geometry_voxel_count(&shown->level.geometry); ++i) {
+        shown->level.min = (double)scalar[i] < shown->level.min ? (double)scalar[i] : shown->level.min;
+        shown->level.max = (double)scalar[i] > shown->level.max ? (double)scalar[i] : shown->level.max;
+    }
+    memcpy(levels, with.levels, with.level_count * sizeof *levels);
+    levels[s->level] = shown->level;
+    with.levels = levels;
+    iso_tf_table_destroy(&shown->tf);
+    return iso_adapt_level(&with, NULL, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
+}
+
+/* The benchmark's light, for small pictures. */
+static iso_scene scene_of(iso_tf tf)
+{
+    return (iso_scene){.path = (char *)"bench",
+                       .light_count = 1,
+                       .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
+                       .tf = tf};
+}
+
+iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(&shown->level.geometry);
+    iso_pyramid with = *s->pyramid;
+    iso_level levels[32];
+    iso_tf tf = {0};
+    float *scalar = malloc(count * sizeof *scalar);
+    iso_status status = scalar ? iso_tf_from_table(s->tf, &tf, err)
+                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
+    const iso_scene scene = scene_of(tf);
+    if (status == ISO_OK) {
+        memcpy(scalar, shown->level.scalar, count * sizeof *scalar);
+        memcpy(levels, with.levels, with.level_count * sizeof *levels);
+        levels[s->level].scalar = scalar;
+        with.levels = levels;
+        with.level_count = s->level + 1;
+        with.made_for = NULL;
+        status = iso_scene_levels_make(&with, s->level, &scene, s->threads, NULL, NULL, err);
+        scalar = levels[s->level].scalar; /* another one, where the first was not the best */
+        json_decref(with.made_for);
+    }
+    iso_tf_destroy(&tf);
+    if (status == ISO_OK)
+        return show(s, scalar, shown, err);
+    free(scalar);
+    return status;
+}
+
+iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const size_t bytes = iso_geometry_voxel_count(&shown->level.geometry) * sizeof(float);
+    float *least_squares = malloc(bytes), *fitted = malloc(bytes);
+    iso_status status = least_squares && fitted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
+    if (status == ISO_OK)
+        status = iso_level_scalars_make(&(iso_level_scalar_input){&s->pyramid->levels[0], s->tf, s->level, s->threads},
+                                        least_squares, fitted, NULL, err);
+    free(least_squares);
+    if (status == ISO_OK)
+        return show(s, fitted, shown, err);
+    free(fitted);
+    return status;
+}

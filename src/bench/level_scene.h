@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* level_scene.h - what `build --for` would store of a level, as methods of `bench levels` (level_methods.h). */
+#ifndef ISO_BENCH_LEVEL_SCENE_H
+#define ISO_BENCH_LEVEL_SCENE_H
+
+#include "bench/level_methods.h"
+
+/* The scalar that small pictures choose (plan/scene_levels.h), under the benchmark's light. */
+iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+/* The fitted scalar, whatever pictures say. */
+iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+
+#endif
