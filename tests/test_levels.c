@@ -233,6 +233,36 @@ static void a_wrong_choice_of_auto_is_named(void **state)
     iso_volume_destroy(&volume);
 }
 
+static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked);
+
+/* The bound is of the level that is drawn and knows nothing of the pictures: what is measured is below it, and a figure above
+ * it, planted, fails by itself. */
+static void what_is_measured_is_held_to_its_bound(void **state)
+{
+    (void)state;
+    subject s;
+    open_subject(&s, ISO_FIELD_TUBES, "bound");
+    judge(&s);
+    for (size_t level = 1; level < levels; ++level) {
+        const json_t *bound = json_object_get(row_of(&s, level), "bound");
+        assert_true(json_is_true(json_object_get(bound, "held")));
+        assert_more_than(json_number_value(json_object_get(bound, "rmse")), 1e-3);
+        assert_more_than(json_number_value(json_object_get(bound, "bound")),
+                         json_number_value(json_object_get(bound, "rmse")));
+    }
+    close_subject(&s);
+    const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05};
+    iso_report_level row = row_with(own, own, 6, NAN);
+    row.bound = (iso_report_bound){.views = 6, .rmse = 0.07, .bound = 0.2, .above = -0.1};
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
+    row.bound.above = 5e-4; /* less than steps may make */
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
+    row.bound.above = 2e-3;
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
+    row.bound.above = NAN;
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
+}
+
 /* The gate by pictures alone: with the original TF, directions that point anywhere look less like level 0 than gradients on
  * the fly. The rebuilt levels are made equal to the stored ones by judging numbers that were measured. */
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked)
@@ -466,6 +496,7 @@ int main(void)
         cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
         cmocka_unit_test(a_failure_tells_what_speaks_against_it),
         cmocka_unit_test(a_wrong_choice_of_auto_is_named),
+        cmocka_unit_test(what_is_measured_is_held_to_its_bound),
         cmocka_unit_test(limits_are_read_by_level),
         cmocka_unit_test(angles_are_those_of_the_place_and_in_degrees),
         cmocka_unit_test(clean_volumes_hold),

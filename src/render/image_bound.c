@@ -259,7 +259,8 @@ static bool lies_inside(const bound *b, size_t x, size_t y, size_t slab)
     return true;
 }
 
-/* Blocks and slabs of about a coarse voxel, and of REGION_POINTS points at least. */
+/* Blocks and slabs of REGION_POINTS points along an edge: smaller ones would not hold the ranges, larger ones would be more
+ * unlike within. */
 static iso_status cut_image(bound *b, iso_error *err)
 {
     const iso_view *v = b->in->view;
@@ -278,7 +279,7 @@ static iso_status cut_image(bound *b, iso_error *err)
         farthest = fmax(farthest, at[2]);
     }
     nearest = fmax(nearest, 0);
-    const double edge = fmax(ldexp(1, (int)b->in->level), (double)REGION_POINTS / (double)b->points_an_axis) *
+    const double edge = (double)REGION_POINTS / (double)b->points_an_axis *
                         fmax(spacing[0], fmax(spacing[1], spacing[2]));
     const double pixel_mm = b->pixel_size * (v->camera.orthographic ? 1 : fmax(0.5 * (nearest + farthest), 1e-9));
     b->block_pixels = (size_t)fmax(1, ceil(edge / pixel_mm));
@@ -323,11 +324,21 @@ static iso_status sum_squares(bound *b, double (*ranges)[2][2][CHANNELS], double
     return status;
 }
 
+bool iso_image_bound_is_for(const iso_view *view)
+{
+    return view->clip_count == 0 && !view->tf_2d && !view->extinction_scale && !view->roi;
+}
+
+size_t iso_image_bound_points(double voxels)
+{
+    return voxels <= (double)DENSE_VOXELS ? DENSE_POINTS * DENSE_POINTS * DENSE_POINTS : 1;
+}
+
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err)
 {
     bound b = {.in = in};
     double(*ranges)[2][2][CHANNELS] = NULL, squares = 0;
-    if (in->view->clip_count > 0 || in->view->tf_2d || in->view->extinction_scale || in->view->roi)
+    if (!iso_image_bound_is_for(in->view))
         return iso_fail(err, ISO_E_RANGE, "bound: not for clip planes, 2D transfer functions and regions of interest");
     iso_status status = iso_sampler_create(&b.sampler[FINE], in->fine, in->code, in->source, err);
     if (status == ISO_OK)

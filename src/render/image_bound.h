@@ -28,6 +28,10 @@ typedef struct iso_image_bound_input {
     int threads;
 } iso_image_bound_input;
 
+/* Whether there is a bound for the view: none with clip planes, a 2D transfer function or a region of interest. */
+bool iso_image_bound_is_for(const iso_view *view);
+/* How many points of a voxel are looked up, of a volume of so many voxels: what the time goes by. */
+size_t iso_image_bound_points(double voxels);
 /* ISO_E_RANGE: a view with clip planes, a 2D transfer function or a region of interest; ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
 

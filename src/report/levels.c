@@ -38,6 +38,11 @@ static bool is_as_made(const iso_report_level *row)
     return row->scalar_off <= row->scalar_limit && row->direction_off_deg <= row->direction_limit_deg;
 }
 
+static bool is_within_bound(const iso_report_level *row)
+{
+    return row->bound.views == 0 || row->bound.above <= row->margin;
+}
+
 static bool is_not_behind(const iso_report_level *row, const iso_report_rival *rival)
 {
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
@@ -48,7 +53,7 @@ static bool is_not_behind(const iso_report_level *row, const iso_report_rival *r
 
 iso_verdict iso_report_level_verdict(const iso_report_level *row)
 {
-    bool good = is_as_made(row) && is_not_behind(row, &row->simple);
+    bool good = is_as_made(row) && is_not_behind(row, &row->simple) && is_within_bound(row);
     if (!row->shown && is_as_made(row))
         return ISO_VERDICT_NOT_COMPARED;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
@@ -99,6 +104,11 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                           "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
                           "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
                           "rivals", rivals);
+    if (row->bound.views > 0)
+        json_object_set_new(o, "bound",
+                            json_pack("{s:I, s:o, s:o, s:o, s:b}", "views", (json_int_t)row->bound.views, "rmse",
+                                      iso_json_number(row->bound.rmse), "bound", iso_json_number(row->bound.bound),
+                                      "above", iso_json_number(row->bound.above), "held", is_within_bound(row)));
     if (row->chosen)
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
@@ -191,8 +201,33 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
         iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, asked for is at most %.3g.", level,
                          iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));
+    const json_t *bound = json_object_get(row, "bound");
+    if (bound && !is_true(bound, "held"))
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         " Level %lld: RMSE is above its bound by %.3g in a view: one of the two is wrong.", level,
+                         iso_row_number(bound, "above"));
     if (!is_true(row, "simple_held"))
         add_rival(s, row, json_object_get(row, "simple"));
+}
+
+/* "RMSE, and its bound: 0.039 of 0.21 at level 1, 0.055 of 0.3 at level 2." */
+static void add_bounds(iso_levels_summary *s, const json_t *rows)
+{
+    const char *before = " RMSE, and its bound: ";
+    json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row)
+    {
+        const json_t *bound = json_object_get(row, "bound");
+        if (!bound)
+            continue;
+        iso_words_append(s->sentence, sizeof s->sentence, "%s%.2g of %.2g at level %lld", before,
+                         iso_row_number(bound, "rmse"), iso_row_number(bound, "bound"),
+                         (long long)json_integer_value(json_object_get(row, "level")));
+        before = ", ";
+    }
+    if (before[0] == ',')
+        iso_words_append(s->sentence, sizeof s->sentence, ".");
 }
 
 /* The largest of the parts by which a rival's figures are smaller; 0 where it is not better. */
@@ -283,6 +318,7 @@ static void tell(iso_levels_summary *s, const json_t *rows)
             add_rival(s, row, choice);
     }
     add_near_ones(s, rows);
+    add_bounds(s, rows);
     if (views < 6)
         iso_words_append(s->sentence, sizeof s->sentence, " Of %.0f views intervals are wide.", views);
 }

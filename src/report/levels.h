@@ -6,7 +6,9 @@
  *  - each figure is at most what the scene asks for, where it asks;
  *  - it is not worse than the simple way, gradients on the fly under the original TF, beyond the scatter over the views
  *    (paired.h) and a margin below which nobody sees a difference;
- *  - what is stored is what level 0 makes.
+ *  - what is stored is what level 0 makes;
+ *  - its RMSE is not above its bound in any view, beyond the margin, which is for the renderer's steps: the bound is of
+ *    images without any.
  * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
  * option that has it, and fails nothing; where the direction filter was chosen by the build, another one that is better
  * under the same TF says that the choice is wrong on this scene. */
@@ -40,6 +42,13 @@ typedef struct iso_report_rival {
     iso_paired behind[ISO_LEVEL_FIGURE_COUNT]; /* the default's figures less its own */
 } iso_report_rival;
 
+/* The bound of a level's RMSE that is known before it is drawn, beside what was measured; means over the views. */
+typedef struct iso_report_bound {
+    size_t views; /* the first of the level's; 0: there is no bound for the scene */
+    double rmse, bound;
+    double above; /* the most by which the RMSE of a view is above the bound; negative: it is below in all */
+} iso_report_bound;
+
 typedef struct iso_report_level {
     bool shown; /* level 0 shows something; else its pictures are alike whatever is wrong, and nothing is compared */
     size_t level, views;
@@ -55,6 +64,7 @@ typedef struct iso_report_level {
     /* Against what level 0 makes: the scalar's largest difference as a part of the range, the mean angle between
      * directions, and what is allowed of them. */
     double scalar_off, scalar_limit, direction_off_deg, direction_limit_deg;
+    iso_report_bound bound;
 } iso_report_level;
 
 /* Keeps the row under "levels", with its verdict. */

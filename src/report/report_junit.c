@@ -167,6 +167,9 @@ static void put_level_case(FILE *f, const json_t *row)
     put_unheld(f, "values against level 0's", iso_row_number(stored, "scalar"), iso_row_number(stored, "scalar_limit"));
     put_unheld(f, "directions against level 0's, degrees", iso_row_number(stored, "direction_deg"),
                iso_row_number(stored, "direction_limit_deg"));
+    const json_t *bound = json_object_get(row, "bound");
+    if (bound && !json_is_true(json_object_get(bound, "held")))
+        put_unheld(f, "RMSE above its bound", iso_row_number(bound, "above"), iso_row_number(row, "margin"));
     json_array_foreach(json_object_get(row, "figures"), i, figure) if (!json_is_true(json_object_get(figure, "held")))
         put_unheld(f, iso_row_text(figure, "name"), iso_row_number(figure, "value"), iso_row_number(figure, "asked"));
     json_array_foreach(json_object_get(json_object_get(row, "simple"), "figures"), i,

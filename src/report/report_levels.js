@@ -31,6 +31,10 @@ function levelVerdicts() {
         [['level', 1], ['verdict'], ['default'], ['figure'], ['value', 1], ['at most', 1], ['to the simple way', 1], ['to the nearest of the others']], lines));
     const options = rows.flatMap(r => r.rivals.filter(x => x.better).map(x => el('li', {}, `Level ${r.level}: ${wayOf(x)}, by ${x.figures.filter(f => f.better).map(f => `${f.name} (${plain(f.value)} against ${plain(f.value + f.difference)})`).join(' and ')}: `, el('code', {}, x.option))));
     if (options.length) $('levels').append(el('p', {}, 'Ahead of the default in a figure, beyond the scatter, and behind it in none:'), el('ul', {class: 'rivals'}, options));
+    const bounded = rows.filter(r => r.bound);
+    if (bounded.length) $('levels').append(el('p', {class: 'bounds'}, 'RMSE, and its bound, which is known before anything is drawn: ' +
+        bounded.map(r => `level ${r.level} ${plain(r.bound.rmse)} of at most ${plain(r.bound.bound)}${r.bound.held ? '' : ` (above it by ${plain(r.bound.above)} in a view: one of the two is wrong)`}`).join(', ') +
+        `. Means over the first ${bounded[0].bound.views === 1 ? 'view' : `${bounded[0].bound.views} views`}.`));
     const wrong = rows.filter(r => !r.stored.held);
     $('levels').append(el('p', {}, wrong.length === 0 ? 'Every level was made again from level 0 and is the one that is stored.' :
         wrong.map(r => `Level ${r.level} is not what level 0 makes: its values are off by up to ${plain(r.stored.scalar)} of their range, its directions by ${plain(r.stored.direction_deg)} degrees on average. `)));

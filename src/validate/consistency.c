@@ -18,7 +18,7 @@ const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
 static const iso_method tensor = {"tensor", ISO_DIRECTION_TENSOR, ISO_FROM_CODES};
 enum { max_views = ISO_DIAGONAL_VIEWS };
 
-static iso_status make_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
+iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0];
     iso_scene scene = *v->scene; /* borrowed, but for the camera and the size */
@@ -50,7 +50,7 @@ static iso_status render_view(iso_validation *v, const level_shown *s, size_t i,
     iso_view view = {0};
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
     opt.source = s->source;
-    iso_status status = make_view(v, i, &view, err);
+    iso_status status = iso_validate_level_view(v, i, &view, err);
     iso_view shown = view; /* borrowed */
     if (s->adapted)
         shown.tf = v->level_tfs[s->level].table;
@@ -68,7 +68,7 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
     iso_view view;
     iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
     if (status == ISO_OK)
-        status = make_view(v, 0, &view, err);
+        status = iso_validate_level_view(v, 0, &view, err);
     if (status != ISO_OK)
         return status;
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));

@@ -142,7 +142,8 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
         ++row.rival_count;
     }
     compare_with_rebuilt(v, rebuilt, &row);
-    return iso_report_add_level(v->report, &row, err);
+    iso_status status = iso_validate_bound_level(v, own, &row, err);
+    return status == ISO_OK ? iso_report_add_level(v->report, &row, err) : status;
 }
 
 iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,

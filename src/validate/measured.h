@@ -23,6 +23,12 @@ typedef struct iso_measured {
     iso_measured_level *levels;
 } iso_measured;
 
+/* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
+iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);
+/* Fills row->bound for the pictures of `own`. */
+iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
+                                    iso_error *err);
+
 /* rebuilt: of level 0, with the pyramid's own options. */
 iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_error *err);

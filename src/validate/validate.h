@@ -43,8 +43,9 @@ typedef struct iso_validation {
     const char *variant, *build_options, *render_options;
     const char *input_options; /* of the volume's file, as the command line had them: " --raw-size ..." or "" */
     iso_direction_source source;
-    bool loaded;       /* the pyramid was read, not built for this validation: its levels are to be verified */
-    bool is_as_made;   /* the levels were verified, or built here: nothing has to be made again to know what they should be */
+    bool loaded; /* the pyramid was read, not built for this validation: its levels are to be verified */
+    bool
+        is_as_made; /* the levels were verified, or built here: nothing has to be made again to know what they should be */
     char foreign[512]; /* what the first level that is not made from level 0 differs in; or "" */
     bool quick;
     size_t seeds;     /* of random renderers */

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* level_bound.c - the bound of a level's RMSE (render/image_bound.h) beside what was measured in the same views. The bound
+ * knows nothing of the pictures, so that a measured figure above it says that one of the two is wrong. */
+#include <math.h>
+
+#include "render/image_bound.h"
+#include "validate/measured.h"
+
+/* The bound's work for a level, in points of the volume: a view or more, as many as fit. */
+static const double points_at_most = 1 << 23;
+
+static size_t count_views(const iso_validation *v)
+{
+    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
+    const double fit = floor(points_at_most / (voxels * (double)iso_image_bound_points(voxels)));
+    return fit < 1 ? 1 : fit < (double)v->consistency_views ? (size_t)fit : v->consistency_views;
+}
+
+static iso_status bound_view(const iso_validation *v, size_t level, bool adapted, size_t number, double *rmse,
+                             iso_error *err)
+{
+    iso_view view = {0};
+    iso_status status = iso_validate_level_view(v, number, &view, err);
+    const iso_image_bound_input in = {.fine = &v->pyramid->levels[0],
+                                      .coarse = &v->pyramid->levels[level],
+                                      .level = level,
+                                      .code = v->pyramid->options.code,
+                                      .source = ISO_FROM_CODES,
+                                      .view = &view,
+                                      .coarse_tf = adapted ? &v->level_tfs[level].table : &view.tf,
+                                      .threads = v->threads};
+    if (status == ISO_OK)
+        status = iso_image_bound_rmse(&in, rmse, err);
+    iso_view_destroy(&view);
+    return status;
+}
+
+iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
+                                    iso_error *err)
+{
+    const size_t views = count_views(v);
+    iso_report_bound bound = {.views = views, .above = -INFINITY};
+    iso_status status = ISO_OK;
+    if (!iso_image_bound_is_for(v->view)) /* then there is none */
+        return ISO_OK;
+    for (size_t i = 0; i < views && status == ISO_OK; ++i) {
+        double rmse = NAN;
+        status = bound_view(v, own->level, own->adapted, i, &rmse, err);
+        bound.rmse += own->figures[ISO_LEVEL_RMSE][i] / (double)views;
+        bound.bound += rmse / (double)views;
+        const double above = own->figures[ISO_LEVEL_RMSE][i] - rmse;
+        bound.above = isnan(above) || above > bound.above ? above : bound.above;
+    }
+    if (status == ISO_OK)
+        row->bound = bound;
+    return status;
+}
