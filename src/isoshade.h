@@ -219,7 +219,9 @@ typedef struct iso_tf_point {
     double opacity;       /* 0 to 1, after one unit of length */
 } iso_tf_point;
 
-/* Opens a file NAME.tf.json (doc/formats.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+/* Opens a file NAME.tf.json (doc/formats.md), or one of another program that leaves nothing open
+ * (doc/transfer-functions.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY; ISO_E_USAGE: it leaves something open,
+ * and `isoshade tf convert` has to be told what. */
 iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err);
 /* At least two points of rising values; between them color and opacity are linear. opacity is that of unit_mm
  * millimetres: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */

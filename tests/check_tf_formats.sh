@@ -40,7 +40,7 @@ printf '{"volumeProperties": [{"components": [{"scalarOpacity": {"points": [{"x"
 expect steep 0 convert steep.vp.json -o steep.tf.json
 grep -q 'between two entries of the table' out && ok steepness_is_said || not_ok steepness_is_said "$(cat out)"
 expect names_are_listed 0 "$ISOSHADE" tf names "$maps"
-[ "$(cat out)" = "$(printf 'rgb\nhsv\nhsv, wrapped\nlab\nlab out of the gamut\ndiverging\ndiverging from gray\nstep')" ] && ok all_names || not_ok all_names "$(cat out)"
+[ "$(cat out)" = "$(printf 'rgb\nhsv\nhsv, wrapped\nlab\nlab out of the gamut\ndiverging\ndiverging from gray\nstep\nciede2000')" ] && ok all_names || not_ok all_names "$(cat out)"
 
 # ---- every command that takes a transfer function ----------------------------------------------------------------------
 printf '0 0 0 0\n1 1 1 0.5\n' >gray.csv
@@ -74,9 +74,9 @@ sed '0,/"y": 1}/s//"y": 0.5}/' "$curves" >gradient.vp.json
 refuse gradient_opacity 4 'the gradient opacity is 0.5 at 0, only 1 is supported' convert gradient.vp.json --name 1 -o z.tf.json
 sed 's/"shade": false/"transferFunction2D": {}/' "$curves" >two.vp.json
 refuse tf_2d_of_slicer 4 '"transferFunction2D" is not supported' convert two.vp.json --name 2 -o z.tf.json
-sed 's/"Diverging"/"Lab\/CIEDE2000"/' "$maps" >ciede.json
-refuse unknown_space 4 '"Lab/CIEDE2000", must be one of: RGB, HSV, Wrapped, Lab, Diverging, ProLab, Step' \
-    convert ciede.json --name diverging --unit-distance 1 -o z.tf.json
+sed 's/"Diverging"/"Cubehelix"/' "$maps" >other.json
+refuse unknown_space 4 '"Cubehelix", must be one of: RGB, HSV, Wrapped, Lab, Diverging, ProLab, Step, Lab/CIEDE2000' \
+    convert other.json --name diverging --unit-distance 1 -o z.tf.json
 printf '[{"Name": "c", "IndexedColors": [1, 0, 0]}]' >indexed.json
 refuse categories 4 '"c" has colors of categories ("IndexedColors")' convert indexed.json --unit-distance 1 --opacity 1 -o z.tf.json
 printf '[{"Name": "c", "ColorSpace": "RGB", "UseLogScale": 1, "RGBPoints": [1, 0, 0, 0, 2, 1, 1, 1]}]' >log.json

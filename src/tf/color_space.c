@@ -83,7 +83,7 @@ static void rgb_of_xyz(const double xyz[3], double rgb[3])
         rgb[c] = fmax(rgb[c] / most, 0);
 }
 
-static void lab_of(const double rgb[3], double lab[3])
+void iso_color_to_lab(const double rgb[3], double lab[3])
 {
     double f[3];
     xyz_of(rgb, f);
@@ -135,7 +135,7 @@ static void rgb_of_prolab(const double lab[3], double rgb[3])
 static void msh_of(const double rgb[3], double msh[3])
 {
     double lab[3];
-    lab_of(rgb, lab);
+    iso_color_to_lab(rgb, lab);
     msh[0] = sqrt(lab[0] * lab[0] + lab[1] * lab[1] + lab[2] * lab[2]);
     msh[1] = msh[0] > 0.001 ? acos(lab[0] / msh[0]) : 0;
     msh[2] = msh[1] > 0.001 ? atan2(lab[2], lab[1]) : 0;
@@ -203,7 +203,7 @@ void iso_color_mix(iso_color_space space, const double from[3], const double to[
     } ways[] = {[ISO_SPACE_RGB] = {unchanged, unchanged},
                 [ISO_SPACE_HSV] = {hsv_of, rgb_of_hsv},
                 [ISO_SPACE_WRAPPED] = {hsv_of, rgb_of_hsv},
-                [ISO_SPACE_LAB] = {lab_of, rgb_of_lab},
+                [ISO_SPACE_LAB] = {iso_color_to_lab, rgb_of_lab},
                 [ISO_SPACE_PROLAB] = {prolab_of, rgb_of_prolab}};
     if (space == ISO_SPACE_STEP) {
         unchanged(to, rgb);

@@ -27,6 +27,9 @@ void iso_color_mix(iso_color_space space, const double from[3], const double to[
 /* The same for a number: s along the cubic of VTK's vtkPiecewiseFunction. */
 double iso_sharp_mix(double from, double to, double s, double sharpness);
 
+/* CIE L*a*b* of D65 */
+void iso_color_to_lab(const double rgb[3], double lab[3]);
+
 /* IEC 61966-2-1 */
 double iso_srgb_to_linear(double c);
 double iso_linear_to_srgb(double c);

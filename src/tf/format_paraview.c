@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tf/ciede2000.h"
 #include "tf/format.h"
 #include "tf/paraview.h"
 
@@ -14,19 +15,24 @@ static bool looks_like_paraview(const iso_tf_file *file)
 
 /* ---- what the XML form shares ------------------------------------------------------------------------------------ */
 
+bool iso_paraview_is_ciede2000(const char *name)
+{
+    return strcmp(name, "Lab/CIEDE2000") == 0;
+}
+
 iso_status iso_paraview_space(const char *name, const char *path, iso_color_space *space, iso_error *err)
 {
     size_t row = 0;
     iso_error unused;
     *space = ISO_SPACE_LAB;
-    if (strcmp(name, "CIELAB") == 0) /* one of ParaView's own maps says it so */
+    if (strcmp(name, "CIELAB") == 0 || iso_paraview_is_ciede2000(name)) /* one of ParaView's own maps says CIELAB */
         return ISO_OK;
     if (iso_names_find(&iso_color_space_names, name, &row, &unused) == ISO_OK) {
         *space = (iso_color_space)row;
         return ISO_OK;
     }
     char list[160];
-    return iso_fail(err, ISO_E_FORMAT, "%s: the color space is \"%s\", must be one of: %s", path, name,
+    return iso_fail(err, ISO_E_FORMAT, "%s: the color space is \"%s\", must be one of: %s, Lab/CIEDE2000", path, name,
                     iso_names_join(&iso_color_space_names, NULL, list, sizeof list));
 }
 
@@ -122,6 +128,8 @@ static iso_status read_map(const iso_tf_file *file, const json_t *map, iso_tf_cu
         c->space = ISO_SPACE_WRAPPED;
     if (status == ISO_OK)
         status = read_nodes(file, map, "RGBPoints", &c->color, err);
+    if (status == ISO_OK && json_is_string(space) && iso_paraview_is_ciede2000(json_string_value(space)))
+        status = iso_ciede2000_expand(&c->color, file->path, err);
     if (status == ISO_OK)
         status = read_nodes(file, map, "Points", &c->opacity, err);
     iso_paraview_fit(c);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tf/ciede2000.h"
 #include "tf/paraview.h"
 #include "tf/xml.h"
 
@@ -52,13 +53,15 @@ static iso_status read_map(const iso_tf_file *file, const xmlNode *map, iso_tf_c
 {
     char *space = iso_xml_text(map, "space");
     iso_status status = iso_paraview_space(space ? space : "RGB", file->path, &c->space, err);
-    const bool opacities = has_opacities(file, map);
+    const bool opacities = has_opacities(file, map), is_ciede2000 = space && iso_paraview_is_ciede2000(space);
     xmlFree(space);
     if (status == ISO_OK && is_true(map, "indexedLookup"))
         status = iso_fail(err, ISO_E_FORMAT, "%s: has colors of categories (\"indexedLookup\"), not of values",
                           file->path);
     for (const xmlNode *p = iso_xml_child(map, "Point"); p && status == ISO_OK; p = iso_xml_next(map, p, "Point"))
         status = read_point(file, p, c, opacities, err);
+    if (status == ISO_OK && is_ciede2000)
+        status = iso_ciede2000_expand(&c->color, file->path, err);
     iso_paraview_fit(c);
     return status;
 }

@@ -182,7 +182,10 @@ static iso_status measure(const iso_tf_curves *c, iso_tf *tf, iso_error *err)
 
 static iso_status between_corners(resampling *r, const double *corners, size_t count)
 {
-    iso_status status = ISO_OK;
+    /* Beyond the ends the curves may have other values: steps at the first and the last corner. */
+    const iso_tf_point before = point_at(r->curves, corners[0], -INFINITY);
+    const iso_tf_point behind = point_at(r->curves, corners[count - 1], INFINITY);
+    iso_status status = append(r, &before);
     for (size_t i = 0; i + 1 < count && status == ISO_OK; ++i) {
         const double inside = 0.5 * (corners[i] + corners[i + 1]);
         const iso_tf_point a = point_at(r->curves, corners[i], inside), b = point_at(r->curves, corners[i + 1], inside);
@@ -192,7 +195,7 @@ static iso_status between_corners(resampling *r, const double *corners, size_t c
         if (status == ISO_OK)
             status = append(r, &b);
     }
-    return status;
+    return status == ISO_OK ? append(r, &behind) : status;
 }
 
 iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf *tf, iso_error *err)

@@ -32,7 +32,7 @@ def color_function(points, space="RGB", wrap=True):
     f = vtkColorTransferFunction()
     f.SetAllowDuplicateScalars(True)
     f.SetHSVWrap(wrap)
-    getattr(f, "SetColorSpaceTo" + {"CIELAB": "Lab", "Wrapped": "HSV"}.get(space, space))()
+    getattr(f, "SetColorSpaceTo" + {"CIELAB": "Lab", "Wrapped": "HSV", "Lab/CIEDE2000": "LabCIEDE2000"}.get(space, space))()
     for x, color, midpoint, sharpness in points:
         f.AddRGBPoint(x, *color, midpoint, sharpness)
     return f
