@@ -13,6 +13,7 @@
     X(build) \
     X(gradient)       \
     X(levels) \
+    X(noise) \
     X(consistency) \
     X(convergence) \
     X(encode) \

@@ -22,6 +22,7 @@
     X(SOBEL, sobel)               \
     X(CORNERS, corners)           \
     X(FOURTH, fourth)             \
+    X(SMOOTH, smooth)             \
     X(BSPLINE, bspline)
 /* clang-format on */
 

@@ -21,6 +21,8 @@ static void derivative_weights(iso_gradient_method method, size_t i, size_t n, f
         at[0] = -1, at[1] = 1;
     } else if (method == ISO_GRADIENT_FOURTH && i >= 2 && after >= 2) { /* Taylor: f' + O(h^4) */
         at[-2] = 1.0f / 12, at[-1] = -8.0f / 12, at[1] = 8.0f / 12, at[2] = -1.0f / 12;
+    } else if (method == ISO_GRADIENT_SMOOTH && i >= 2 && after >= 2) { /* central differences of means by 1 2 1 */
+        at[-2] = -0.125f, at[-1] = -0.25f, at[1] = 0.25f, at[2] = 0.125f;
     } else if (method == ISO_GRADIENT_FOURTH && i == 0 && n > 2) { /* one-sided, of second order */
         at[0] = -1.5f, at[1] = 2, at[2] = -0.5f;
     } else if (method == ISO_GRADIENT_FOURTH && after == 0 && n > 2) {
@@ -36,13 +38,18 @@ static void derivative_weights(iso_gradient_method method, size_t i, size_t n, f
 
 static bool smooths(iso_gradient_method method)
 {
-    return method == ISO_GRADIENT_SOBEL || method == ISO_GRADIENT_CORNERS;
+    return method == ISO_GRADIENT_SOBEL || method == ISO_GRADIENT_CORNERS || method == ISO_GRADIENT_SMOOTH;
 }
 
-/* 1 2 1 across; at an edge the sample that is missing is the edge's own. */
-static void smoothing_weights(size_t i, size_t n, float w[OFFSETS])
+/* 1 2 1 across, 1 4 6 4 1 of the 5x5x5 operator; at an edge the sample that is missing is the edge's own. */
+static void smoothing_weights(iso_gradient_method method, size_t i, size_t n, float w[OFFSETS])
 {
+    static const float wide[OFFSETS] = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
     memset(w, 0, OFFSETS * sizeof *w);
+    if (method == ISO_GRADIENT_SMOOTH && i >= 2 && i + 2 < n) {
+        memcpy(w, wide, sizeof wide);
+        return;
+    }
     w[MIDDLE] = 0.5f;
     w[i > 0 ? MIDDLE - 1 : MIDDLE] += 0.25f;
     w[i + 1 < n ? MIDDLE + 1 : MIDDLE] += 0.25f;
@@ -88,14 +95,14 @@ static void along_x(iso_gradient_method method, bool derivative, const float *re
             if (derivative)
                 derivative_weights(method, x, n, w);
             else
-                smoothing_weights(x, n, w);
+                smoothing_weights(method, x, n, w);
             stencil_inside(w, row, n, out);
             x = n - 2;
         }
         if (derivative)
             derivative_weights(method, x, n, w);
         else
-            smoothing_weights(x, n, w);
+            smoothing_weights(method, x, n, w);
         out[x] = stencil_at(w, row, x);
     }
 }
@@ -150,8 +157,8 @@ static void stencil_row(const iso_planes *p, iso_gradient_method method, const i
     memcpy(sy, only_middle, sizeof sy);
     memcpy(sz, only_middle, sizeof sz);
     if (smooths(method)) {
-        smoothing_weights(y, p->size[1], sy);
-        smoothing_weights(z, p->size[2], sz);
+        smoothing_weights(method, y, p->size[1], sy);
+        smoothing_weights(method, z, p->size[2], sz);
     }
     for (int a = 0; a < 3; ++a) {
         if (method == ISO_GRADIENT_CORNERS)
@@ -198,6 +205,15 @@ const iso_gradient_info iso_gradient_fourth = {
     .summary = "Taylor-designed, of fourth order, 12 samples",
     .samples = 12,
     .order = 4,
+    .reach = 2,
+    .row = stencil_row,
+};
+
+const iso_gradient_info iso_gradient_smooth = {
+    .name = "smooth",
+    .summary = "5x5x5: central of 1 2 1 along, 1 4 6 4 1 across, 100 samples; for noisy data",
+    .samples = 100,
+    .order = 2,
     .reach = 2,
     .row = stencil_row,
 };
