@@ -44,6 +44,7 @@ SMALL = [
     ("bench render", "--image 16 --runs 1 --size 32"),
     ("bench convergence", "--steps 2 --size 8"),
     ("bench bound", "--size 16 --views 1 --levels 2"),
+    ("bench noise", "--quick --levels 2 --analytic 0"),
     ("bench levels", "--size 16 --views 1 --levels 2 --methods default --tfs soft"),
     ("bench consistency .*--analytic", "--analytic 16 --size 16 --views 1 --level 1"),
     ("bench consistency", "--size 16 --views 1 --level 1 --with gl"),
