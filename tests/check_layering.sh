@@ -33,8 +33,9 @@ validate:   $shared render renderers compare targets report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options
-bench:      $shared render vdb povray blender renderers compare plan report validate options
-cli:        $shared render vdb povray blender renderers compare plan targets report validate chart options atlas bench
+rivals:     $shared render
+bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
+cli:        $shared render vdb povray blender renderers compare plan targets report validate chart options atlas rivals bench
 "
 allowed() { sed -n "s/^$1: *//p" <<<"$table"; } # room: what it may include
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bench/level_methods.h"
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "render/sampler.h"
 #include "test.h"
 

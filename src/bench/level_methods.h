@@ -7,7 +7,7 @@
 #ifndef ISO_BENCH_LEVEL_METHODS_H
 #define ISO_BENCH_LEVEL_METHODS_H
 
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "pyramid/pyramid.h"
 #include "scene/field.h"
 #include "tf/adapt.h"

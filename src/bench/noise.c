@@ -27,7 +27,7 @@ typedef struct noise_run {
     const iso_cli *cli;
     iso_volume_input input;
     int views, size, levels, analytic_size, quick;
-    double noise;
+    double noise, deviation; /* deviation: of named volumes; below 0: estimated */
     const char *scalar_filter;
     iso_scalar_filter filter;
     iso_renderers renderers;
@@ -204,7 +204,7 @@ static void note_row(noise_run *run, const noise_subject *s, int row, const nois
                                     r->finest_to_truth, "levels", levels));
     if (run->cli->json)
         return;
-    printf("%-22s %.3f %-8s %6.2f %8.4f ", s->name, s->deviation, name, angle, r->finest_to_truth);
+    printf("%-22s %.4f %-8s %6.2f %8.4f ", s->name, s->deviation, name, angle, r->finest_to_truth);
     for (size_t k = 1; k < s->truth.level_count; ++k)
         printf("  %.4f %.4f %.4f", r->to_own[k], r->to_true_directions[k], r->to_truth[k]);
     if (row == TRUTH) {
@@ -258,7 +258,7 @@ static iso_status run_analytic(noise_run *run, iso_field_kind kind, double noise
 }
 
 /* The volume as floats, and denoised. */
-static iso_status denoise_volume(noise_subject *s, iso_error *err)
+static iso_status denoise_volume(const noise_run *run, noise_subject *s, iso_error *err)
 {
     const size_t *n = s->noisy.geometry.size, count = iso_geometry_voxel_count(&s->noisy.geometry);
     float *values = malloc(count * sizeof *values);
@@ -274,6 +274,8 @@ static iso_status denoise_volume(noise_subject *s, iso_error *err)
     }
     if (status == ISO_OK)
         status = iso_noise_estimate(values, n, &deviation, err);
+    if (run->deviation >= 0)
+        deviation = run->deviation * (high - low);
     if (status == ISO_OK)
         status = iso_denoise(values, n, deviation, s->clean.data, err);
     s->deviation = high > low ? deviation / (high - low) : 0;
@@ -286,7 +288,7 @@ static iso_status run_file(noise_run *run, const char *path, iso_error *err)
     noise_subject s = {.name = iso_path_base(path)};
     iso_status status = iso_volume_input_load(path, &run->input, &s.noisy, err);
     if (status == ISO_OK)
-        status = denoise_volume(&s, err);
+        status = denoise_volume(run, &s, err);
     if (status == ISO_OK)
         return run_subject(run, &s, err);
     iso_volume_destroy(&s.noisy);
@@ -308,7 +310,7 @@ static iso_status run_all(noise_run *run, iso_error *err)
     double done = 0;
     iso_cli_expect(run->cli, &(iso_cli_stage){"noise", 1}, 1);
     if (!run->cli->json)
-        printf("DSSIM; of each level to: its own level 0, the true directions on its values, the truth\n%-22s %5s %-8s "
+        printf("DSSIM; of each level to: its own level 0, the true directions on its values, the truth\n%-22s %6s %-8s "
                "%6s %8s   levels 1, 2 ...\n",
                "volume", "noise", "by", "angle", "level 0");
     iso_status status = ISO_OK;
@@ -335,6 +337,8 @@ static iso_status check_options(noise_run *run, iso_error *err)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--noise", run->noise, 0, 1, err);
+    if (status == ISO_OK && run->deviation != -1)
+        status = iso_words_check_range("--deviation", run->deviation, 0, 1, err);
     if (status == ISO_OK && iso_scalar_filter_from_name(run->scalar_filter, &run->filter, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--scalar-filter");
     return status;
@@ -342,14 +346,21 @@ static iso_status check_options(noise_run *run, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    noise_run r = {
-        .views = 6, .size = 160, .levels = 4, .analytic_size = 96, .noise = 0.05, .scalar_filter = "least-squares"};
+    noise_run r = {.views = 6,
+                   .size = 160,
+                   .levels = 4,
+                   .analytic_size = 96,
+                   .noise = 0.05,
+                   .deviation = -1,
+                   .scalar_filter = "least-squares"};
     iso_volume_input_defaults(&r.input);
     struct poptOption options[] = {
         {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.noise, 0,
          "standard deviation, of the values' range of 1", "PART"},
         {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.analytic_size, 0,
          "voxels along an edge of the analytic volumes; 0: none", "N"},
+        {"deviation", 0, POPT_ARG_DOUBLE, &r.deviation, 0,
+         "of the noise of volumes that are named, as a part of their range; else it is estimated", "PART"},
         {"scalar-filter", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.scalar_filter, 0, "of all levels", "NAME"},
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0, "of an icosahedron's faces, at most 20",
          "N"},

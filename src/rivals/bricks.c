@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* rivals_bricks.c - a transfer function adapted to each brick of a level, blended between the bricks' centers. */
+/* bricks.c - a transfer function adapted to each brick of a level, blended between the bricks' centers. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 #include "tf/adapt.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* rivals_classified.c - levels that store colors: the fine voxels are classified first and averaged then. */
+/* classified.c - levels that store colors: the fine voxels are classified first and averaged then. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/parallel.h"
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* rivals_deviation.c - a mean and a deviation a voxel, and the transfer function under their Gaussian. */
+/* deviation.c - a mean and a deviation a voxel, and the transfer function under their Gaussian. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/parallel.h"
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* rivals_sggx.c - directions of a voxel as a distribution of microflakes [heitz-2015]. */
+/* sggx.c - directions of a voxel as a distribution of microflakes [heitz-2015]. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/parallel.h"
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 

@@ -4,8 +4,8 @@
  * They are made from the level and the fine voxels under it, at float precision: what is measured is the best that a
  * method can do, before its own quantization. Each is an emitter of the reference (render/reference.h); shading is by
  * the level's own directions, unless the method is about directions. */
-#ifndef ISO_BENCH_RIVALS_H
-#define ISO_BENCH_RIVALS_H
+#ifndef ISO_RIVALS_H
+#define ISO_RIVALS_H
 
 #include "pyramid/pyramid.h"
 #include "render/reference.h"

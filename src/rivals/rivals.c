@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bench/rivals.h"
+#include "rivals/rivals.h"
 
 void iso_rival_destroy(iso_rival *r)
 {
