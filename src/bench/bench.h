@@ -17,6 +17,7 @@
     X(consistency) \
     X(convergence) \
     X(encode) \
+    X(extinction_scale) \
     X(palette) \
     X(power) \
     X(plan) \

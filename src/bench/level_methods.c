@@ -6,6 +6,14 @@
 #include <string.h>
 
 #include "bench/level_scene.h"
+#include "fit/extinction_scale.h"
+
+/* Made for the transfer function that the level is shown by. */
+static iso_status scale_extinction(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return iso_extinction_scale_level(s->pyramid, s->level, s->tf, &shown->tf, s->threads, &shown->extinction_scale,
+                                      err);
+}
 
 /* The first is the default of `build`, and of what shows it with an adapted transfer function. */
 static const iso_level_method methods[] = {
@@ -103,6 +111,30 @@ static const iso_level_method methods[] = {
      .rival = iso_rival_sggx,
      .bytes = 6,
      .fetches = 3},
+    {.name = "scaled",
+     .summary = "always, and an extinction scale: --adapt --extinction-scale",
+     .treatment = ISO_LEVEL_TF_ALWAYS,
+     .make = scale_extinction,
+     .bytes = 4,
+     .fetches = 2},
+    {.name = "scaled-judged",
+     .summary = "default, and an extinction scale",
+     .treatment = ISO_LEVEL_TF_ADAPTED,
+     .make = scale_extinction,
+     .bytes = 4,
+     .fetches = 2},
+    {.name = "scaled-original",
+     .summary = "the original TF, and an extinction scale",
+     .make = scale_extinction,
+     .bytes = 4,
+     .fetches = 2},
+    {.name = "scaled-least-squares",
+     .summary = "scaled, of the least-squares scalar",
+     .scalar = ISO_SCALAR_LEAST_SQUARES,
+     .treatment = ISO_LEVEL_TF_ALWAYS,
+     .make = scale_extinction,
+     .bytes = 4,
+     .fetches = 2},
 };
 _Static_assert(sizeof methods / sizeof *methods <= ISO_LEVEL_MAX_METHODS, "arrays by method are as long");
 
@@ -176,5 +208,6 @@ void iso_level_shown_destroy(iso_level_shown *shown)
     free(shown->scalar);
     free(shown->bytes);
     iso_rival_destroy(&shown->rival);
+    free(shown->extinction_scale);
     *shown = (iso_level_shown){0};
 }

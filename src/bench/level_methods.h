@@ -30,6 +30,7 @@ typedef struct iso_level_shown {
     float *scalar;   /* an array that `make` puts into the level; freed with this */
     uint8_t *bytes;  /* likewise */
     iso_rival rival; /* rendered by the reference instead of the level's scalar and the TF, where it has an emitter */
+    uint8_t *extinction_scale; /* a byte a voxel (fit/extinction_scale.h), or NULL; freed with this */
 } iso_level_shown;
 
 typedef struct iso_level_method {

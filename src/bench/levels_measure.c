@@ -122,6 +122,7 @@ static iso_status render_shown(iso_levels_run *run, const iso_level_method *m, c
     shows.levels = levels;
     own.tf = shown->tf;
     own.tf_2d = shown->has_tf_2d ? &shown->tf_2d : NULL;
+    own.extinction_scale = shown->extinction_scale;
     if (shown->rival.emitter.emit)
         return render_rival(run, s, shown, &own, image, err);
     return render(run, &shows, s->level, &own, m->source, image, err);

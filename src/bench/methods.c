@@ -43,7 +43,7 @@ const iso_bench_method iso_bench_methods[ISO_BENCH_METHOD_COUNT] = {
     {.name = "original-scaled", .options = {.bits = 8}, .extinction_scale = true},
     {.name = "default-scaled",
      .adapt = true,
-     .options = {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true},
+     .options = {.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8},
      .extinction_scale = true},
 };
 

@@ -8,7 +8,7 @@
 #include "fit/interpolation.h"
 #include "fit/opacity_kernel.h"
 
-enum { ROUNDS = 3 };
+enum { ROUNDS = 3, SCRATCH_ROWS = 3 };
 
 /* Added to both sums, as a part of all weights of a coarse voxel: a trace of opacity says little about q. */
 static const float trace = 1e-3f;
@@ -26,6 +26,7 @@ struct iso_extinction_scaler {
     range *ranges;           /* of each run */
     uint8_t *wanted;         /* whether the transfer functions show anything of it */
     float *octaves;          /* log2 q, a coarse voxel each */
+    float *slope;            /* of the level's scalar: how far values reach inside a fine voxel */
     float *target, *present; /* the two sums */
 };
 
@@ -37,6 +38,7 @@ void iso_extinction_scaler_destroy(iso_extinction_scaler *s)
     free(s->ranges);
     free(s->wanted);
     free(s->octaves);
+    free(s->slope);
     free(s->target);
     free(s->present);
     free(s);
@@ -53,18 +55,56 @@ static const float *fine_row(const iso_extinction_scaler *s, const iso_fine_row 
     return s->fine->scalar + row->x + a[0].fine_size * (row->y + a[1].fine_size * row->z);
 }
 
+/* Rows beside one of a level. At the grid's faces one of both is the row itself. */
+static iso_stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
+{
+    const size_t *n = l->geometry.size, row = n[0], plane = row * n[1];
+    const float *middle = l->scalar + y * row + z * plane;
+    const bool low[2] = {y > 0, z > 0}, high[2] = {y + 1 < n[1], z + 1 < n[2]};
+    return (iso_stencil_rows){.middle = middle,
+                              .y = {low[0] ? middle - row : middle, high[0] ? middle + row : middle},
+                              .z = {low[1] ? middle - plane : middle, high[1] ? middle + plane : middle},
+                              .y_scale = low[0] && high[0] ? 0.5f : 1,
+                              .z_scale = low[1] && high[1] ? 0.5f : 1};
+}
+
+/* Of the level, for the size of a fine voxel. */
+static void measure_slopes(iso_extinction_scaler *s)
+{
+    const size_t *n = s->coarse->geometry.size;
+    const float part = 1.0f / (float)((size_t)1 << s->level);
+    const int threads = iso_threads(s->threads);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y) {
+            const iso_stencil_rows rows = stencil_of(s->coarse, y, z);
+            float *slope = s->slope + n[0] * (y + n[1] * z);
+            iso_slope_row(&rows, 0, n[0], n[0], slope);
+            for (size_t x = 0; x < n[0]; ++x)
+                slope[x] *= part;
+        }
+}
+
+static void fine_slopes(const iso_extinction_scaler *s, const iso_fine_row *row, float *slope)
+{
+    const iso_stencil_rows rows = stencil_of(s->fine, row->y, row->z);
+    iso_slope_row(&rows, row->x, row->count, s->map.axis[0].fine_size, slope);
+}
+
 static void note_ranges(void *context, const iso_fine_row *row)
 {
     iso_extinction_scaler *s = context;
-    const float *own = fine_row(s, row), *shown = row->values[0];
+    const float *own = fine_row(s, row), *shown = row->values[0], *shown_width = row->values[1];
+    float *own_width = row->results[0];
+    fine_slopes(s, row, own_width);
     range *r = s->ranges + runs_in_row(s) * (row->y + s->map.axis[1].fine_size * row->z);
     for (size_t begin = 0; begin < row->count; begin += ISO_FIT_RUN, ++r) {
         const size_t end = begin + ISO_FIT_RUN < row->count ? begin + ISO_FIT_RUN : row->count;
         *r = (range){own[begin], own[begin]};
         for (size_t i = begin; i < end; ++i) {
-            const float low = own[i] < shown[i] ? own[i] : shown[i], high = own[i] < shown[i] ? shown[i] : own[i];
-            r->min = low < r->min ? low : r->min;
-            r->max = high > r->max ? high : r->max;
+            const float a = 0.5f * own_width[i], b = 0.5f * shown_width[i];
+            r->min = fminf(r->min, fminf(own[i] - a, shown[i] - b));
+            r->max = fmaxf(r->max, fmaxf(own[i] + a, shown[i] + b));
         }
     }
 }
@@ -96,14 +136,22 @@ iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *
         s->ranges = malloc(runs * sizeof *s->ranges);
         s->wanted = malloc(runs);
         s->octaves = malloc(voxels * sizeof *s->octaves);
+        s->slope = malloc(voxels * sizeof *s->slope);
         s->target = malloc(voxels * sizeof *s->target);
         s->present = malloc(voxels * sizeof *s->present);
-        if (!s->ranges || !s->wanted || !s->octaves || !s->target || !s->present)
+        if (!s->ranges || !s->wanted || !s->octaves || !s->slope || !s->target || !s->present)
             status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for %zu voxels", voxels);
     }
     if (status == ISO_OK) {
-        const float *const shown = coarse->scalar;
-        const iso_interpolation_pass pass = {.input_count = 1, .inputs = &shown, .function = note_ranges, .context = s};
+        measure_slopes(s);
+        /* The output is a place for rows of widths alone. */
+        const float *const inputs[] = {coarse->scalar, s->slope};
+        const iso_interpolation_pass pass = {.input_count = 2,
+                                             .inputs = inputs,
+                                             .output_count = 1,
+                                             .outputs = &s->present,
+                                             .function = note_ranges,
+                                             .context = s};
         status = iso_interpolation_run(&s->map, &pass, threads, err);
     }
     if (status != ISO_OK) {
@@ -132,7 +180,8 @@ static iso_status shown_tf_create(shown_tf *t, const iso_tf_table *tf, double le
 {
     const size_t n = tf->count;
     const double scale = length_mm / log(2.0);
-    float *depth = t->owned = malloc(2 * n * sizeof *t->owned), *slope = depth + n;
+    float *depth = t->owned = malloc(4 * n * sizeof *t->owned), *slope = depth + n, *sum = slope + n, *rest = sum + n;
+    double integral = 0;
     t->shown_below = calloc(n + 1, sizeof *t->shown_below);
     if (!t->owned || !t->shown_below)
         return iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for %zu entries", n);
@@ -140,13 +189,19 @@ static iso_status shown_tf_create(shown_tf *t, const iso_tf_table *tf, double le
         depth[i] = (float)((double)tf->entries[4 * i + 3] * scale);
         t->shown_below[i + 1] = t->shown_below[i] + (depth[i] > 0);
     }
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; ++i) {
         slope[i] = i + 1 < n ? depth[i + 1] - depth[i] : 0;
+        sum[i] = (float)integral;
+        rest[i] = (float)(integral - (double)sum[i]);
+        integral += (double)depth[i] + 0.5 * (double)slope[i];
+    }
     t->table = (iso_depth_table){.lo = (float)tf->lo,
                                  .entries_per_value = (float)((double)(n - 1) / (tf->hi - tf->lo)),
                                  .last = (float)(n - 1),
                                  .depth = depth,
-                                 .slope = slope};
+                                 .slope = slope,
+                                 .sum = sum,
+                                 .rest = rest};
     return ISO_OK;
 }
 
@@ -182,7 +237,7 @@ static size_t find_seen(iso_extinction_scaler *s, const shown_tf *original, cons
 /* Square distances are summed as integers, which come out alike whatever thread adds what. */
 typedef struct thread_sum {
     int64_t square;
-    float *alpha; /* of a fine row */
+    float *scratch; /* of fine rows */
     char padding[48];
 } thread_sum;
 static const double square_unit = 1 << 20;
@@ -202,25 +257,29 @@ static void add_square(const round_context *c, const iso_fine_row *row, const fl
 static void first_round(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
-    iso_opacity_row(&c->own->table, row->values[0], row->count, row->results[0]);
-    iso_opacity_row(&c->original->table, fine_row(c->s, row), row->count, row->results[1]);
+    float *width = c->sums[row->thread].scratch;
+    iso_opacity_row(&c->own->table, row->values[0], row->values[1], row->count, row->results[0]);
+    fine_slopes(c->s, row, width);
+    iso_opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, row->results[1]);
     add_square(c, row, row->results[0], row->results[1]);
 }
 
 static void later_round(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
-    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->count, row->results[0]);
+    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, row->results[0]);
 }
 
 /* How far the opacities are that the bytes give. */
 static void last_look(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
-    iso_opacity_row(&c->original->table, fine_row(c->s, row), row->count, c->sums[row->thread].alpha);
-    float *own = c->sums[row->thread].alpha + c->s->map.axis[0].fine_size;
-    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->count, own);
-    add_square(c, row, own, c->sums[row->thread].alpha);
+    const size_t n = c->s->map.axis[0].fine_size;
+    float *width = c->sums[row->thread].scratch, *fine = width + n, *shown = fine + n;
+    fine_slopes(c->s, row, width);
+    iso_opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, fine);
+    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, shown);
+    add_square(c, row, shown, fine);
 }
 
 static const float least_octaves = -6, most_octaves = 3;
@@ -238,7 +297,7 @@ static iso_status pass(const round_context *c, size_t input_count, size_t output
                        iso_error *err)
 {
     const iso_extinction_scaler *s = c->s;
-    const float *inputs[] = {s->coarse->scalar, s->octaves};
+    const float *inputs[] = {s->coarse->scalar, s->slope, s->octaves};
     float *outputs[] = {s->present, s->target};
     const iso_interpolation_pass p = {.input_count = input_count,
                                       .inputs = inputs,
@@ -275,16 +334,16 @@ static iso_status run_rounds(iso_extinction_scaler *s, const round_context *c, u
 {
     const int threads = iso_threads(s->threads);
     memset(s->octaves, 0, s->map.coarse_count * sizeof *s->octaves);
-    iso_status status = pass(c, 1, 2, first_round, err);
+    iso_status status = pass(c, 2, 2, first_round, err);
     squares[0] = take_sum(c->sums, threads);
     for (int round = 1; status == ISO_OK && round <= ROUNDS; ++round) {
         multiply(s);
         if (round < ROUNDS)
-            status = pass(c, 2, 1, later_round, err);
+            status = pass(c, 3, 1, later_round, err);
     }
     quantize(s, bytes);
     if (status == ISO_OK)
-        status = pass(c, 2, 0, last_look, err);
+        status = pass(c, 3, 0, last_look, err);
     squares[1] = take_sum(c->sums, threads);
     if (!(squares[1] < squares[0])) {
         memset(bytes, ISO_EXTINCTION_SCALE_ONE, s->map.coarse_count);
@@ -302,10 +361,10 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
     shown_tf tfs[2] = {{.owned = NULL}};
     double squares[2] = {0};
     thread_sum *sums = calloc((size_t)threads, sizeof *sums);
-    float *alphas = malloc((size_t)threads * 2 * row * sizeof *alphas);
-    iso_status status = sums && alphas ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
+    float *rows = malloc((size_t)threads * SCRATCH_ROWS * row * sizeof *rows);
+    iso_status status = sums && rows ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
     for (int t = 0; t < threads && status == ISO_OK; ++t)
-        sums[t].alpha = alphas + (size_t)t * 2 * row;
+        sums[t].scratch = rows + (size_t)t * SCRATCH_ROWS * row;
     if (status == ISO_OK)
         status = shown_tf_create(&tfs[0], original, length_mm, err);
     if (status == ISO_OK)
@@ -321,7 +380,7 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
     shown_tf_destroy(&tfs[0]);
     shown_tf_destroy(&tfs[1]);
     free(sums);
-    free(alphas);
+    free(rows);
     return status;
 }
 

@@ -11,10 +11,12 @@
  * A transfer function adapted to a level (tf/adapt.h) is right in the mean over all voxels of one value; q is right in
  * each neighborhood. It is made for one transfer function, by rounds over the fine voxels that it shows:
  *
- *     q_j <- q_j  sum_x hat_j(x) a_0(x) / sum_x hat_j(x) a(x),    a(x) = 1 - exp(-q(x) sigma_k(s(x)) h)
+ *     q_j <- q_j  sum_x hat_j(x) a_0(x) / sum_x hat_j(x) a(x),    a(x) = 1 - exp(-q(x) m_k(x) h)
  *
  * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity under
- * the original transfer function, sigma_k the level's, h the spacing of level 0. Sums that are nearly 0 leave q as it is.
+ * the original transfer function, h the spacing of level 0, m_k the mean extinction under the level's transfer function
+ * of the values within half a gradient's length of s(x): of what is in a fine voxel there, as a_0 has it of level 0. Sums
+ * that are nearly 0 leave q as it is.
  *
  * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
  * Cost: doc/results/extinction-scale.md. */

@@ -23,13 +23,30 @@ static inline __attribute__((always_inline)) float power_of_two(float x)
     return whole * (p * f + 1);
 }
 
-static inline __attribute__((always_inline)) float depth_of(const iso_depth_table *t, float value)
+/* A place in the table, and the integral from its entry to there. */
+typedef struct place {
+    int32_t entry;
+    float part;
+} place;
+
+static inline __attribute__((always_inline)) place place_of(const iso_depth_table *t, float x)
 {
-    float x = (value - t->lo) * t->entries_per_value;
-    x = x > 0 ? x : 0;
-    x = x < t->last ? x : t->last;
-    const int32_t i = (int32_t)x;
-    return t->depth[i] + (x - (float)i) * t->slope[i];
+    float inside = x > 0 ? x : 0;
+    inside = inside < t->last ? inside : t->last;
+    const int32_t i = (int32_t)inside;
+    const float f = inside - (float)i, depth = t->depth[i] + f * t->slope[i];
+    return (place){i, f * 0.5f * (t->depth[i] + depth) + (x - inside) * depth};
+}
+
+/* Narrow ranges are taken a little wider: their integral would be all rounding. */
+static inline __attribute__((always_inline)) float depth_of(const iso_depth_table *t, float value, float width)
+{
+    const float narrow = 1.0f / 64, wide = width * t->entries_per_value;
+    const float range = wide > narrow ? wide : narrow, x = (value - t->lo) * t->entries_per_value;
+    const place a = place_of(t, x - 0.5f * range), b = place_of(t, x + 0.5f * range);
+    const float whole = (t->sum[b.entry] - t->sum[a.entry]) + (t->rest[b.entry] - t->rest[a.entry]);
+    const float depth = (whole + (b.part - a.part)) / range;
+    return depth > 0 ? depth : 0;
 }
 
 static inline __attribute__((always_inline)) float opacity_of(float depth)
@@ -37,20 +54,53 @@ static inline __attribute__((always_inline)) float opacity_of(float depth)
     return 1 - power_of_two(depth < 125 ? -depth : -125.0f);
 }
 
-ISO_SIMD void iso_opacity_row(const iso_depth_table *table, const float *restrict value, size_t n,
-                              float *restrict alpha)
+ISO_SIMD void iso_opacity_row(const iso_depth_table *table, const float *restrict value, const float *restrict width,
+                              size_t n, float *restrict alpha)
 {
     const iso_depth_table t = *table;
     for (size_t i = 0; i < n; ++i)
-        alpha[i] = opacity_of(depth_of(&t, value[i]));
+        alpha[i] = opacity_of(depth_of(&t, value[i], width[i]));
 }
 
 ISO_SIMD void iso_opacity_row_scaled(const iso_depth_table *table, const float *restrict value,
-                                     const float *restrict octaves, size_t n, float *restrict alpha)
+                                     const float *restrict width, const float *restrict octaves, size_t n,
+                                     float *restrict alpha)
 {
     const iso_depth_table t = *table;
     for (size_t i = 0; i < n; ++i)
-        alpha[i] = opacity_of(depth_of(&t, value[i]) * power_of_two(octaves[i]));
+        alpha[i] = opacity_of(depth_of(&t, value[i], width[i]) * power_of_two(octaves[i]));
+}
+
+ISO_SIMD static void slope_inside(const iso_stencil_rows *r, size_t first, size_t count, float *restrict slope)
+{
+    const float *restrict m = r->middle + first;
+    const float *restrict y0 = r->y[0] + first, *restrict y1 = r->y[1] + first;
+    const float *restrict z0 = r->z[0] + first, *restrict z1 = r->z[1] + first;
+    const float sy = r->y_scale, sz = r->z_scale;
+    for (size_t i = 0; i < count; ++i) {
+        const float x = 0.5f * (m[i + 1] - (m - 1)[i]), y = sy * (y1[i] - y0[i]), z = sz * (z1[i] - z0[i]);
+        slope[i] = __builtin_sqrtf(x * x + y * y + z * z);
+    }
+}
+
+/* At an end of a row: from this voxel to that one. */
+static float slope_at_end(const iso_stencil_rows *r, size_t at, size_t from, size_t to)
+{
+    const float x = r->middle[to] - r->middle[from], y = r->y_scale * (r->y[1][at] - r->y[0][at]),
+                z = r->z_scale * (r->z[1][at] - r->z[0][at]);
+    return __builtin_sqrtf(x * x + y * y + z * z);
+}
+
+void iso_slope_row(const iso_stencil_rows *rows, size_t first, size_t count, size_t row_length, float *restrict slope)
+{
+    const size_t end = first + count, begin_inside = first > 0 ? first : 1;
+    const size_t end_inside = end < row_length ? end : row_length - 1;
+    if (begin_inside < end_inside)
+        slope_inside(rows, begin_inside, end_inside - begin_inside, slope + (begin_inside - first));
+    if (first == 0)
+        slope[0] = slope_at_end(rows, 0, 0, row_length > 1 ? 1 : 0);
+    if (end == row_length)
+        slope[count - 1] = slope_at_end(rows, end - 1, row_length > 1 ? end - 2 : 0, end - 1);
 }
 
 ISO_SIMD float iso_square_distance(const float *restrict a, const float *restrict b, size_t n)

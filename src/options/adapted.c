@@ -104,6 +104,8 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
     iso_adapt_options opt;
     iso_second_value second;
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
+    if (a->extinction_scale)
+        opt.fall_back = false;
     if (status == ISO_OK)
         status = iso_cli_adapt_second_value(a, &second, err);
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)

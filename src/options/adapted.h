@@ -52,7 +52,7 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
 
 /* Replaces view->tf by the transfer function adapted to `level` when it is wanted; with --tf-2d and a coarse level
  * sets view->tf_2d too, whether adapting pays or not; with --extinction-scale and a coarse level view->extinction_scale, made
- * for the transfer function that the view has then. path: what p was loaded from; a pyramid on disk keeps its
+ * for the transfer function that the view has then; that one is adapted whatever small views say, which see no scale. path: what p was loaded from; a pyramid on disk keeps its
  * histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err);

@@ -2,12 +2,13 @@
 /* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
  *
  * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it; with the pyramid's own directions also under 2D transfer functions. Renderers by the same samples
+ * adapting changes it; with the pyramid's own directions also with extinction scales and under 2D transfer functions. Renderers by the same samples
  * where those are known, else by their limits; exports carry directions, so that programs have no gradients on the fly. The
  * quick run keeps to the renderers of this process. */
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "fit/extinction_scale.h"
 #include "validate/validate.h"
 
 /* The view with fewer pixels; borrowed, so not to be destroyed. */
@@ -54,6 +55,7 @@ typedef struct used_tf {
 } used_tf;
 static const used_tf original_tf = {"", "", ""}, adapted_tf = {", adapted TF", "adapted-", " --adapt"},
                      deviation_tf = {", 2D TF (deviation)", "deviation-", " --adapt --tf-2d deviation"},
+                     scaled_tf = {", extinction scale", "scaled-", " --adapt --extinction-scale"},
                      gradient_tf = {", 2D TF (gradient)", "gradient-", " --adapt --tf-2d gradient"};
 
 /* The validation of one row's kind: copy of v with another pyramid, view and name. */
@@ -93,6 +95,25 @@ static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const i
     return status;
 }
 
+/* With an extinction scale, and the transfer function adapted whatever small views say. */
+static iso_status compare_scaled(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level,
+                                 const iso_view *small, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_view view = *small; /* borrowed, but for what is made here */
+    opt.threads = v->threads;
+    opt.fall_back = false;
+    iso_status status = iso_adapt_level(p, NULL, level, &v->view->tf, &opt, &view.tf, NULL, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_extinction_scale_level(p, level, &v->view->tf, &view.tf, v->threads, &view.extinction_scale, err);
+    if (status == ISO_OK)
+        status = compare(v, p, m, level, &view, &scaled_tf, err);
+    free(view.extinction_scale);
+    iso_tf_table_destroy(&view.tf);
+    return status;
+}
+
 /* A way to make directions, and the pyramid that was made so. */
 typedef struct made_pyramid {
     const iso_method *method;
@@ -112,6 +133,8 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     view.tf = v->level_tfs[level].table;
     if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
+    if (status == ISO_OK && covered && level > 0)
+        status = compare_scaled(v, p, m, level, &view, err);
     for (int second = ISO_SECOND_VALUE_DEVIATION;
          second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++second)
         status = compare_tf_2d(v, p, m, level, &view, (iso_second_value)second, err);
