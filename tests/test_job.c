@@ -31,30 +31,39 @@ static double between(iso_random *r, double factor)
     return pow(factor, 2 * iso_random_unit(r) - 1);
 }
 
-static void add(iso_job *job, truth *t, size_t phase, size_t lane, const char *name, size_t kind, double cost,
-                const errors *e, iso_random *r)
+/* What is laid out: the job as it is forecast, and what it will really take. */
+typedef struct layout {
+    iso_job *job;
+    truth *t;
+    const errors *e;
+    iso_random *r;
+} layout;
+
+static void add(const layout *l, size_t phase, size_t lane, const char *name, size_t kind, double cost)
 {
-    iso_job_add_part(job, name, e->flat ? "any" : kind_names[kind], e->flat ? 1 : cost);
-    t->seconds[phase][lane][t->parts[phase][lane]++] = cost * e->kind[kind] * between(r, e->part);
+    truth *t = l->t;
+    iso_job_add_part(l->job, name, l->e->flat ? "any" : kind_names[kind], l->e->flat ? 1 : cost);
+    t->seconds[phase][lane][t->parts[phase][lane]++] = cost * l->e->kind[kind] * between(l->r, l->e->part);
 }
 
 static iso_job *lay_out(truth *t, const errors *e, int cores, iso_random *r)
 {
     iso_job *job = iso_job_create(cores);
+    const layout to = {job, t, e, r};
     char name[64];
     memset(t, 0, sizeof *t);
     iso_job_add_phase(job, "calibration", KINDS);
     for (size_t k = 0; k < KINDS; ++k, t->lanes[0]++) {
         iso_job_add_lane(job);
         snprintf(name, sizeof name, "calibration of %s", kind_names[k]);
-        add(job, t, 0, k, name, k, 0.2 * kind_cost[k], e, r);
+        add(&to, 0, k, name, k, 0.2 * kind_cost[k]);
     }
     iso_job_add_phase(job, "agreement", KINDS);
     for (size_t l = 0; l < LEVELS; ++l, t->lanes[1]++) {
         iso_job_add_lane(job);
         for (size_t k = 0; k < KINDS; ++k) {
             snprintf(name, sizeof name, "level %zu: %s", l, kind_names[k]);
-            add(job, t, 1, l, name, k, kind_cost[k] * (0.4 + 0.6 / (double)((size_t)1 << l)), e, r);
+            add(&to, 1, l, name, k, kind_cost[k] * (0.4 + 0.6 / (double)((size_t)1 << l)));
         }
     }
     iso_job_add_phase(job, "consistency", 1);
@@ -62,7 +71,7 @@ static iso_job *lay_out(truth *t, const errors *e, int cores, iso_random *r)
     t->lanes[2] = 1;
     for (size_t v = 0; v < VIEWS; ++v) {
         snprintf(name, sizeof name, "view %zu", v);
-        add(job, t, 2, 0, name, 1, kind_cost[1], e, r);
+        add(&to, 2, 0, name, 1, kind_cost[1]);
     }
     return job;
 }
