@@ -142,19 +142,23 @@ static iso_status run_case(bound_bench *b, bound_case *c, iso_error *err)
     return status;
 }
 
-static iso_status run_volume(bound_bench *b, const char *path, iso_error *err)
+static iso_status run_volume(bound_bench *b, size_t volume, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(b->cli);
+    const char *path = b->cli->arguments[volume];
+    const double cases = (double)ISO_LEVEL_TF_COUNT * b->views, all = cases * (double)b->cli->argument_count;
+    const iso_progress progress = iso_cli_progress(b->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p = {0};
     build.level_count = (size_t)b->levels;
     build.threads = b->cli->threads;
-    iso_status status = iso_subject_load_pyramid(path, &b->input, &build, &progress, &p, err);
+    iso_status status = iso_subject_load_pyramid(path, &b->input, &build, NULL, &p, err);
     for (int t = 0; t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t)
-        for (int view = 0; view < b->views && status == ISO_OK; ++view)
+        for (int view = 0; view < b->views && status == ISO_OK; ++view) {
+            iso_progress_report(&progress, "cases", ((double)volume * cases + t * b->views + view) / all);
             status = run_case(
                 b, &(bound_case){.volume = iso_path_base(path), .pyramid = &p, .tf = &iso_level_tfs[t], .number = view},
                 err);
+        }
     iso_pyramid_destroy(&p);
     return status;
 }
@@ -190,8 +194,9 @@ static iso_status run_all(bound_bench *b, iso_error *err)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && !b->cli->json)
         printf("%-22s %-13s view k %-8s  %-7s  %-7s  factor\n", "volume", "tf", "tf", "RMSE", "bound");
+    iso_cli_expect(b->cli, &(iso_cli_stage){"cases", 1}, 1);
     for (size_t i = 0; i < b->cli->argument_count && status == ISO_OK; ++i)
-        status = run_volume(b, b->cli->arguments[i], err);
+        status = run_volume(b, i, err);
     if (status == ISO_OK)
         report(b);
     json_decref(b->cases);

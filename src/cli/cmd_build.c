@@ -152,7 +152,9 @@ static iso_status build(const iso_cli *cli, const iso_volume_input *input, const
     iso_pyramid_options opt;
     iso_stream_report report;
     iso_progress progress = iso_cli_progress(cli);
-    iso_cli_expect(cli, &(iso_cli_stage){"build", 1}, 1);
+    const iso_cli_stage stages[] = {{"directions", 1}, {"build", 2}};
+    const bool is_given = !in->direction_filter || strcmp(in->direction_filter, "auto") != 0;
+    iso_cli_expect(cli, stages + is_given, 2 - (size_t)is_given);
     open_user user = {path, input};
     const iso_stream_input source = {open_input, &user, path};
     const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576),

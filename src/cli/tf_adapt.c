@@ -91,6 +91,13 @@ iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, bool small_views, 
     return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
 }
 
+void iso_cli_tf_expect_levels(const iso_cli *cli)
+{
+    const iso_cli_stage stages[] = {{"pyramid", 1}, {ISO_TF_LEVELS_STAGE, 4}};
+    const bool is_built = cli->argument_count < 2 || iso_pyramid_is_one(cli->arguments[1]);
+    iso_cli_expect(cli, stages + is_built, 2 - (size_t)is_built);
+}
+
 /* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
 static iso_status check_output_name(const iso_tf_arguments *a, iso_error *err)
 {
@@ -114,6 +121,8 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     }
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
+    const iso_progress progress = iso_cli_progress(cli);
+    iso_cli_tf_expect_levels(cli);
     iso_status status = check_output_name(a, err);
     if (status == ISO_OK)
         status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
@@ -124,9 +133,12 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
                           a->level, p.level_count - 1);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
-    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
+    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k) {
+        iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(k - 1) / (double)(p.level_count - 1));
         if (a->level == 0 || (size_t)a->level == k)
             status = adapt_one(a, &p, &table, k, levels, err);
+    }
+    iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, 1);
     if (status == ISO_OK && cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set(root, "levels", levels);

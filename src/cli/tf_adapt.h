@@ -18,6 +18,10 @@ typedef struct iso_tf_arguments {
     const iso_cli *cli;
 } iso_tf_arguments;
 
+/* The stage of work on one level after the other, and its part in the time: a pyramid may have to be built first. */
+#define ISO_TF_LEVELS_STAGE "levels"
+void iso_cli_tf_expect_levels(const iso_cli *cli);
+
 iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err);
 
 /* The pyramid that arguments[1] is, or is built into. Of a stored one, which keeps its histograms, the samples are read

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/tf_bound.h"
 
+#include "cli/tf_adapt.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -36,9 +38,11 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
 static iso_status bound_levels(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view,
                                json_t *levels, iso_error *err)
 {
+    const iso_progress progress = iso_cli_progress(a->cli);
     iso_status status = ISO_OK;
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
         double rmse[2] = {NAN, NAN};
+        iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(level - 1) / (double)(p->level_count - 1));
         if (a->level > 0 && (size_t)a->level != level)
             continue;
         status = bound_level(a, p, view, level, rmse, err);
@@ -49,6 +53,7 @@ static iso_status bound_levels(const iso_tf_bound_arguments *a, const iso_pyrami
         if (!a->cli->json)
             printf("level %zu  RMSE at most %.4f, with --adapt %.4f\n", level, rmse[0], rmse[1]);
     }
+    iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, 1);
     return status;
 }
 
@@ -59,6 +64,7 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     iso_pyramid p = {0};
     iso_view view = {0};
     json_t *levels = json_array();
+    iso_cli_tf_expect_levels(a->cli);
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_status status = a->cli->argument_count == 2 && a->scene
