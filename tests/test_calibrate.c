@@ -96,6 +96,28 @@ static void both_projections_have_their_view_vector_checked(void **state)
     assert_true(c[iso_calibration_number("order")].passed);
 }
 
+static iso_status render_fails(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *why)
+{
+    (void)q, (void)image, (void)stats;
+    return iso_fail(why, ISO_E_PROGRAM, "it crashed");
+}
+
+/* A program may be ended, or crash, in any of the checks. */
+static void a_renderer_that_fails_in_any_check_is_refused_with_its_reason(void **state)
+{
+    (void)state;
+    iso_renderer_info failing = iso_renderer_reference;
+    failing.name = "failing";
+    failing.render = render_fails;
+    for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i) {
+        iso_calibration c;
+        iso_error why = {""};
+        assert_int_equal(iso_calibrate_check(&renderers, &failing, NULL, i, &c, &why), ISO_E_PROGRAM);
+        assert_string_equal(why.text, "calibration of failing: it crashed");
+        assert_false(c.passed);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -104,6 +126,7 @@ int main(void)
         cmocka_unit_test(povray_passes_its_calibration),
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
+        cmocka_unit_test(a_renderer_that_fails_in_any_check_is_refused_with_its_reason),
         cmocka_unit_test(both_projections_have_their_view_vector_checked),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);

@@ -109,6 +109,15 @@ static double largest_difference(const stage *s)
     return worst;
 }
 
+/* A renderer may fail in any check, not in the first alone: then there is no picture to be compared. */
+static iso_status render_difference(stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                    const iso_planted *planted, double *value, iso_error *err)
+{
+    const iso_status status = render_stage(s, r, which, planted, err);
+    *value = status == ISO_OK ? largest_difference(s) : NAN;
+    return status;
+}
+
 static double chord(const stage *s, size_t column, size_t row)
 {
     double t0, t1;
@@ -199,9 +208,7 @@ static iso_status check_slab(stage *s, iso_renderers *r, const iso_renderer_info
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.15f};
         expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
     }
-    status = render_stage(s, r, which, planted, err);
-    *value = largest_difference(s);
-    return status;
+    return render_difference(s, r, which, planted, value, err);
 }
 
 /* 16 intervals between the first and the last voxel centre: every TF entry is met. */
@@ -230,9 +237,7 @@ static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_
         iso_tf_lookup(&s->view.tf, ramp_along_x(&g, index), rgbs);
         expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
     }
-    status = render_stage(s, r, which, planted, err);
-    *value = largest_difference(s);
-    return status;
+    return render_difference(s, r, which, planted, value, err);
 }
 
 /* ---- order: the color and nothing else changes along the ray ---- */
@@ -290,9 +295,7 @@ static iso_status check_order(stage *s, iso_renderers *r, const iso_renderer_inf
     }
     for (size_t i = 0; i < pixels * pixels; ++i)
         expect_colors(s, i % pixels, i / pixels, first, last, sigma);
-    status = render_stage(s, r, which, planted, err);
-    *value = largest_difference(s);
-    return status;
+    return render_difference(s, r, which, planted, value, err);
 }
 
 /* ---- shading: what the equation of scene.h says ---- */
@@ -343,9 +346,7 @@ static iso_status check_linear_field(stage *s, const iso_camera *camera, const i
         const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
         expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    status = render_stage(s, r, which, planted, err);
-    *value = largest_difference(s);
-    return status;
+    return render_difference(s, r, which, planted, value, err);
 }
 
 static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
@@ -400,9 +401,7 @@ static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_rend
         iso_code_normal(mean, n);
         expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    status = render_stage(s, r, which, planted, err);
-    *value = largest_difference(s);
-    return status;
+    return render_difference(s, r, which, planted, value, err);
 }
 
 static const struct {
