@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 /* test_tf_peers.c - transfer functions of other programs against what those programs show.
  *
  * tests/tf/vtk_tables.json holds tables of VTK's own functions, made by tests/peers/vtk_tables.py, which says of which
@@ -280,6 +281,72 @@ static void tables_of_display_colors(void **state)
     iso_tf_destroy(&tf);
 }
 
+static const char inviwo_text[] =
+    "<InviwoWorkspace><Points><Point><pos content=\"0\"/><rgba x=\"0\" y=\"0\" z=\"0\" w=\"0\"/></Point>"
+    "<Point><pos content=\"0.5\"/><rgba x=\"1\" y=\"0.5\" z=\"0.2\" w=\"0.8\"/></Point></Points></InviwoWorkspace>";
+static const char voreen_text[] =
+    "<VoreenData><TransFuncIntensity><domain x=\"1\" y=\"2\"/><Keys><key><intensity value=\"0\"/><split value=\"true\"/>"
+    "<colorL r=\"0\" g=\"0\" b=\"0\" a=\"51\"/><colorR r=\"9\" g=\"9\" b=\"9\" a=\"5\"/></key><key><intensity value=\"1\"/>"
+    "<colorL r=\"0\" g=\"0\" b=\"0\" a=\"51\"/></key></Keys></TransFuncIntensity></VoreenData>";
+static const char mrml_text[] =
+    "<MRML><VolumeProperty name=\"a\" scalarOpacity=\"4 0 0 9 1\" gradientOpacity=\"4 0 1 9 1\" "
+    "colorTransfer=\"8 0 0 0 0 9 1 1 1\"/></MRML>";
+static const char map_text[] =
+    "<ColorMap name=\"a\" space=\"Diverging\"><Point x=\"0\" o=\"0\" r=\"0\" g=\"0\" b=\"1\"/>"
+    "<Point x=\"9\" o=\"1\" r=\"1\" g=\"1\" b=\"0\"/></ColorMap>";
+static const char paraview_text[] =
+    "[{\"Name\": \"a\", \"ColorSpace\": \"HSV\", \"RGBPoints\": [0, 0, 1, 0, 2, 1, 0, 1], \"Points\": [0, 0, 0.3, 0.4, 2, 1, 0.5, 0]}]";
+static const char niivue_text[] =
+    "{\"min\": 1, \"max\": 9, \"R\": [0, 255], \"G\": [0, 9], \"B\": [0, 9], \"A\": [0, 9], \"I\": [0, 255]}";
+static const char slicer_text[] =
+    "{\"volumeProperties\": [{\"components\": [{\"scalarOpacity\": {\"points\": [{\"x\": 0, \"y\": 0, \"midpoint\": 0.2}, {\"x\": 9, \"y\": 1}]}, "
+    "\"rgbTransferFunction\": {\"points\": [{\"x\": 0, \"color\": [0, 0.5, 1], \"sharpness\": 0.4}, {\"x\": 5, \"color\": [1, 1, 1]}]}}]}]}";
+static const char csv_text[] = "value,r,g,b,opacity\n0,0,0,0,0\n5,1,0.5,0,0.25\n9,1,1,1,0.125\n";
+
+/* Bytes changed, cut off or doubled at random: each file is read or refused, and what is read can be tabulated. */
+static void damaged_files_are_read_or_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *text;
+    } files[] = {{"d.itf", inviwo_text},  {"d.tfi", voreen_text},    {"d.mrml", mrml_text},
+                 {"d.xml", map_text},     {"d.json", paraview_text}, {"d.json", niivue_text},
+                 {"d.json", slicer_text}, {"d.csv", csv_text},       {"d.vp", vp_lines}};
+    const iso_geometry g = unit_voxels();
+    uint32_t random = 1;
+    int read = 0, refused = 0;
+    for (size_t f = 0; f < sizeof files / sizeof *files; ++f)
+        for (int trial = 0; trial < 40; ++trial) {
+            char *text = strdup(files[f].text);
+            size_t size = strlen(text);
+            for (int k = 0; k < 1 + trial % 3; ++k) {
+                random = random * 1664525 + 1013904223;
+                text[(random >> 8) % size] = (char)(trial % 2 ? "0123456789.,"[(random >> 4) % 12]
+                                                              : (int)(random >> 24));
+            }
+            if (trial % 8 == 7)
+                size = (random >> 8) % size;
+            char *path = write_file(files[f].name, text, size);
+            iso_tf tf;
+            iso_tf_table t;
+            iso_error e = {""};
+            const iso_status status = iso_tf_load_as(path, &(iso_tf_request){.unit_mm = trial % 4 ? 1 : 0}, &tf, &e);
+            if (status == ISO_OK) {
+                assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &t, &err));
+                iso_tf_table_destroy(&t);
+                iso_tf_destroy(&tf);
+                ++read;
+            } else {
+                assert_true(strstr(e.text, files[f].name) != NULL && strchr(e.text, '\n') == NULL);
+                ++refused;
+            }
+            free(path);
+            free(text);
+        }
+    if (read < 10 || refused < 100)
+        fail_msg("%d were read and %d refused: the damage is too strong or too weak", read, refused);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -295,6 +362,7 @@ int main(void)
         cmocka_unit_test(split_keys_of_voreen_are_steps),
         cmocka_unit_test(lookup_tables_of_imagej),
         cmocka_unit_test(tables_of_display_colors),
+        cmocka_unit_test(damaged_files_are_read_or_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -75,10 +75,10 @@ static void read_component(iso_json_reader *r, const json_t *component, iso_tf_c
                              "%s: a component has no \"rgbTransferFunction\" and no \"grayTransferFunction\"", r->path);
 }
 
-enum { MOST_COMPONENTS = 64 };
+enum { MOST_COMPONENTS = 64, NAME_SIZE = 48 };
 
 /* Every component of every property; called "2", or "1.2" where there are several properties. */
-static size_t list_components(iso_json_reader *r, const json_t *properties, json_t **components, char (*names)[32])
+static size_t list_components(iso_json_reader *r, const json_t *properties, json_t **components, char (*names)[NAME_SIZE])
 {
     size_t count = 0;
     for (size_t p = 0; p < json_array_size(properties); ++p) {
@@ -97,7 +97,7 @@ static size_t list_components(iso_json_reader *r, const json_t *properties, json
 static iso_status load_slicer(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     json_t *root, *components[MOST_COMPONENTS];
-    char names[MOST_COMPONENTS][32];
+    char names[MOST_COMPONENTS][NAME_SIZE];
     const char *list[MOST_COMPONENTS];
     iso_tf_curves curves = {0};
     size_t chosen = 0;
