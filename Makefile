@@ -13,8 +13,9 @@ build := build/$(config)
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
 	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
-	libopenmpi-dev openmpi-bin \
-	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium
+	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
+	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
+	teem-apps python3-pydicom python3-nibabel python3-vtk9
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -58,6 +59,12 @@ soname := libisoshade.so.$(version_major)
 shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 # Loaded when mpirun starts the program; left out where MPI is not installed.
 mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
+# Started when a file is of a format that ITK reads; left out where ITK is not installed, whose files have its version in
+# their names.
+itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
+itk_program := $(if $(itk),$(build)/isoshade-itk)
+itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF IOGIPL IOMINC
+beside := $(mpi_library) $(itk_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* \
@@ -66,7 +73,7 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
 
-all: $(program) $(shared) $(mpi_library) ## build the program for $(config)
+all: $(program) $(shared) $(beside) ## build the program for $(config)
 	@[ "$$(readlink isoshade)" = $(program) ] || ln -sfn $(program) isoshade
 
 help: ## this list
@@ -113,7 +120,7 @@ mutants: $(needs_setup) ## are mistakes planted in the verdict's code noticed by
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
-installed := bin/isoshade lib/isoshade/isoshade_mpi.so include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
+installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE
 
@@ -121,6 +128,7 @@ install: all ## install program, library, manual page and completions under PREF
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
 	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
+	$(if $(itk_program),install -m 755 $(itk_program) $(to)/lib/isoshade/)
 	install -m 644 src/isoshade.h $(to)/include/
 	install -m 644 $(lib) $(to)/lib/
 	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
@@ -171,6 +179,11 @@ $(build)/$(soname): $(lib_o) $(build)/exports.map
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
+$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) src/volume/itk_stream.h src/volume/type.h src/isoshade.h
+	@mkdir -p $(@D)
+	$(call say,ITK)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) -O2 -g -Isrc -isystem /usr/include/$(itk) \
+		$(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*))) -o $@ $(filter %.cc,$^) \
+		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmCommon
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects follow the flags that they were compiled with.

@@ -22,9 +22,34 @@ head -c 147840 /dev/zero >plain.raw
 accept raw_options '40 x 56 x 33 = 73920 voxels of int16' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 1x1x2 --raw-big-endian
 
 { header uchar '2 2 2' | sed '$d'; printf 'scale_slope:=0.5\nscale_intercept:=-10\n\nABCDEFGH'; } >scaled.nrrd
-accept a_scale_is_noted '(--physical applies it)' info scaled.nrrd
-accept and_applied 'range      22.5 to 26' info scaled.nrrd --physical
-accept in_pyramids_too 'level 0  2 x 2 x 2  float  22.5 to 26' build scaled.nrrd --physical --levels 1 -o scaled.iso -q
+accept a_scale_is_applied 'range      22.5 to 26' info scaled.nrrd
+accept and_said 'value = 0.5 * stored + -10 (--stored leaves it out)' info scaled.nrrd
+accept in_pyramids_too 'level 0  2 x 2 x 2  float  22.5 to 26' build scaled.nrrd --levels 1 -o scaled.iso -q
+accept the_stored_values_are_there_too 'range      65 to 72' info scaled.nrrd --stored
+accept what_was_left_out_is_said '(--stored left it out)' info scaled.nrrd --stored
+
+# Units: known ones are converted, others refused; --unit says another.
+with_unit() { { header uchar '2 2 2' | sed '$d'; printf 'space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\nspace units: "%s" "%s" "%s"\n\nABCDEFGH' "$1" "$1" "$1"; } >unit.nrrd; }
+while read -r unit spacing; do
+    with_unit "$unit"
+    accept "unit_$unit" "spacing    $spacing mm" info unit.nrrd
+done <<'END'
+angstrom 2e-07 x 2e-07 x 3e-07
+nm 2e-06 x 2e-06 x 3e-06
+microns 0.002 x 0.002 x 0.003
+cm 20 x 20 x 30
+M 2000 x 2000 x 3000
+inch 50.8 x 50.8 x 76.2
+END
+with_unit furlong
+refuse a_unit_that_is_not_known 4 'unit.nrrd: its unit is "furlong", not one that is known: m, cm' "$ISOSHADE" info unit.nrrd
+accept unless_it_is_said 'spacing    0.002 x 0.002 x 0.003 mm' info unit.nrrd --unit um
+accept and_the_spacing_too 'spacing    0.004 x 0.005 x 0.006 mm' info unit.nrrd --unit um --spacing 4x5x6
+accept info_says_the_unit 'unit       um, which is 0.001 mm' info unit.nrrd --unit um
+accept or_that_there_is_none 'unit       none is named: mm' info scaled.nrrd
+accept raw_files_have_units_too 'spacing    2e-06 x 2e-06 x 2e-06 mm' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 2 --unit nm
+refuse an_unknown_unit_of_the_option 2 '--unit is "furlong", must be m, cm' "$ISOSHADE" info unit.nrrd --unit furlong
+refuse a_spacing_of_zero 2 '--spacing is 0' "$ISOSHADE" info unit.nrrd --unit um --spacing 0
 header uchar '2 2 2' >short.nrrd; printf 1234567 >>short.nrrd
 refuse truncated 4 'short.nrrd: truncated: holds 7 bytes of samples' "$ISOSHADE" info short.nrrd
 head -c 60 v.nrrd >cut.nrrd
@@ -40,7 +65,9 @@ refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; th
 header float '1 1 2' >inf.nrrd; printf '\0\0\200\377\0\0\0\0' >>inf.nrrd
 refuse inf_voxel 5 'the first is (0, 0, 0)' "$ISOSHADE" info inf.nrrd
 refuse missing_file 3 'absent.nrrd: cannot be opened' "$ISOSHADE" info absent.nrrd
-refuse a_folder 3 'is not a regular file' "$ISOSHADE" info .
+mkdir empty
+refuse an_empty_folder 4 'empty: a folder that holds no slices of a volume' "$ISOSHADE" info empty
+refuse a_device 3 'is neither a regular file nor a folder' "$ISOSHADE" info /dev/null
 refuse no_argument 2 'wanted: isoshade info VOLUME' "$ISOSHADE" info
 refuse an_empty_number 2 '--levels is empty, wanted a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
 refuse an_empty_number_behind_an_equals_sign 2 '--gauss-sigma is empty' "$ISOSHADE" build v.nrrd --gauss-sigma= -o x.iso

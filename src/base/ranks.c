@@ -6,12 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/file.h"
+#include "base/beside.h"
 #include "base/ranks_interface.h"
-
-#define LIBRARY_NAME "isoshade_mpi.so"
 
 struct iso_ranks {
     const iso_ranks_interface *interface;
@@ -33,24 +30,15 @@ int iso_ranks_is_other(void)
     return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0) > 0;
 }
 
-/* Beside the program as it is built, or where `make install` puts it, wherever both were moved to. */
+/* MPI's own libraries need its symbols. */
 static void *load_library(iso_error *err)
 {
-    static const char *const places[] = {LIBRARY_NAME, "../lib/isoshade/" LIBRARY_NAME};
-    char program[4096];
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[n > 0 ? n : 0] = 0;
-    char *dir = iso_path_dir(program);
-    void *library = NULL;
-    for (size_t i = 0; dir && i < sizeof places / sizeof *places && !library; ++i) {
-        char *path = iso_path_join(dir, places[i]);
-        library = path ? dlopen(path, RTLD_NOW | RTLD_GLOBAL) : NULL;
-        free(path);
-    }
+    char *path = iso_beside_find("isoshade_mpi.so");
+    void *library = path ? dlopen(path, RTLD_NOW | RTLD_GLOBAL) : NULL;
     if (!library)
         iso_fail(err, ISO_E_MISSING, "started by mpirun, but MPI cannot be loaded (built without libopenmpi-dev?): %s",
-                 dir ? dlerror() : "out of memory");
-    free(dir);
+                 path ? dlerror() : "isoshade_mpi.so is missing");
+    free(path);
     return library;
 }
 

@@ -79,6 +79,25 @@ static iso_status measure_histogram(const iso_volume *v, volume_facts *facts, is
     return ISO_OK;
 }
 
+/* What the file says of its lengths. */
+static void print_unit(const iso_volume_notes *n)
+{
+    if (!n->unit[0])
+        printf("  unit       none is named: mm\n");
+    else
+        printf("  unit       %s, which is %.9g mm\n", n->unit, n->unit_mm);
+}
+
+static void print_scale(const iso_volume_notes *n)
+{
+    if (n->applied_slope != 0)
+        printf("  scale      value = %.9g * stored + %.9g (--stored leaves it out)\n", n->applied_slope,
+               n->applied_intercept);
+    else if (n->scale_slope != 1 || n->scale_intercept != 0)
+        printf("  scale      physical value = %.9g * sample + %.9g (--stored left it out)\n", n->scale_slope,
+               n->scale_intercept);
+}
+
 static void print_text(const char *path, const iso_volume *v, const volume_facts *f)
 {
     const iso_geometry *g = &v->geometry;
@@ -89,6 +108,7 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     printf("  spacing    %g x %g x %g mm\n  corner     %g, %g, %g mm (%s)\n", spacing[0], spacing[1], spacing[2],
            g->origin_mm.x, g->origin_mm.y, g->origin_mm.z,
            v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
+    print_unit(&v->notes);
     for (int a = 0; a < 3; ++a) {
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
@@ -105,9 +125,7 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     for (int b = 0; b < BINS; ++b) /* logarithmic: one voxel is seen beside millions */
         putchar(shades[f->bins[b] ? 1 + (int)(8 * log((double)f->bins[b]) / log((double)most + 1)) : 0]);
     printf("| (log)\n");
-    if (v->notes.scale_slope != 1 || v->notes.scale_intercept != 0)
-        printf("  scale      physical value = %.9g * sample + %.9g (--physical applies it)\n", v->notes.scale_slope,
-               v->notes.scale_intercept);
+    print_scale(&v->notes);
     if (f->loss_count > 0)
         printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->loss_count, f->loss_max);
 }
@@ -141,8 +159,13 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "percents", iso_json_numbers(percents, 5));
     json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, 5));
     json_object_set_new(root, "histogram", integers(f->bins, BINS));
+    json_object_set_new(root, "unit", json_string(v->notes.unit[0] ? v->notes.unit : "mm"));
+    json_object_set_new(root, "unit_is_named", json_boolean(v->notes.unit[0] != 0));
+    json_object_set_new(root, "unit_mm", json_real(v->notes.unit_mm));
     json_object_set_new(root, "scale_slope", json_real(v->notes.scale_slope));
     json_object_set_new(root, "scale_intercept", json_real(v->notes.scale_intercept));
+    json_object_set_new(root, "applied_slope", json_real(v->notes.applied_slope));
+    json_object_set_new(root, "applied_intercept", json_real(v->notes.applied_intercept));
     json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
     json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
     iso_cli_print_json(root);

@@ -14,6 +14,7 @@
 #define ISO_VOLUME_FORMAT_LIST(X) \
     X(nrrd)                       \
     X(nifti)                      \
+    X(itk)                        \
     X(raw)
 /* clang-format on */
 
@@ -31,6 +32,8 @@ typedef struct iso_volume_format {
     /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
      * to say so, as for raw. */
     bool (*probe)(const unsigned char *head, size_t size);
+    /* Whether a folder, or a file that no row's probe() takes, is of this format; NULL: none is. */
+    bool (*probe_path)(const char *path);
     /* Reads the header into an empty source whose path is set, and leaves the samples ready to be read: a file or a
      * compressed file at the first sample, all samples in memory, or a reader of its own (stream_kernel.h). Checks the
      * geometry and that the samples are as many as the header says. The caller closes the source on failure. */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/words.h"
+#include "volume/unit.h"
 
 void iso_volume_input_defaults(iso_volume_input *input)
 {
@@ -15,7 +16,8 @@ char *iso_volume_input_line(const iso_volume_input *in)
 {
     const struct {
         const char *option, *value;
-    } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing}};
+    } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing},
+                 {"--spacing", in->spacing},   {"--unit", in->unit},         {"--series", in->series}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -30,8 +32,8 @@ char *iso_volume_input_line(const iso_volume_input *in)
         fputs(" --raw-big-endian", f);
     if (in->raw_skip_bytes)
         fprintf(f, " --raw-skip %ld", in->raw_skip_bytes);
-    if (in->physical)
-        fputs(" --physical", f);
+    if (in->stored)
+        fputs(" --stored", f);
     fclose(f);
     return text;
 }
@@ -41,18 +43,41 @@ static bool is_raw(const iso_volume_input *in)
     return in->raw_size || in->raw_type || in->raw_spacing || in->raw_big_endian || in->raw_skip_bytes;
 }
 
-static iso_status parse_layout(const iso_volume_input *in, iso_raw_layout *layout, iso_error *err)
+/* In mm: the option's numbers are in the unit that --unit names. */
+static iso_status parse_spacing(const char *option, const char *text, double unit_mm, double spacing_mm[3],
+                                iso_error *err)
 {
-    *layout = (iso_raw_layout){.spacing_mm = {1, 1, 1}, .big_endian = in->raw_big_endian};
+    iso_status status = iso_words_parse_numbers(text, option, spacing_mm, err);
+    for (int a = 0; status == ISO_OK && a < 3; ++a) {
+        status = iso_words_check_range(option, spacing_mm[a], 1e-9, 1e9, err);
+        spacing_mm[a] *= unit_mm;
+    }
+    return status;
+}
+
+static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
+{
+    *hints = (iso_volume_hints){.series = in->series};
+    *unit_mm = 1;
+    iso_status status = in->unit ? iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err) : ISO_OK;
+    if (status == ISO_OK && in->spacing)
+        status = parse_spacing("--spacing", in->spacing, *unit_mm, hints->spacing_mm, err);
+    return status;
+}
+
+static iso_status parse_layout(const iso_volume_input *in, const iso_volume_hints *hints, double unit_mm,
+                               iso_raw_layout *layout, iso_error *err)
+{
+    *layout = (iso_raw_layout){.spacing_mm = {unit_mm, unit_mm, unit_mm}, .big_endian = in->raw_big_endian};
+    for (int a = 0; a < 3 && hints->spacing_mm[a] > 0; ++a)
+        layout->spacing_mm[a] = hints->spacing_mm[a];
     if (!in->raw_size || !in->raw_type)
         return iso_fail(err, ISO_E_USAGE, "a raw volume needs both --raw-size and --raw-type");
     iso_status status = iso_words_parse_sizes(in->raw_size, "--raw-size", layout->size, err);
     if (status == ISO_OK && iso_type_from_name(in->raw_type, &layout->type, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--raw-type");
     if (status == ISO_OK && in->raw_spacing)
-        status = iso_words_parse_numbers(in->raw_spacing, "--raw-spacing", layout->spacing_mm, err);
-    for (int a = 0; status == ISO_OK && a < 3; ++a)
-        status = iso_words_check_range("--raw-spacing", layout->spacing_mm[a], 1e-9, 1e9, err);
+        status = parse_spacing("--raw-spacing", in->raw_spacing, unit_mm, layout->spacing_mm, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err);
     layout->skip_bytes = (size_t)in->raw_skip_bytes;
@@ -62,9 +87,14 @@ static iso_status parse_layout(const iso_volume_input *in, iso_raw_layout *layou
 static iso_status open_stored(const char *path, const iso_volume_input *in, iso_volume_source **source, iso_error *err)
 {
     iso_raw_layout layout;
+    iso_volume_hints hints;
+    double unit_mm;
+    iso_status status = parse_hints(in, &hints, &unit_mm, err);
+    if (status != ISO_OK)
+        return status;
     if (!is_raw(in))
-        return iso_source_open(path, source, err);
-    iso_status status = parse_layout(in, &layout, err);
+        return iso_source_open_with(path, &hints, source, err);
+    status = parse_layout(in, &hints, unit_mm, &layout, err);
     return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
 }
 
@@ -73,7 +103,7 @@ iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, i
 {
     *source = NULL;
     iso_status status = open_stored(path, in, source, err);
-    if (status == ISO_OK && in->physical)
+    if (status == ISO_OK && !in->stored)
         iso_source_apply_scale(*source);
     return status;
 }

@@ -123,12 +123,15 @@ static bool our_type(int datatype, iso_type *type)
     }
 }
 
-static double millimetres(int units)
+/* As a header's word; "" where there is none. */
+static const char *unit_name(int units)
 {
     switch (XYZT_TO_SPACE(units)) {
-    case NIFTI_UNITS_METER: return 1000;
-    case NIFTI_UNITS_MICRON: return 1e-3;
-    default: return 1;
+    case NIFTI_UNITS_UNKNOWN: return "";
+    case NIFTI_UNITS_METER: return "m";
+    case NIFTI_UNITS_MM: return "mm";
+    case NIFTI_UNITS_MICRON: return "um";
+    default: return "a code that NIfTI does not define";
     }
 }
 
@@ -151,21 +154,26 @@ static bool center_affine(const nifti_header *h, double m[3][4])
     return true;
 }
 
-static void read_geometry(const nifti_header *h, iso_volume *header)
+static iso_status read_geometry(const nifti_header *h, iso_volume_source *source, iso_error *err)
 {
+    iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
-    double mm = millimetres(h->units), m[3][4];
+    double mm, m[3][4];
+    const iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
+    if (status != ISO_OK)
+        return status;
     double spacing[3] = {h->pixdim[1] * mm, h->pixdim[2] * mm, h->pixdim[3] * mm};
     size_t size[3] = {(size_t)h->dim[1], (size_t)h->dim[2], (size_t)h->dim[3]};
     *g = iso_geometry_axis_aligned(size, spacing);
     header->notes.world_is_ras = center_affine(h, m);
     if (!header->notes.world_is_ras)
-        return;
+        return ISO_OK;
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
             g->index_to_world.m[r][c] = m[r][c] * mm;
     g->origin_mm = iso_sub(iso_v3(m[0][3] * mm, m[1][3] * mm, m[2][3] * mm),
                            iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
+    return ISO_OK;
 }
 
 static iso_status check_header(const nifti_header *h, const char *path, iso_error *err)
@@ -277,7 +285,9 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT,
                         "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float or double", source->path,
                         h.datatype, nifti_datatype_string(h.datatype));
-    read_geometry(&h, &source->header);
+    status = read_geometry(&h, source, err);
+    if (status != ISO_OK)
+        return status;
     if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {
         source->header.notes.scale_slope = h.slope;
         source->header.notes.scale_intercept = h.intercept;

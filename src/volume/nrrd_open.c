@@ -62,19 +62,6 @@ static iso_status check_axes(const Nrrd *nrrd, const char *path, iso_error *err)
     return ISO_OK;
 }
 
-static double millimetres(const char *unit)
-{
-    static const struct {
-        const char *name;
-        double mm;
-    } units[] = {{"um", 1e-3},         {"micron", 1e-3}, {"microns", 1e-3}, {"\xc2\xb5m", 1e-3},
-                 {"micrometer", 1e-3}, {"nm", 1e-6},     {"cm", 10},        {"m", 1000}};
-    for (size_t i = 0; unit && i < sizeof units / sizeof units[0]; ++i)
-        if (strcmp(units[i].name, unit) == 0)
-            return units[i].mm;
-    return 1;
-}
-
 /* The signs that turn an anatomical space to right, anterior, superior. */
 static bool ras_signs(int space, double sign[3])
 {
@@ -92,15 +79,20 @@ static iso_vec3 scaled(const double v[3], const double scale[3])
     return iso_v3(v[0] * scale[0], v[1] * scale[1], v[2] * scale[2]);
 }
 
-static iso_status oriented_geometry(const Nrrd *nrrd, const char *path, iso_volume *header, iso_error *err)
+static iso_status oriented_geometry(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
 {
+    iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
     if (nrrd->spaceDim != 3)
-        return iso_fail(err, ISO_E_FORMAT, "%s: space of dimension %u, must be 3", path, nrrd->spaceDim);
-    double scale[3];
+        return iso_fail(err, ISO_E_FORMAT, "%s: space of dimension %u, must be 3", source->path, nrrd->spaceDim);
+    double scale[3], mm;
     header->notes.world_is_ras = ras_signs(nrrd->space, scale);
-    for (int a = 0; a < 3; ++a)
-        scale[a] *= millimetres(nrrd->spaceUnits[a]);
+    for (int a = 0; a < 3; ++a) {
+        const iso_status status = iso_source_unit(source, nrrd->spaceUnits[a], "mm", &mm, err);
+        if (status != ISO_OK)
+            return status;
+        scale[a] *= mm;
+    }
     for (int a = 0; a < 3; ++a) {
         iso_vec3 step = scaled(nrrd->axis[a].spaceDirection, scale);
         g->index_to_world.m[0][a] = step.x;
@@ -114,13 +106,16 @@ static iso_status oriented_geometry(const Nrrd *nrrd, const char *path, iso_volu
     return ISO_OK;
 }
 
-static void plain_geometry(const Nrrd *nrrd, iso_geometry *g)
+static iso_status plain_geometry(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
 {
-    double spacing[3], corner[3];
+    iso_geometry *g = &source->header.geometry;
+    double spacing[3], corner[3], mm;
     bool placed = true;
     for (int a = 0; a < 3; ++a) {
         const NrrdAxisInfo *axis = &nrrd->axis[a];
-        double mm = millimetres(axis->units);
+        const iso_status status = iso_source_unit(source, axis->units, "mm", &mm, err);
+        if (status != ISO_OK)
+            return status;
         spacing[a] = (isnan(axis->spacing) ? 1 : axis->spacing) * mm;
         placed = placed && !isnan(axis->min);
         corner[a] = axis->min * mm - (axis->center == nrrdCenterNode ? 0.5 * spacing[a] : 0);
@@ -128,6 +123,7 @@ static void plain_geometry(const Nrrd *nrrd, iso_geometry *g)
     *g = iso_geometry_axis_aligned(g->size, spacing);
     if (placed)
         g->origin_mm = iso_v3(corner[0], corner[1], corner[2]);
+    return ISO_OK;
 }
 
 static void read_scale(const Nrrd *nrrd, iso_volume_notes *notes)
@@ -158,10 +154,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
         header->geometry.size[a] = nrrd->axis[a].size;
         header->geometry.box_index[a] = (double)nrrd->axis[a].size;
     }
-    if (nrrd->spaceDim > 0)
-        status = oriented_geometry(nrrd, source->path, header, err);
-    else
-        plain_geometry(nrrd, &header->geometry);
+    status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, source, err) : plain_geometry(nrrd, source, err);
     read_scale(nrrd, &header->notes);
     return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;
 }

@@ -8,7 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "volume/stream_kernel.h"
+#include "volume/unit.h"
 
 /* zlib counts bytes in int. */
 #define GZ_CHUNK_BYTES ((size_t)1 << 30)
@@ -44,14 +46,63 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
     return iso_source_check_bytes(source, (double)st.st_size - (double)at, err);
 }
 
-static iso_status new_source(const char *path, iso_volume_source **source, iso_error *err)
+iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
+{
+    source->file = fopen(path, "rb");
+    if (!source->file)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", path, offset);
+    return iso_source_check_rest(source, err);
+}
+
+iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
+                           iso_error *err)
+{
+    iso_volume_notes *notes = &source->header.notes;
+    const char *word = source->hints.unit ? source->hints.unit : unit && *unit ? unit : fallback, *name = "mm";
+    if (!iso_unit_find(word, mm, &name))
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: its unit is \"%s\", not one that is known: " ISO_UNIT_NAMES "; --unit says it instead",
+                        source->path, word);
+    notes->unit_mm = *mm;
+    if (source->hints.unit || (unit && *unit))
+        snprintf(notes->unit, sizeof notes->unit, "%s", name);
+    return ISO_OK;
+}
+
+iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err)
+{
+    if (source->hints.spacing_mm[0] > 0)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_FORMAT, "%s: does not say the spacing %s; --spacing SXxSYxSZ does, in mm", source->path,
+                    what);
+}
+
+/* Each axis as long as the hint says, around the center that the box has. */
+static void apply_spacing(iso_volume_source *source)
+{
+    iso_geometry *g = &source->header.geometry;
+    const iso_vec3 center = iso_geometry_box_center_mm(g);
+    double spacing[3];
+    iso_geometry_spacing_mm(g, spacing);
+    if (!(source->hints.spacing_mm[0] > 0))
+        return;
+    for (int a = 0; a < 3; ++a)
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][a] *= source->hints.spacing_mm[a] / spacing[a];
+    g->origin_mm = iso_add(g->origin_mm, iso_sub(center, iso_geometry_box_center_mm(g)));
+}
+
+static iso_status new_source(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
+                             iso_error *err)
 {
     struct stat st;
     *source = NULL;
     if (stat(path, &st) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    if (!S_ISREG(st.st_mode))
-        return iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
+    if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
+        return iso_fail(err, ISO_E_IO, "%s: is neither a regular file nor a folder", path);
     iso_volume_source *s = calloc(1, sizeof *s);
     if (s)
         s->path = strdup(path);
@@ -60,6 +111,9 @@ static iso_status new_source(const char *path, iso_volume_source **source, iso_e
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     }
     s->header.notes.scale_slope = 1;
+    s->header.notes.unit_mm = 1;
+    if (hints)
+        s->hints = *hints;
     *source = s;
     return ISO_OK;
 }
@@ -76,10 +130,38 @@ static iso_status read_head(const char *path, unsigned char head[ISO_VOLUME_HEAD
     return ISO_OK;
 }
 
+/* "NRRD (starts), ..." */
+static void list_formats(char *text, size_t size)
+{
+    const iso_volume_format *f;
+    size_t length = 0;
+    text[0] = 0;
+    for (size_t i = 0; (f = iso_volume_format_at(i)) && length < size; ++i)
+        if (f->starts)
+            length += (size_t)snprintf(text + length, size - length, "%s%s (%s)", length ? ", " : "", f->title,
+                                       f->starts);
+}
+
+/* The file or folder that no format's first bytes name. */
+static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err)
+{
+    const iso_volume_format *f;
+    *found = false;
+    for (size_t i = 0; (f = iso_volume_format_at(i)) && !*found; ++i)
+        if (f->probe_path && (*found = f->probe_path(s->path)))
+            return f->open(s, err);
+    return ISO_OK;
+}
+
 static iso_status open_by_content(iso_volume_source *s, iso_error *err)
 {
     unsigned char head[ISO_VOLUME_HEAD_BYTES];
     size_t size = 0;
+    bool found = false;
+    if (iso_path_is_dir(s->path)) {
+        const iso_status status = open_by_path(s, &found, err);
+        return found ? status : iso_fail(err, ISO_E_FORMAT, "%s: a folder that holds no slices of a volume", s->path);
+    }
     iso_status status = read_head(s->path, head, &size, err);
     if (status != ISO_OK)
         return status;
@@ -89,23 +171,31 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
         if (f->probe && f->probe(head, size))
             return f->open(s, err);
+    status = open_by_path(s, &found, err);
+    if (found)
+        return status;
     char shown[9] = "";
     for (size_t i = 0; i < 8 && i < size; ++i)
         shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
-    char known[512] = "";
-    for (size_t i = 0, length = 0; (f = iso_volume_format_at(i)) && length < sizeof known; ++i)
-        if (f->probe)
-            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s (%s)", length ? ", " : "", f->title,
-                                       f->starts);
+    char known[512];
+    list_formats(known, sizeof known);
     return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s",
                     s->path, shown, known);
 }
 
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err)
 {
-    iso_status status = new_source(path, source, err);
+    return iso_source_open_with(path, NULL, source, err);
+}
+
+iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
+                                iso_error *err)
+{
+    iso_status status = new_source(path, hints, source, err);
     if (status == ISO_OK)
         status = open_by_content(*source, err);
+    if (status == ISO_OK)
+        apply_spacing(*source);
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;
@@ -120,12 +210,7 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
     iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
     if (status != ISO_OK)
         return status;
-    s->file = fopen(s->path, "rb");
-    if (!s->file)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", s->path, strerror(errno));
-    if (fseeko(s->file, (off_t)layout->skip_bytes, SEEK_SET) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", s->path, layout->skip_bytes);
-    status = iso_source_check_rest(s, err);
+    status = iso_source_take_file(s, s->path, layout->skip_bytes, err);
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     return status;
 }
@@ -133,7 +218,9 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
 iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
                                iso_error *err)
 {
-    iso_status status = new_source(path, source, err);
+    iso_status status = new_source(path, NULL, source, err);
+    if (status == ISO_OK && iso_path_is_dir(path))
+        status = iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
     if (status == ISO_OK)
         status = open_raw(*source, layout, err);
     if (status != ISO_OK) {
@@ -274,6 +361,8 @@ void iso_source_apply_scale(iso_volume_source *s)
     s->intercept = notes->scale_intercept;
     s->stored = s->header.type;
     s->header.type = ISO_F32;
+    s->header.notes.applied_slope = s->slope;
+    s->header.notes.applied_intercept = s->intercept;
     s->header.notes.scale_slope = 1;
     s->header.notes.scale_intercept = 0;
 }

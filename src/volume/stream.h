@@ -13,10 +13,10 @@
  *          the centre of the first sample, so origin_mm = space origin - half a
  *          step along each axis. Without a space: spacings along the world's
  *          axes, axis mins where all three are given, else the box is centred.
- *          Units mm, um, cm, m are converted; others are taken for mm.
+ *          Known units (unit.h) are converted, others refused; without one lengths are mm.
  *   NIfTI  (1 and 2) sform before qform before bare pixdim (centred); its matrix maps
  *          voxel centres, so the corner lies at (-1/2, -1/2, -1/2).
- * Trailing axes of one sample are dropped. Volumes of two axes, of several
+ * doc/formats-in.md has the other formats. Trailing axes of one sample are dropped. Volumes of two axes, of several
  * components a voxel or of several time steps are refused. */
 #ifndef ISO_VOLUME_STREAM_H
 #define ISO_VOLUME_STREAM_H
@@ -28,6 +28,14 @@ typedef struct iso_volume_source iso_volume_source;
 /* Reads the header and checks it against the size of the file. Statuses as
  * iso_volume_load. *source stays NULL on failure. */
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err);
+/* What a file does not say, or says wrongly. */
+typedef struct iso_volume_hints {
+    const char *unit;     /* of its lengths, one of unit.h; NULL: as the file says */
+    double spacing_mm[3]; /* 0: as the file says. Axes keep their directions, and the box its center */
+    const char *series;   /* of a folder that holds several: its number from 1, or its name; NULL: the only one */
+} iso_volume_hints;
+iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
+                                iso_error *err);
 iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
                                iso_error *err);
 

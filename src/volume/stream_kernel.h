@@ -9,7 +9,8 @@
 #include "volume/format.h"
 
 struct iso_volume_source {
-    char *path; /* for error messages */
+    char *path; /* a file, or a folder */
+    iso_volume_hints hints;
     iso_volume header;
     FILE *file; /* plain samples, or */
     gzFile gz;  /* compressed ones, or */
@@ -26,6 +27,15 @@ struct iso_volume_source {
     iso_status (*read_planes)(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
     void (*close_reader)(iso_volume_source *source);
 };
+
+/* One of the file's units in mm, for its lengths: `unit` is the header's word, NULL or "" where it has none, which is
+ * then `fallback`; the caller's hint comes before both. ISO_E_FORMAT for a unit that is not known. */
+iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
+                           iso_error *err);
+/* ISO_E_FORMAT where no hint gives the spacing that the file lacks; `what` says which: "between its slices". */
+iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err);
+/* Opens the file at its first sample, which stands at `offset`, and checks that the file ends with the last. */
+iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);

@@ -7,40 +7,18 @@
 #ifndef ISO_VOLUME_H
 #define ISO_VOLUME_H
 
-#include <stdint.h>
-
 #include "base/progress.h"
 #include "base/status.h"
 #include "volume/geometry.h"
-
-/* enum, name, C type */
-/* clang-format off */
-#define ISO_TYPE_LIST(X)              \
-    X(ISO_U8, "uint8", uint8_t)       \
-    X(ISO_I8, "int8", int8_t)         \
-    X(ISO_U16, "uint16", uint16_t)    \
-    X(ISO_I16, "int16", int16_t)      \
-    X(ISO_U32, "uint32", uint32_t)    \
-    X(ISO_I32, "int32", int32_t)      \
-    X(ISO_F32, "float", float)        \
-    X(ISO_F64, "double", double)
-/* clang-format on */
-
-typedef enum iso_type {
-#define ISO_TYPE_ENUM(name, text, ctype) name,
-    ISO_TYPE_LIST(ISO_TYPE_ENUM)
-#undef ISO_TYPE_ENUM
-} iso_type;
-
-const char *iso_type_name(iso_type type);
-size_t iso_type_bytes(iso_type type);
-/* ISO_E_USAGE with the list of names. */
-iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
+#include "volume/type.h"
 
 /* What a file says besides geometry and samples. */
 typedef struct iso_volume_notes {
     bool world_is_ras;                   /* world = right, anterior, superior; else the file's own frame */
     double scale_slope, scale_intercept; /* physical value = slope * sample + intercept; iso_source_apply_scale() */
+    double applied_slope, applied_intercept; /* the scale that samples have been given; slope 0: none */
+    char unit[16];                           /* of lengths, as the file or the caller names it; "" where none does: mm */
+    double unit_mm;                          /* which is so many mm */
 } iso_volume_notes;
 
 typedef struct iso_volume {
@@ -66,9 +44,8 @@ typedef struct iso_volume_stats {
 } iso_volume_stats;
 iso_volume_stats iso_volume_measure(const iso_volume *v);
 
-/* Loads by the file's content: NRRD (.nrrd, .nhdr) or NIfTI-1 (.nii, .nii.gz,
- * .hdr/.img). ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes that do not
- * match the file, types and dimensions that are not ours), ISO_E_RANGE (sizes
+/* Loads by the file's content (doc/formats-in.md), values as they are stored.
+ * ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes that do not match the file, types and dimensions that are not ours), ISO_E_RANGE (sizes
  * that overflow, NaN or Inf voxels), ISO_E_MEMORY. stream.h reads slab by slab
  * and says how world coordinates come from the file. */
 iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err);

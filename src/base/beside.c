@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "base/beside.h"
+
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/file.h"
+
+/* NULL where it is at none of the places that begin at the folder of `file`. */
+static char *find_near(const char *file, const char *name)
+{
+    static const char *const places[] = {".", "../lib/isoshade", "isoshade", ".."};
+    char *dir = iso_path_dir(file), *found = NULL;
+    for (size_t i = 0; dir && i < sizeof places / sizeof *places && !found; ++i) {
+        char *folder = iso_path_join(dir, places[i]);
+        found = folder ? iso_path_join(folder, name) : NULL;
+        free(folder);
+        if (found && access(found, R_OK) != 0) {
+            free(found);
+            found = NULL;
+        }
+    }
+    free(dir);
+    return found;
+}
+
+char *iso_beside_find(const char *name)
+{
+    char program[4096];
+    const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[n > 0 ? n : 0] = 0;
+    char *found = find_near(program, name);
+    Dl_info here; /* the shared library, in another program */
+    if (!found && dladdr((void *)(size_t)iso_beside_find, &here) && here.dli_fname)
+        found = find_near(here.dli_fname, name);
+    return found;
+}

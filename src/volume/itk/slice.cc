@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/itk/slice.h"
+
+#include <itkGDCMImageIO.h>
+#include <itkGiplImageIO.h>
+#include <itkJPEGImageIO.h>
+#include <itkMINCImageIO.h>
+#include <itkPNGImageIO.h>
+#include <itkTIFFImageIO.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+itk::ImageIOBase::Pointer reader_of(const std::string &path)
+{
+    const itk::ImageIOBase::Pointer all[] = {
+        itk::GDCMImageIO::New().GetPointer(), itk::PNGImageIO::New().GetPointer(),
+        itk::JPEGImageIO::New().GetPointer(), itk::TIFFImageIO::New().GetPointer(),
+        itk::GiplImageIO::New().GetPointer(), itk::MINCImageIO::New().GetPointer(),
+    };
+    for (const auto &io : all)
+        if (io->CanReadFile(path.c_str()))
+            return io;
+    return nullptr;
+}
+
+iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
+{
+    using Type = itk::IOComponentEnum;
+    if (io.GetNumberOfComponents() != 1)
+        fail(ISO_E_FORMAT,
+             path + ": " + std::to_string(io.GetNumberOfComponents()) + " components a voxel, a scalar volume has 1");
+    switch (io.GetComponentType()) {
+    case Type::UCHAR: return ISO_U8;
+    case Type::CHAR: return ISO_I8;
+    case Type::USHORT: return ISO_U16;
+    case Type::SHORT: return ISO_I16;
+    case Type::UINT: return ISO_U32;
+    case Type::INT: return ISO_I32;
+    case Type::FLOAT: return ISO_F32;
+    case Type::DOUBLE: return ISO_F64;
+    default:
+        fail(ISO_E_FORMAT, path + ": type \"" + io.GetComponentTypeAsString(io.GetComponentType()) +
+                               "\", must be an integer of 8, 16 or 32 bits, float or double");
+    }
+}
+
+} // namespace
+
+Slice open_slice(const std::string &path)
+{
+    Slice s;
+    s.path = path;
+    s.io = reader_of(path);
+    if (!s.io)
+        fail(ISO_E_FORMAT, path + ": not a file that ITK reads");
+    s.io->SetFileName(path);
+    s.io->ReadImageInformation();
+    const unsigned axes = s.io->GetNumberOfDimensions();
+    for (unsigned a = 3; a < axes; ++a)
+        if (s.io->GetDimensions(a) != 1)
+            fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, a scalar volume has 3");
+    s.type = type_of(*s.io, path);
+    for (unsigned a = 0; a < 3 && a < axes; ++a) {
+        const auto direction = s.io->GetDirection(a);
+        s.size[a] = s.io->GetDimensions(a);
+        s.first[a] = s.io->GetOrigin(a);
+        for (unsigned r = 0; r < 3; ++r)
+            s.step[a][r] = (r < direction.size() ? direction[r] : 0) * s.io->GetSpacing(a);
+    }
+    return s;
+}
+
+namespace {
+
+/* GDCM takes a file that breaks off within its samples, and gives what happens to be in memory for the rest. So their
+ * element is looked for: its tag, its type where that is written, and a length that would be right. Compressed samples
+ * have none; their decoders notice. */
+void check_samples_are_there(const Slice &s)
+{
+    const auto *dicom = dynamic_cast<const itk::GDCMImageIO *>(s.io.GetPointer());
+    if (!dicom)
+        return;
+    const auto type = dicom->GetInternalComponentType();
+    const size_t bytes = type == itk::IOComponentEnum::CHAR || type == itk::IOComponentEnum::UCHAR     ? 1
+                         : type == itk::IOComponentEnum::SHORT || type == itk::IOComponentEnum::USHORT ? 2
+                                                                                                       : 4;
+    const size_t need = s.size[0] * s.size[1] * s.size[2] * bytes, size = std::filesystem::file_size(s.path);
+    std::string head(std::min<size_t>(size, 16 << 20), 0);
+    std::ifstream(s.path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
+    const std::string tag("\xe0\x7f\x10\x00", 4);
+    for (size_t at = head.find(tag); at != std::string::npos && at + 12 <= head.size(); at = head.find(tag, at + 1)) {
+        const bool is_typed = head[at + 4] == 'O';
+        uint32_t length;
+        memcpy(&length, &head[at + (is_typed ? 8 : 4)], 4);
+        const size_t there = size - at - (is_typed ? 12 : 8);
+        if (length >= need && length <= need + 1 && there < need)
+            fail(ISO_E_FORMAT, s.path + ": truncated: holds " + std::to_string(there) + " bytes of samples, needs " +
+                                   std::to_string(need));
+    }
+}
+
+} // namespace
+
+void read_samples(const Slice &s, char *out, size_t bytes)
+{
+    itk::ImageIORegion region(s.io->GetNumberOfDimensions());
+    for (unsigned a = 0; a < s.io->GetNumberOfDimensions(); ++a) {
+        region.SetIndex(a, 0);
+        region.SetSize(a, s.io->GetDimensions(a));
+    }
+    s.io->SetIORegion(region);
+    if (static_cast<size_t>(s.io->GetImageSizeInBytes()) != bytes)
+        fail(ISO_E_FORMAT, s.path + ": holds " + std::to_string(s.io->GetImageSizeInBytes()) +
+                               " bytes of samples, not " + std::to_string(bytes));
+    check_samples_are_there(s);
+    s.io->Read(out);
+}
+
+bool is_dicom(const Slice &s)
+{
+    return dynamic_cast<const itk::GDCMImageIO *>(s.io.GetPointer()) != nullptr;
+}
+
+size_t bytes_of(iso_type type)
+{
+    switch (type) {
+    case ISO_U8:
+    case ISO_I8: return 1;
+    case ISO_U16:
+    case ISO_I16: return 2;
+    case ISO_F64: return 8;
+    default: return 4;
+    }
+}

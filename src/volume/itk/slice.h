@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* slice.h - one file, by that of ITK's readers that takes it: a slice, or a volume. */
+#ifndef ISO_VOLUME_ITK_SLICE_H
+#define ISO_VOLUME_ITK_SLICE_H
+
+#include <itkImageIOBase.h>
+
+#include <array>
+#include <string>
+
+#include "volume/itk_stream.h"
+
+using Vector = std::array<double, 3>;
+
+/* What is wrong, for the one line that a person reads. */
+struct Failure {
+    iso_status status;
+    std::string text;
+};
+
+[[noreturn]] inline void fail(iso_status status, const std::string &text)
+{
+    throw Failure{status, text};
+}
+
+/* A file's header. */
+struct Slice {
+    std::string path;
+    itk::ImageIOBase::Pointer io;
+    iso_type type = ISO_U8;
+    std::array<size_t, 3> size{1, 1, 1};
+    Vector first{0, 0, 0};
+    std::array<Vector, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+
+/* Its header; throws Failure, or ITK's own. */
+Slice open_slice(const std::string &path);
+bool is_dicom(const Slice &s);
+
+size_t bytes_of(iso_type type);
+/* All samples of the file; `bytes` is what the header says they take. */
+void read_samples(const Slice &s, char *out, size_t bytes);
+
+#endif

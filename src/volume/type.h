@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* type.h - the types that samples have. */
+#ifndef ISO_VOLUME_TYPE_H
+#define ISO_VOLUME_TYPE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* enum, name, C type */
+/* clang-format off */
+#define ISO_TYPE_LIST(X)              \
+    X(ISO_U8, "uint8", uint8_t)       \
+    X(ISO_I8, "int8", int8_t)         \
+    X(ISO_U16, "uint16", uint16_t)    \
+    X(ISO_I16, "int16", int16_t)      \
+    X(ISO_U32, "uint32", uint32_t)    \
+    X(ISO_I32, "int32", int32_t)      \
+    X(ISO_F32, "float", float)        \
+    X(ISO_F64, "double", double)
+/* clang-format on */
+
+typedef enum iso_type {
+#define ISO_TYPE_ENUM(name, text, ctype) name,
+    ISO_TYPE_LIST(ISO_TYPE_ENUM)
+#undef ISO_TYPE_ENUM
+} iso_type;
+
+const char *iso_type_name(iso_type type);
+size_t iso_type_bytes(iso_type type);
+/* ISO_E_USAGE with the list of names. */
+iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
+
+#endif

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* unit.h - units of length that headers name. World coordinates are millimetres, whatever the file has. */
+#ifndef ISO_VOLUME_UNIT_H
+#define ISO_VOLUME_UNIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* The names for messages and --help: those that --unit takes; headers may spell them out (micrometer, microns). */
+#define ISO_UNIT_NAMES "m, cm, mm, um, nm, pm, angstrom, bohr or inch"
+
+/* One such unit in millimetres, and its short name, which may be NULL; false where the unit is not known. Not sensitive
+ * to case. */
+bool iso_unit_find(const char *text, double *mm, const char **name);
+
+/* Of an option: ISO_E_USAGE with the names. */
+iso_status iso_unit_parse(const char *option, const char *text, double *mm, const char **name, iso_error *err);
+
+#endif

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# doc/formats-in.md: each row of its table is tested by files of another program, and each format of `isoshade list` has one.
+. "$(dirname "$0")/lib.sh"
+page=$top/doc/formats-in.md
+python3 "$top/tests/phantom.py" "$ISOSHADE" || failed=1
+
+tests_of() { grep -E '^\|.*\| `[a-z_]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }
+each_test_is_named() { diff <(tests_of "$1") <(python3 "$top/tests/phantom.py" --list | sort -u); }
+check the_page_names_all_tests each_test_is_named "$page"
+"$ISOSHADE" list --json >list.json
+formats_of() { grep -E '^\|.*\| `[a-z_]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }
+formats() { python3 -c '
+import json
+for table in json.load(open("list.json"))["lists"]:
+    if table["what"] == "volume format":
+        for row in table["rows"]: print(row["name"])' | sort -u; }
+each_format_is_there() { diff <(formats_of "$1") <(formats); }
+check and_all_formats each_format_is_there "$page"
+# Planted: a page without a row, and one with a test that is not there.
+grep -v '`nifti`' "$page" >less.md
+sed 's/`dicom`/`dicon`/' "$page" >other.md
+notice a_missing_row_is_found each_format_is_there less.md
+notice a_wrong_test_is_found each_test_is_named other.md
+
+# Without ITK such files are refused by name.
+cp "$ISOSHADE" alone
+printf '\211PNG\r\n\032\n' >picture.png
+refuse without_itk 7 'isoshade-itk, which is missing' ./alone info picture.png
+exit $failed

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: MIT
+"""One phantom, written by other programs in every format that is read, and read back by isoshade.
+
+    phantom.py ISOSHADE [CASE ...]      "ok NAME", "ok NAME # SKIP why" or "not ok NAME: why" a case, in the current folder
+
+The phantom has three different sizes and spacings, no symmetry, and a landmark: the largest value. Where a format can say
+so it stands oblique in the world. Values have to be equal bit by bit, the landmark at the same world mm.
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+
+ISOSHADE = os.path.abspath(sys.argv[1])
+SIZE = (11, 13, 7)
+LANDMARK = (8, 3, 5)
+SPACING = np.array([0.75, 0.5, 2.5])
+
+
+def rotation():
+    a, b = np.radians(20), np.radians(-35)
+    rx = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+    rz = np.array([[np.cos(b), -np.sin(b), 0], [np.sin(b), np.cos(b), 0], [0, 0, 1]])
+    return rz @ rx
+
+
+STEPS = rotation() * SPACING  # columns: from a sample to the next, in right, anterior, superior
+FIRST = np.array([-40.5, 12.25, 100.0])  # the center of the first sample
+LPS = np.diag([-1.0, -1.0, 1.0])
+
+
+def phantom(dtype=np.int16):
+    """[z, y, x]; negative values too, where the type has them."""
+    z, y, x = np.meshgrid(*(np.arange(n) for n in SIZE[::-1]), indexing="ij")
+    v = 3 * x + 17 * y * y + 5 * z * x + 29 * z - 400
+    if np.dtype(dtype) == np.uint8:
+        v = (v * 7) % 240
+    elif np.dtype(dtype).kind == "u":
+        v = v + 500
+    v = v.astype(dtype)
+    if np.dtype(dtype).kind == "f":
+        v = v * np.dtype(dtype).type(0.37)
+    v[LANDMARK[2], LANDMARK[1], LANDMARK[0]] = v.max() + 10
+    return v
+
+
+class Wrong(Exception):
+    pass
+
+
+def expect(condition, message):
+    if not condition:
+        raise Wrong(message)
+
+
+def run(*words):
+    return subprocess.run([ISOSHADE, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+
+
+def load(path, options=()):
+    """Samples [z, y, x], steps, the first sample's center, whether the world is right, anterior, superior."""
+    shutil.rmtree("read.iso", ignore_errors=True)
+    got = run("build", path, "--levels", "1", "-q", "-o", "read.iso", *options)
+    expect(got.returncode == 0, f"exit code {got.returncode}: {got.stderr.strip()}")
+    info = run("info", path, "--json", *options)
+    expect(info.returncode == 0 and not info.stderr, f"info ends with {info.returncode}: {info.stderr.strip()}")
+    info = json.loads(info.stdout)
+    with open("read.iso/pyramid.json", encoding="utf-8") as file:
+        level = json.load(file)["levels"][0]
+    with open(os.path.join("read.iso", level["files"]["scalar"]["name"]), "rb") as file:
+        data = file.read()
+    types = {"uint8": "u1", "int8": "i1", "uint16": "<u2", "int16": "<i2", "float": "<f4"}
+    g = level["geometry"]
+    samples = np.frombuffer(data, types[level["stored_type"]], offset=data.index(b"\n\n") + 2)
+    size = samples.size - int(np.prod(g["size"]))
+    samples = samples[size:].reshape(g["size"][::-1])
+    steps = np.array(g["index_to_world"]).reshape(3, 3)
+    return samples, steps, np.array(g["origin_mm"]) + steps @ [0.5, 0.5, 0.5], info
+
+
+def same(path, values, steps=STEPS, first=FIRST, ras=True, options=(), unit=None, tolerance=1e-6):
+    """tolerance: mm, of decimals that the format has."""
+    got, got_steps, got_first, info = load(path, options)
+    expect(got.shape == values.shape, f"size {got.shape[::-1]}, not {values.shape[::-1]}")
+    expect(np.array_equal(got, values), f"{(got != values).sum()} of {values.size} values differ, "
+           f"the first by {(got.astype(float) - values).flat[(got != values).argmax()]:g}")
+    if first is None:  # around its center
+        first = steps @ -(np.array(values.shape[::-1]) - 1) / 2
+    place, wanted = got_first + got_steps @ LANDMARK, first + steps @ LANDMARK
+    expect(np.abs(place - wanted).max() <= tolerance, f"the landmark is at {place}, not {wanted}")
+    expect(np.allclose(got_steps, steps, rtol=1e-5, atol=1e-7 * np.abs(steps).max()), f"steps {got_steps}, not {steps}")
+    expect(info["world_is_ras"] == ras, f"world_is_ras is {info['world_is_ras']}")
+    expect(unit is None or info["unit"] == unit, f"the unit is {info['unit']}, not {unit}")
+
+
+def refused(path, code, words, options=()):
+    got = run("info", path, *options)
+    lines = got.stderr.strip().splitlines()
+    expect(got.returncode == code, f"{path}: exit code {got.returncode}, wanted {code}: {got.stderr.strip()}")
+    expect(len(lines) == 1 and not got.stdout, f"{path}: {len(lines)} lines of messages: {got.stderr}{got.stdout[:80]}")
+    expect(words in lines[0], f"{path}: \"{lines[0]}\" lacks \"{words}\"")
+
+
+def cut(path, to, fraction=0.6):
+    with open(path, "rb") as file:
+        data = file.read()
+    with open(to, "wb") as file:
+        file.write(data[:int(len(data) * fraction)])
+
+
+CASES = {}
+
+
+def case(f):
+    CASES[f.__name__] = f
+    return f
+
+
+# ---- DICOM, by pydicom ----
+
+def dicom_slice(path, pixels, position, uid, number, description="phantom", slope=1, intercept=0, steps=STEPS):
+    import pydicom
+    from pydicom.dataset import FileDataset, FileMetaDataset
+    meta = FileMetaDataset()
+    meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2"
+    meta.MediaStorageSOPInstanceUID = f"{uid}.{number}"
+    meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
+    d = FileDataset(path, {}, file_meta=meta, preamble=b"\0" * 128)
+    d.is_little_endian, d.is_implicit_VR = True, False
+    d.SOPClassUID, d.SOPInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID
+    d.Modality, d.PatientName, d.PatientID = "CT", "Phantom", "1"
+    d.StudyInstanceUID, d.SeriesInstanceUID, d.FrameOfReferenceUID = "1.2.3.1", uid, "1.2.3.9"
+    d.SeriesDescription, d.SeriesNumber, d.InstanceNumber = description, 1, number
+    d.Rows, d.Columns = pixels.shape
+    lps = LPS @ steps
+    row, column = lps[:, 0] / np.linalg.norm(lps[:, 0]), lps[:, 1] / np.linalg.norm(lps[:, 1])
+    d.ImageOrientationPatient = [f"{c:.13f}" for c in (*row, *column)]
+    d.ImagePositionPatient = [f"{c:.11f}" for c in LPS @ position]
+    d.PixelSpacing = [f"{SPACING[1]}", f"{SPACING[0]}"]  # between rows, then between columns
+    d.SliceThickness = "1"  # thinner than they are apart
+    d.SamplesPerPixel, d.PhotometricInterpretation = 1, "MONOCHROME2"
+    d.BitsAllocated, d.BitsStored, d.HighBit = 16, 16, 15
+    d.PixelRepresentation = int(pixels.dtype.kind == "i")
+    d.RescaleSlope, d.RescaleIntercept = str(slope), str(intercept)
+    d.PixelData = pixels.tobytes()
+    d.save_as(path, write_like_original=False)
+
+
+def dicom_series(folder, values, uid="1.2.3.4", steps=STEPS, leave_out=(), **more):
+    """The files are not named in the order in which they stand."""
+    os.makedirs(folder, exist_ok=True)
+    for k, pixels in enumerate(values):
+        if k not in leave_out:
+            dicom_slice(f"{folder}/{uid}.{(k * 5) % 7}.dcm", pixels, FIRST + steps[:, 2] * k, uid, k + 1, steps=steps, **more)
+
+
+@case
+def dicom():
+    dicom_series("dicom", phantom())
+    same("dicom", phantom(), unit="mm")
+
+
+@case
+def dicom_rescaled():
+    dicom_series("rescaled", phantom(np.uint16), intercept=-1024)
+    same("rescaled", phantom(np.uint16).astype(np.int16) - 1024)
+    dicom_series("half", phantom(np.uint16), slope=0.5, intercept=-3)
+    same("half", (phantom(np.uint16) * 0.5 - 3).astype(np.float32))
+
+
+@case
+def dicom_tilted_gantry():
+    tilted = STEPS.copy()
+    tilted[:, 2] += 0.3 * STEPS[:, 1]
+    dicom_series("tilted", phantom(), steps=tilted)
+    same("tilted", phantom(), steps=tilted)
+
+
+@case
+def dicom_mixed_series():
+    dicom_series("mixed", phantom(), uid="1.2.3.5", description="bone")
+    dicom_series("mixed", phantom()[::-1].copy(), uid="1.2.3.6", description="soft tissue")
+    refused("mixed", 2, 'holds 2 series, --series must be one of: 1 "bone" (7 files), 2 "soft tissue" (7 files)')
+    refused("mixed", 2, 'has no series "lung"', ["--series", "lung"])
+    same("mixed", phantom()[::-1], options=["--series", "soft tissue"])
+    same("mixed", phantom(), options=["--series", "1"])
+
+
+@case
+def dicom_damaged():
+    dicom_series("gap", phantom(), leave_out=[3])
+    refused("gap", 4, "slices are not equally far apart (one is missing?): 5 mm before")
+    for part in 0.6, 0.95:  # in the header, and in the samples
+        dicom_series("cut", phantom())
+        cut("cut/1.2.3.4.0.dcm", "short.dcm", part)
+        os.replace("short.dcm", "cut/1.2.3.4.0.dcm")
+        refused("cut", 4, "cut")
+    with open("named.dcm", "wb") as file:
+        file.write(b"\0" * 128 + b"DICM" + b"what this is nobody knows" * 9)
+    refused("named.dcm", 4, "named.dcm: ")
+    with open("named.png", "wb") as file:
+        file.write(b"nothing of the kind")
+    refused("named.png", 4, 'starts with "nothing "')
+    dicom_series("twice", phantom())
+    dicom_slice("twice/again.dcm", phantom()[2], FIRST + STEPS[:, 2] * 2, "1.2.3.4", 9)
+    refused("twice", 4, "two slices at one place (time steps or echoes?)")
+    dicom_series("one", phantom()[:1])
+    refused("one/1.2.3.4.0.dcm", 4, "is one slice; a volume is the folder of its slices")
+
+
+# ---- pictures, by VTK ----
+
+def vtk_image(values, steps=None, first=None):
+    """values [z, y, x]."""
+    import vtk
+    from vtk.util import numpy_support
+    image = vtk.vtkImageData()
+    image.SetDimensions(values.shape[::-1])
+    if steps is not None:
+        image.SetSpacing(np.linalg.norm(steps, axis=0))
+        image.SetOrigin(first)
+        image.SetDirectionMatrix((steps / np.linalg.norm(steps, axis=0)).ravel())
+    array = numpy_support.numpy_to_vtk(values.ravel(), deep=True)
+    array.SetName("values")
+    image.GetPointData().SetScalars(array)
+    return image
+
+
+def vtk_write(writer, image, path):
+    writer.SetInputData(image)
+    writer.SetFileName(path)
+    writer.Write()
+
+
+@case
+def png_stack():
+    import vtk
+    os.makedirs("png", exist_ok=True)
+    values = phantom(np.uint16)
+    for k, pixels in enumerate(values):  # VTK counts rows from the bottom
+        vtk_write(vtk.vtkPNGWriter(), vtk_image(pixels[None, ::-1].copy()), f"png/slice{9 + k}.png")
+    refused("png", 4, "does not say the spacing of its voxels, as pictures do not; --spacing SXxSYxSZ does")
+    same("png", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    cut("png/slice10.png", "short.png")
+    os.replace("short.png", "png/slice10.png")
+    refused("png", 4, "slice10.png", ["--spacing", "1"])
+    vtk_write(vtk.vtkPNGWriter(), vtk_image(values[:1, 1:].copy()), "png/slice10.png")
+    refused("png", 4, "slices of different sizes", ["--spacing", "1"])
+
+
+# ---- NRRD by teem, NIfTI by nibabel, raw ----
+
+@case
+def nrrd():
+    values = phantom()
+    values.tofile("plain.raw")
+    steps = " ".join("(" + ",".join(f"{c:.17g}" for c in 1000 * LPS @ STEPS[:, a]) + ")" for a in range(3))
+    origin = "(" + ",".join(f"{c:.17g}" for c in 1000 * LPS @ FIRST) + ")"
+    with open("detached.nhdr", "w", encoding="ascii") as file:
+        file.write("NRRD0005\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 11 13 7\n"
+                   f"space directions: {steps}\nspace origin: {origin}\nspace units: \"um\" \"um\" \"um\"\n"
+                   "encoding: raw\nendian: little\ndata file: plain.raw\n")
+    for encoding in "raw", "gzip", "ascii":
+        subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", encoding, "-i", "detached.nhdr", "-o", "unu.nrrd"], check=True)
+        same("unu.nrrd", values, unit="um")
+        cut("unu.nrrd", "cut.nrrd")
+        refused("cut.nrrd", 4, "cut.nrrd")
+
+
+@case
+def nifti():
+    import nibabel
+    affine = np.eye(4)
+    affine[:3, :3], affine[:3, 3] = STEPS, FIRST
+    for kind, suffix in (nibabel.Nifti1Image, "nii"), (nibabel.Nifti2Image, "nii.gz"):
+        image = kind(phantom().T, affine)
+        image.header.set_xyzt_units("mm")
+        nibabel.save(image, f"nibabel.{suffix}")
+        # NIfTI-1 has floats
+        same(f"nibabel.{suffix}", phantom(), unit="mm", tolerance=1e-5)
+        cut(f"nibabel.{suffix}", f"cut.{suffix}")
+        refused(f"cut.{suffix}", 4, "cut.nii")
+    image = nibabel.Nifti1Image(phantom().T, affine)
+    image.header.set_slope_inter(0.5, -3)
+    nibabel.save(image, "scaled.nii")
+    stored = np.asanyarray(nibabel.load("scaled.nii").dataobj.get_unscaled()).T
+    same("scaled.nii", (0.5 * stored - 3).astype(np.float32), tolerance=1e-5)
+    same("scaled.nii", stored, tolerance=1e-5, options=["--stored"])
+
+
+@case
+def raw():
+    phantom().tofile("plain.raw")
+    options = ["--raw-size", "11x13x7", "--raw-type", "int16", "--raw-spacing", "750x500x2500", "--unit", "um"]
+    same("plain.raw", phantom(), np.diag(SPACING), None, False, options)
+    refused("plain.raw", 4, "too long", [*options, "--raw-size", "11x13x6"])
+
+
+def main():
+    if sys.argv[1] == "--list":
+        print("\n".join(CASES))
+        return 0
+    failed = 0
+    for name in sys.argv[2:] or CASES:
+        try:
+            CASES[name]()
+            print("ok", name)
+        except Exception as why:  # a missing module, too
+            failed = 1
+            print(f"not ok {name}: {type(why).__name__}: {why}")
+        sys.stdout.flush()
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main())
