@@ -10,12 +10,12 @@ config ?= release
 build := build/$(config)
 
 # ---- what it stands on: Debian packages -----------------------------------
-packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev zlib1g-dev \
+packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
 	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps python3-pydicom python3-nibabel python3-vtk9
+	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -27,7 +27,7 @@ flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=unde
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libxml-2.0 libpng zlib OpenEXR Imath tbb epoxy egl libxxhash
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib OpenEXR Imath tbb epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)

@@ -14,6 +14,12 @@
 #define ISO_VOLUME_FORMAT_LIST(X) \
     X(nrrd)                       \
     X(nifti)                      \
+    X(metaimage)                  \
+    X(vtk)                        \
+    X(tiff)                       \
+    X(mrc)                        \
+    X(cube)                       \
+    X(xsf)                        \
     X(itk)                        \
     X(raw)
 /* clang-format on */

@@ -46,14 +46,32 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
     return iso_source_check_bytes(source, (double)st.st_size - (double)at, err);
 }
 
-iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
+static iso_status open_at(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
     source->file = fopen(path, "rb");
     if (!source->file)
         return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
     if (fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", path, offset);
-    return iso_source_check_rest(source, err);
+    return ISO_OK;
+}
+
+iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
+{
+    struct stat st;
+    const iso_status status = open_at(source, path, offset, err);
+    if (status != ISO_OK)
+        return status;
+    if (fstat(fileno(source->file), &st) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", path);
+    const double there = (double)st.st_size - (double)offset;
+    return there >= (double)iso_source_bytes(source) ? ISO_OK : iso_source_check_bytes(source, there, err);
+}
+
+iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
+{
+    const iso_status status = open_at(source, path, offset, err);
+    return status == ISO_OK ? iso_source_check_rest(source, err) : status;
 }
 
 iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,

@@ -36,6 +36,12 @@ iso_status iso_source_unit(iso_volume_source *source, const char *unit, const ch
 iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err);
 /* Opens the file at its first sample, which stands at `offset`, and checks that the file ends with the last. */
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
+/* The same of a file in which other things follow. */
+iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
+/* The same of samples that zlib packed, until the end of what it packed. */
+iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
+/* Reads all samples as decimals from where the file stands. z_fastest: in the file z runs fastest, x slowest. */
+iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* cube_open.c - Gaussian's cube files: two lines of words, atoms and where the grid stands, three axes, the atoms, and the
+ * values as text, z fastest. Lengths are bohr, or angstrom where an axis has a negative number of samples. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "volume/stream_kernel.h"
+
+enum { LINE_BYTES = 1024, ATOMS_MOST = 10000000 };
+
+typedef struct cube {
+    long atoms, count[3];
+    double origin[3], step[3][3];
+    long values; /* a voxel */
+} cube;
+
+/* A line of a count and three numbers; *more: a count behind them, 1 where there is none. */
+static bool take_line(FILE *f, long *count, double v[3], long *more)
+{
+    char line[LINE_BYTES];
+    *more = 1;
+    return fgets(line, sizeof line, f) && sscanf(line, "%ld %lf %lf %lf %ld", count, &v[0], &v[1], &v[2], more) >= 4;
+}
+
+static bool read_header(FILE *f, cube *c)
+{
+    char line[LINE_BYTES];
+    long unused;
+    bool well = fgets(line, sizeof line, f) && fgets(line, sizeof line, f) &&
+                take_line(f, &c->atoms, c->origin, &c->values);
+    for (int a = 0; a < 3 && well; ++a)
+        well = take_line(f, &c->count[a], c->step[a], &unused) && c->count[a] != 0 && labs(c->count[a]) < 1000000;
+    return well && labs(c->atoms) <= ATOMS_MOST && c->values >= 1;
+}
+
+/* Leaves the file at the first value: behind the atoms, and the orbitals' numbers where the atoms' is negative. */
+static bool skip_atoms(FILE *f, cube *c)
+{
+    char line[LINE_BYTES];
+    bool well = true;
+    for (long i = 0; i < labs(c->atoms) && well; ++i)
+        well = fgets(line, sizeof line, f);
+    long orbital;
+    if (well && c->atoms < 0) {
+        well = fscanf(f, "%ld", &c->values) == 1 && c->values >= 1 && c->values < 100000;
+        for (long i = 0; i < c->values && well; ++i)
+            well = fscanf(f, "%ld", &orbital) == 1;
+    }
+    return well;
+}
+
+static bool is_cube(const char *path)
+{
+    cube c;
+    FILE *f = iso_path_ends_with(path, ".cube") || iso_path_ends_with(path, ".cub") ? fopen(path, "rb") : NULL;
+    const bool is_one = f && read_header(f, &c);
+    if (f)
+        fclose(f);
+    return is_one;
+}
+
+static iso_status take_geometry(const cube *c, iso_volume_source *source, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    size_t size[3];
+    double mm;
+    for (int a = 0; a < 3; ++a)
+        size[a] = (size_t)labs(c->count[a]);
+    const char *unit = c->count[0] < 0 ? "angstrom" : "bohr";
+    const iso_status status = iso_source_unit(source, unit, unit, &mm, err);
+    if (status != ISO_OK)
+        return status;
+    *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    for (int a = 0; a < 3; ++a)
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][a] = mm * c->step[a][r];
+    g->origin_mm = iso_sub(iso_scale(iso_v3(c->origin[0], c->origin[1], c->origin[2]), mm),
+                           iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
+    source->header.type = ISO_F32;
+    return iso_geometry_check(g, source->path, err);
+}
+
+static iso_status open_cube(iso_volume_source *source, iso_error *err)
+{
+    cube c = {0};
+    FILE *f = fopen(source->path, "rb");
+    if (!f)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+    iso_status status = ISO_OK;
+    if (!read_header(f, &c) || !skip_atoms(f, &c))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of a cube file", source->path);
+    else if (c.values != 1)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %ld values a voxel (orbitals), a scalar volume has 1", source->path,
+                          c.values);
+    if (status == ISO_OK)
+        status = take_geometry(&c, source, err);
+    if (status == ISO_OK)
+        status = iso_source_take_text(source, f, true, err);
+    fclose(f);
+    return status;
+}
+
+const iso_volume_format iso_volume_format_cube = {
+    .name = "cube",
+    .title = "Gaussian cube",
+    .summary = "one density or orbital, in bohr or angstrom, at once",
+    .suffixes = ".cube .cub",
+    .starts = "two lines of words, named .cube",
+    .probe_path = is_cube,
+    .open = open_cube,
+};

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+/* mrc_open.c - MRC2014 and CCP4 maps of electron microscopy and crystallography (Cheng et al. 2015): 1024 bytes of header,
+ * an extended header, then the samples. Lengths are angstrom; the unit cell may be oblique. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/stream_kernel.h"
+
+/* Words of four bytes, numbered from 0 (the format counts from 1). */
+enum {
+    MODE = 3,
+    START = 4,
+    CELL_SAMPLES = 7,
+    CELL = 10,
+    ANGLES = 13,
+    AXES = 16,
+    SPACE_GROUP = 22,
+    EXTENDED = 23,
+    ORIGIN = 49,
+    MAP = 52,
+    HEADER_BYTES = 1024,
+    MAP_AT = 4 * MAP
+};
+
+typedef struct mrc {
+    int32_t word[256];
+    bool swapped;
+} mrc;
+
+static float real(const mrc *m, int word)
+{
+    float value;
+    memcpy(&value, &m->word[word], 4);
+    return value;
+}
+
+static bool starts_like_mrc(const unsigned char *head, size_t size)
+{
+    return size >= MAP_AT + 4 && memcmp(head + MAP_AT, "MAP", 3) == 0;
+}
+
+static iso_status read_header(const char *path, mrc *m, iso_error *err)
+{
+    FILE *f = fopen(path, "rb");
+    const size_t n = f ? fread(m->word, 1, HEADER_BYTES, f) : 0;
+    if (f)
+        fclose(f);
+    if (n != HEADER_BYTES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes, an MRC header has %d", path, n, HEADER_BYTES);
+    /* The machine stamp is not always right; a mode or an axis that is large in one order is small in the other. */
+    m->swapped = m->word[MODE] < 0 || m->word[MODE] > 0xffff || m->word[AXES] > 0xffff;
+    for (int i = 0; m->swapped && i < 256; ++i)
+        if (i < MAP || i > MAP + 1)
+            m->word[i] = (int32_t)__builtin_bswap32((uint32_t)m->word[i]);
+    for (int a = 0; a < 3; ++a)
+        if (m->word[a] < 1)
+            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size %d, must be at least 1", path, a + 1, m->word[a]);
+    if (m->word[EXTENDED] < 0)
+        return iso_fail(err, ISO_E_RANGE, "%s: an extended header of %d bytes", path, m->word[EXTENDED]);
+    return m->word[SPACE_GROUP] < 401 ? ISO_OK
+                                      : iso_fail(err, ISO_E_FORMAT, "%s: a stack of volumes, must be one", path);
+}
+
+static iso_status take_type(const mrc *m, iso_volume_source *source, iso_error *err)
+{
+    switch (m->word[MODE]) {
+    case 0: source->header.type = ISO_I8; return ISO_OK;
+    case 1: source->header.type = ISO_I16; return ISO_OK;
+    case 2: source->header.type = ISO_F32; return ISO_OK;
+    case 6: source->header.type = ISO_U16; return ISO_OK;
+    default:
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: mode %d, must be 0, 1, 2 or 6: an integer of 8 or 16 bits, or float, not complex or half",
+                        source->path, m->word[MODE]);
+    }
+}
+
+/* The edges of the unit cell: a along x, b in the plane of x and y. */
+static void cell_edges(const mrc *m, double edge[3][3])
+{
+    double cosine[3], length[3];
+    for (int i = 0; i < 3; ++i) {
+        const double degrees = real(m, ANGLES + i);
+        cosine[i] = degrees > 0 && degrees < 180 && degrees != 90 ? cos(degrees * M_PI / 180) : 0;
+        length[i] = real(m, CELL + i);
+    }
+    const double sine = sqrt(1 - cosine[2] * cosine[2]), y = (cosine[0] - cosine[1] * cosine[2]) / sine;
+    const double rows[3][3] = {{1, 0, 0},
+                               {cosine[2], sine, 0},
+                               {cosine[1], y, sqrt(fmax(0, 1 - cosine[1] * cosine[1] - y * y))}};
+    for (int i = 0; i < 3; ++i)
+        for (int r = 0; r < 3; ++r)
+            edge[i][r] = length[i] * rows[i][r];
+}
+
+/* The file's axes (columns, rows, sections) are the cell's in the order that AXES says. */
+static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    const size_t size[3] = {(size_t)m->word[0], (size_t)m->word[1], (size_t)m->word[2]};
+    double mm, edge[3][3];
+    int seen = 0;
+    iso_status status = iso_source_unit(source, "angstrom", "angstrom", &mm, err);
+    if (status != ISO_OK)
+        return status;
+    *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    const bool has_cell = real(m, CELL) > 0 && real(m, CELL + 1) > 0 && real(m, CELL + 2) > 0 &&
+                          m->word[CELL_SAMPLES] > 0;
+    if (!has_cell)
+        return iso_source_need_spacing(source, "of its voxels", err);
+    cell_edges(m, edge);
+    const iso_vec3 origin = iso_v3(real(m, ORIGIN), real(m, ORIGIN + 1), real(m, ORIGIN + 2));
+    iso_vec3 first = iso_scale(origin, mm);
+    for (int a = 0; a < 3; ++a) {
+        const int axis = m->word[AXES + a] >= 1 && m->word[AXES + a] <= 3 ? m->word[AXES + a] - 1 : a;
+        const double samples = m->word[CELL_SAMPLES + axis] > 0 ? m->word[CELL_SAMPLES + axis] : 1;
+        seen |= 1 << axis;
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][a] = mm * edge[axis][r] / samples;
+        /* Where ORIGIN is not used, START is: in samples. */
+        if (iso_norm(origin) == 0)
+            first = iso_madd(first, iso_column(g->index_to_world, a), m->word[START + a]);
+    }
+    if (seen != 7)
+        return iso_fail(err, ISO_E_FORMAT, "%s: axes %d, %d, %d, must be 1, 2 and 3 in some order", source->path,
+                        m->word[AXES], m->word[AXES + 1], m->word[AXES + 2]);
+    g->origin_mm = iso_sub(first, iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
+    return iso_geometry_check(g, source->path, err);
+}
+
+static iso_status open_mrc(iso_volume_source *source, iso_error *err)
+{
+    mrc m = {0};
+    iso_status status = read_header(source->path, &m, err);
+    if (status == ISO_OK)
+        status = take_type(&m, source, err);
+    if (status == ISO_OK)
+        status = take_geometry(&m, source, err);
+    source->swap_bytes = m.swapped && iso_type_bytes(source->header.type) > 1;
+    return status == ISO_OK ? iso_source_take_file(source, source->path, HEADER_BYTES + (size_t)m.word[EXTENDED], err)
+                            : status;
+}
+
+const iso_volume_format iso_volume_format_mrc = {
+    .name = "mrc",
+    .title = "MRC and CCP4",
+    .summary = "maps in angstrom, oblique cells too; modes 0, 1, 2 and 6, plane by plane",
+    .suffixes = ".mrc .map .ccp4 .rec",
+    .starts = "\"MAP \" at byte 208",
+    .probe = starts_like_mrc,
+    .open = open_mrc,
+};

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* text_samples.c - samples that are written as decimals, all at once. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/stream_kernel.h"
+
+enum { WORD_BYTES = 64 };
+
+/* The next word; false at the end, or where it is no number. Fortran writes 1.0D-3. */
+static bool next_number(FILE *f, double *value)
+{
+    char word[WORD_BYTES], *end;
+    size_t n = 0;
+    int c;
+    while (isspace(c = getc_unlocked(f)))
+        ;
+    for (; c != EOF && !isspace(c) && n + 1 < sizeof word; c = getc_unlocked(f))
+        word[n++] = (char)(c == 'D' || c == 'd' ? 'e' : c);
+    word[n] = 0;
+    *value = strtod(word, &end);
+    return n > 0 && *end == 0;
+}
+
+static void store(char *data, iso_type type, size_t at, double value)
+{
+/* clang-format off */
+#define ISO_STORE_CASE(name, text, ctype) \
+    case name: ((ctype *)(void *)data)[at] = (ctype)value; break;
+    switch (type) {
+        ISO_TYPE_LIST(ISO_STORE_CASE)
+    }
+#undef ISO_STORE_CASE
+    /* clang-format on */
+}
+
+iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err)
+{
+    const size_t *n = source->header.geometry.size, count = n[0] * n[1] * n[2];
+    const off_t at = ftello(f);
+    const bool sized = at >= 0 && fseeko(f, 0, SEEK_END) == 0;
+    const double bytes = sized ? (double)(ftello(f) - at) : 0;
+    /* The shortest number is a digit and a space: refuse before the memory is taken. */
+    if (!sized || fseeko(f, at, SEEK_SET) != 0 || 2.0 * (double)count > bytes + 2)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %.0f bytes of text cannot hold %zu numbers", source->path,
+                        bytes, count);
+    source->preloaded = malloc(iso_source_bytes(source));
+    if (!source->preloaded)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu samples", source->path, count);
+    for (size_t i = 0; i < count; ++i) {
+        double value;
+        if (!next_number(f, &value))
+            return iso_fail(err, ISO_E_FORMAT, "%s: %s after %zu of %zu numbers", source->path,
+                            feof(f) ? "truncated" : "no number", i, count);
+        const size_t z = i % n[2], y = i / n[2] % n[1], x = i / n[2] / n[1];
+        store(source->preloaded, source->header.type, z_fastest ? (z * n[1] + y) * n[0] + x : i, value);
+    }
+    return ISO_OK;
+}

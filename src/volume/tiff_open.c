@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+/* tiff_open.c - TIFF and BigTIFF, a slice a page, by libtiff. TIFF itself does not say how far slices are apart: ImageJ's
+ * description and OME's XML do, and nothing else is trusted. */
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <tiffio.h>
+
+#include "volume/stream_kernel.h"
+
+typedef struct tiff_reader {
+    TIFF *tiff;
+    uint64_t *page; /* offsets of the directories */
+    size_t page_count, next;
+} tiff_reader;
+
+typedef struct tiff_page {
+    uint32_t width, height;
+    uint16_t bits, samples, format;
+} tiff_page;
+
+/* What a description says. */
+typedef struct tiff_notes {
+    bool is_imagej, is_ome;
+    size_t slices, channels, frames; /* 0: not said */
+    double spacing[3];               /* 0: not said */
+    char unit[3][32];
+} tiff_notes;
+
+static bool starts_like_tiff(const unsigned char *head, size_t size)
+{
+    return size >= 4 && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
+                         memcmp(head, "II+\0", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
+}
+
+static tiff_page read_page(TIFF *t)
+{
+    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT};
+    TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &p.width);
+    TIFFGetField(t, TIFFTAG_IMAGELENGTH, &p.height);
+    TIFFGetFieldDefaulted(t, TIFFTAG_BITSPERSAMPLE, &p.bits);
+    TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLESPERPIXEL, &p.samples);
+    TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &p.format);
+    return p;
+}
+
+static bool our_type(const tiff_page *p, iso_type *type)
+{
+    static const struct {
+        uint16_t format, bits;
+        iso_type type;
+    } types[] = {{SAMPLEFORMAT_UINT, 8, ISO_U8},     {SAMPLEFORMAT_UINT, 16, ISO_U16},
+                 {SAMPLEFORMAT_UINT, 32, ISO_U32},   {SAMPLEFORMAT_INT, 8, ISO_I8},
+                 {SAMPLEFORMAT_INT, 16, ISO_I16},    {SAMPLEFORMAT_INT, 32, ISO_I32},
+                 {SAMPLEFORMAT_IEEEFP, 32, ISO_F32}, {SAMPLEFORMAT_IEEEFP, 64, ISO_F64}};
+    const uint16_t format = p->format == SAMPLEFORMAT_VOID ? SAMPLEFORMAT_UINT : p->format;
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
+        if (types[i].format == format && types[i].bits == p->bits) {
+            *type = types[i].type;
+            return true;
+        }
+    return false;
+}
+
+/* ---- descriptions ---- */
+
+/* The text behind `key` and its mark, up to one of `ends`; false where it is not there. */
+static bool find_text(const char *description, const char *key, const char *ends, char *out, size_t size)
+{
+    const char *at = strstr(description, key);
+    if (!at)
+        return false;
+    at += strlen(key);
+    snprintf(out, size, "%.*s", (int)strcspn(at, ends), at);
+    return true;
+}
+
+static double find_number(const char *description, const char *key, const char *ends)
+{
+    char text[64];
+    return find_text(description, key, ends, text, sizeof text) ? strtod(text, NULL) : 0;
+}
+
+/* Lines "key=value"; pixels' sizes are in TIFF's resolution, in pixels per unit. */
+static void read_imagej(TIFF *t, const char *description, tiff_notes *n)
+{
+    float x = 0, y = 0;
+    n->is_imagej = true;
+    n->slices = (size_t)find_number(description, "\nslices=", "\n");
+    n->channels = (size_t)find_number(description, "\nchannels=", "\n");
+    n->frames = (size_t)find_number(description, "\nframes=", "\n");
+    if (n->slices == 0 && n->channels <= 1 && n->frames <= 1)
+        n->slices = (size_t)find_number(description, "\nimages=", "\n");
+    n->spacing[2] = find_number(description, "\nspacing=", "\n");
+    if (find_text(description, "\nunit=", "\n", n->unit[0], sizeof n->unit[0])) {
+        memcpy(n->unit[1], n->unit[0], sizeof n->unit[0]);
+        memcpy(n->unit[2], n->unit[0], sizeof n->unit[0]);
+    }
+    find_text(description, "\nyunit=", "\n", n->unit[1], sizeof n->unit[1]);
+    find_text(description, "\nzunit=", "\n", n->unit[2], sizeof n->unit[2]);
+    if (TIFFGetField(t, TIFFTAG_XRESOLUTION, &x) && x > 0)
+        n->spacing[0] = 1 / (double)x;
+    if (TIFFGetField(t, TIFFTAG_YRESOLUTION, &y) && y > 0)
+        n->spacing[1] = 1 / (double)y;
+}
+
+/* Attributes of the element Pixels. */
+static void read_ome(const char *description, tiff_notes *n)
+{
+    static const char *const sizes[] = {" PhysicalSizeX=\"", " PhysicalSizeY=\"", " PhysicalSizeZ=\""};
+    static const char *const units[] = {" PhysicalSizeXUnit=\"", " PhysicalSizeYUnit=\"", " PhysicalSizeZUnit=\""};
+    const char *pixels = strstr(description, "<Pixels");
+    n->is_ome = pixels != NULL;
+    for (int a = 0; pixels && a < 3; ++a) {
+        n->spacing[a] = find_number(pixels, sizes[a], "\"");
+        if (!find_text(pixels, units[a], "\"", n->unit[a], sizeof n->unit[a]))
+            snprintf(n->unit[a], sizeof n->unit[a], "um"); /* as the schema has it */
+    }
+    if (pixels) {
+        n->slices = (size_t)find_number(pixels, " SizeZ=\"", "\"");
+        n->channels = (size_t)find_number(pixels, " SizeC=\"", "\"");
+        n->frames = (size_t)find_number(pixels, " SizeT=\"", "\"");
+    }
+}
+
+static tiff_notes read_notes(TIFF *t)
+{
+    tiff_notes n = {0};
+    const char *description = NULL;
+    if (!TIFFGetField(t, TIFFTAG_IMAGEDESCRIPTION, &description) || !description)
+        return n;
+    if (strncmp(description, "ImageJ=", 7) == 0)
+        read_imagej(t, description, &n);
+    else if (strstr(description, "<OME"))
+        read_ome(description, &n);
+    return n;
+}
+
+/* ---- the header ---- */
+
+static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first, iso_error *err)
+{
+    size_t room = 0;
+    do {
+        uint32_t kind = 0;
+        TIFFGetFieldDefaulted(r->tiff, TIFFTAG_SUBFILETYPE, &kind);
+        if (kind & FILETYPE_REDUCEDIMAGE)
+            continue; /* a thumbnail */
+        const tiff_page p = read_page(r->tiff);
+        if (r->page_count == 0)
+            *first = p;
+        if (p.width != first->width || p.height != first->height || p.bits != first->bits ||
+            p.samples != first->samples || p.format != first->format)
+            return iso_fail(err, ISO_E_FORMAT, "%s: page %zu has %u x %u pixels of %u bits, the first %u x %u of %u",
+                            path, r->page_count + 1, p.width, p.height, p.bits, first->width, first->height,
+                            first->bits);
+        if (r->page_count == room) {
+            room = room ? 2 * room : 64;
+            uint64_t *more = realloc(r->page, room * sizeof *more);
+            if (!more)
+                return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+            r->page = more;
+        }
+        r->page[r->page_count++] = TIFFCurrentDirOffset(r->tiff);
+    } while (TIFFReadDirectory(r->tiff));
+    return ISO_OK;
+}
+
+static iso_status check_notes(const tiff_notes *n, const tiff_reader *r, const char *path, iso_error *err)
+{
+    if (n->channels > 1 || n->frames > 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels and %zu time steps, a scalar volume has 1 of each", path,
+                        n->channels > 1 ? n->channels : 1, n->frames > 1 ? n->frames : 1);
+    if (n->slices > 0 && n->slices != r->page_count)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: has %zu pages, %s says %zu slices", path, r->page_count,
+                        n->is_ome ? "OME" : "ImageJ", n->slices);
+    return ISO_OK;
+}
+
+static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, size_t pages, tiff_notes *n,
+                                iso_error *err)
+{
+    double spacing[3], mm;
+    const char *lacks = NULL;
+    for (int a = 0; a < 3; ++a) {
+        const bool is_pixels = strncasecmp(n->unit[a], "pixel", 5) == 0 || n->unit[a][0] == 0;
+        if (!(n->spacing[a] > 0) || (is_pixels && !source->hints.unit))
+            lacks = a == 2 && !lacks ? "between its slices" : "of its voxels";
+    }
+    iso_status status = lacks ? iso_source_need_spacing(source, lacks, err) : ISO_OK;
+    for (int a = 0; a < 3 && status == ISO_OK; ++a) {
+        status = iso_source_unit(source, lacks ? NULL : n->unit[a], "mm", &mm, err);
+        spacing[a] = lacks ? 1 : n->spacing[a] * mm;
+    }
+    if (status != ISO_OK)
+        return status;
+    source->header.geometry = iso_geometry_axis_aligned((size_t[]){p->width, p->height, pages}, spacing);
+    return iso_geometry_check(&source->header.geometry, source->path, err);
+}
+
+/* ---- samples ---- */
+
+static bool read_tiles(TIFF *t, char *out, size_t row_bytes, size_t rows)
+{
+    uint32_t width = 0, height = 0;
+    TIFFGetField(t, TIFFTAG_TILEWIDTH, &width);
+    TIFFGetField(t, TIFFTAG_TILELENGTH, &height);
+    const size_t tile_row = TIFFTileRowSize64(t), across = tile_row ? (row_bytes + tile_row - 1) / tile_row : 0;
+    char *tile = malloc(TIFFTileSize64(t));
+    bool well = tile && across > 0 && height > 0;
+    for (size_t y = 0; well && y < rows; y += height)
+        for (size_t i = 0; well && i < across; ++i) {
+            const size_t bytes = i * tile_row + tile_row <= row_bytes ? tile_row : row_bytes - i * tile_row;
+            well = TIFFReadEncodedTile(t, (uint32_t)(y / height * across + i), tile, -1) > 0;
+            for (size_t row = 0; well && row < height && y + row < rows; ++row)
+                memcpy(out + (y + row) * row_bytes + i * tile_row, tile + row * tile_row, bytes);
+        }
+    free(tile);
+    return well;
+}
+
+static bool read_strips(TIFF *t, char *out, size_t bytes)
+{
+    size_t done = 0;
+    for (uint32_t strip = 0; strip < TIFFNumberOfStrips(t) && done < bytes; ++strip) {
+        const tmsize_t got = TIFFReadEncodedStrip(t, strip, out + done, (tmsize_t)(bytes - done));
+        if (got <= 0)
+            return false;
+        done += (size_t)got;
+    }
+    return done == bytes;
+}
+
+static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
+{
+    tiff_reader *r = source->reader;
+    const size_t *n = source->header.geometry.size, bytes = iso_source_bytes(source) / n[2];
+    for (size_t i = 0; i < plane_count; ++i, ++r->next) {
+        char *plane = (char *)out + i * bytes;
+        if (!TIFFSetSubDirectory(r->tiff, r->page[r->next]) ||
+            !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, plane, bytes / n[1], n[1])
+                                   : read_strips(r->tiff, plane, bytes)))
+            return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path, r->next + 1,
+                            n[2]);
+    }
+    return ISO_OK;
+}
+
+static void close_tiff(iso_volume_source *source)
+{
+    tiff_reader *r = source->reader;
+    if (r->tiff)
+        TIFFClose(r->tiff);
+    free(r->page);
+    free(r);
+}
+
+static iso_status open_tiff(iso_volume_source *source, iso_error *err)
+{
+    tiff_reader *r = calloc(1, sizeof *r);
+    tiff_page page = {0};
+    if (!r)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    source->reader = r;
+    source->read_planes = read_planes;
+    source->close_reader = close_tiff;
+    TIFFSetErrorHandler(NULL); /* the messages are ours */
+    TIFFSetWarningHandler(NULL);
+    r->tiff = TIFFOpen(source->path, "rm");
+    if (!r->tiff)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged: not a good TIFF file", source->path);
+    tiff_notes notes = read_notes(r->tiff);
+    iso_status status = find_pages(r, source->path, &page, err);
+    if (status == ISO_OK && page.samples != 1)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components a voxel, a scalar volume has 1", source->path,
+                          page.samples);
+    if (status == ISO_OK && !our_type(&page, &source->header.type))
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: samples of %u bits, format %u, must be an integer of 8, 16 or 32 bits, "
+                          "float or double",
+                          source->path, page.bits, page.format);
+    if (status == ISO_OK)
+        status = check_notes(&notes, r, source->path, err);
+    return status == ISO_OK ? take_geometry(source, &page, r->page_count, &notes, err) : status;
+}
+
+const iso_volume_format iso_volume_format_tiff = {
+    .name = "tiff",
+    .title = "TIFF",
+    .summary = "TIFF and BigTIFF, a slice a page, spacing of ImageJ's and OME's descriptions, plane by plane",
+    .suffixes = ".tif .tiff .ome.tif .ome.tiff",
+    .starts = "\"II*\", \"MM\", \"II+\"",
+    .probe = starts_like_tiff,
+    .open = open_tiff,
+};

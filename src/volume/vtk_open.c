@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/stream_kernel.h"
+
+enum { LINE_BYTES = 1024, HEADER_LINES = 4096 };
+
+typedef struct vtk_header {
+    size_t points[3];
+    double spacing[3], origin[3];
+    bool is_text, of_cells, found;
+    int components;
+    char dataset[64], type[64];
+} vtk_header;
+
+static bool starts_like_vtk(const unsigned char *head, size_t size)
+{
+    return size >= 14 && memcmp(head, "# vtk DataFile", 14) == 0;
+}
+
+/* One line before the samples; found: they follow it, or the line LOOKUP_TABLE. */
+static void take(vtk_header *h, const char *line)
+{
+    double v[3];
+    char word[64] = "";
+    sscanf(line, "%63s", word);
+    if (strcmp(word, "DATASET") == 0)
+        sscanf(line, "%*s %63s", h->dataset);
+    else if (strcmp(word, "DIMENSIONS") == 0)
+        sscanf(line, "%*s %18zu %18zu %18zu", &h->points[0], &h->points[1], &h->points[2]);
+    else if ((strcmp(word, "SPACING") == 0 || strcmp(word, "ASPECT_RATIO") == 0) &&
+             sscanf(line, "%*s %lf %lf %lf", &v[0], &v[1], &v[2]) == 3)
+        memcpy(h->spacing, v, sizeof v);
+    else if (strcmp(word, "ORIGIN") == 0 && sscanf(line, "%*s %lf %lf %lf", &v[0], &v[1], &v[2]) == 3)
+        memcpy(h->origin, v, sizeof v);
+    else if (strcmp(word, "CELL_DATA") == 0 || strcmp(word, "POINT_DATA") == 0)
+        h->of_cells = word[0] == 'C';
+    else if (strcmp(word, "SCALARS") == 0) {
+        h->components = 1;
+        h->found = sscanf(line, "%*s %*s %63s %d", h->type, &h->components) >= 1;
+    }
+}
+
+/* Leaves the file at the first sample. */
+static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_error *err)
+{
+    char line[LINE_BYTES];
+    *h = (vtk_header){.spacing = {1, 1, 1}};
+    for (int i = 0; i < HEADER_LINES && !h->found && fgets(line, sizeof line, f); ++i) {
+        if (i == 2)
+            h->is_text = strncmp(line, "ASCII", 5) == 0;
+        else if (i > 2)
+            take(h, line);
+        if (h->dataset[0] && strcmp(h->dataset, "STRUCTURED_POINTS") != 0)
+            return iso_fail(err, ISO_E_FORMAT, "%s: a dataset of VTK's kind %s, must be STRUCTURED_POINTS", path,
+                            h->dataset);
+    }
+    if (!h->found)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without SCALARS: no samples in a VTK file", path);
+    if (h->components != 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, a scalar volume has 1", path, h->components);
+    const off_t at = ftello(f);
+    if (!fgets(line, sizeof line, f) || strncmp(line, "LOOKUP_TABLE", 12) != 0)
+        fseeko(f, at, SEEK_SET);
+    return ISO_OK;
+}
+
+static bool our_type(const char *name, iso_type *type)
+{
+    static const struct {
+        const char *name;
+        iso_type type;
+    } types[] = {{"unsigned_char", ISO_U8},   {"char", ISO_I8},   {"signed_char", ISO_I8},
+                 {"unsigned_short", ISO_U16}, {"short", ISO_I16}, {"int", ISO_I32},
+                 {"unsigned_int", ISO_U32},   {"float", ISO_F32}, {"double", ISO_F64}};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
+        if (strcmp(types[i].name, name) == 0) {
+            *type = types[i].type;
+            return true;
+        }
+    return false;
+}
+
+/* Points stand at ORIGIN and every SPACING from there; cells are what lies between them. */
+static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    size_t size[3];
+    double mm, spacing[3], corner[3];
+    const iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    for (int a = 0; a < 3; ++a) {
+        size[a] = h->of_cells && h->points[a] > 0 ? h->points[a] - 1 : h->points[a];
+        spacing[a] = h->spacing[a] * mm;
+        corner[a] = h->origin[a] * mm - (h->of_cells ? 0 : spacing[a] / 2);
+    }
+    *g = iso_geometry_axis_aligned(size, spacing);
+    g->origin_mm = iso_v3(corner[0], corner[1], corner[2]);
+    return status == ISO_OK ? iso_geometry_check(g, source->path, err) : status;
+}
+
+static iso_status open_vtk(iso_volume_source *source, iso_error *err)
+{
+    vtk_header h;
+    FILE *f = fopen(source->path, "rb");
+    if (!f)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+    iso_status status = read_header(f, source->path, &h, err);
+    if (status == ISO_OK && !our_type(h.type, &source->header.type))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
+                          source->path, h.type);
+    if (status == ISO_OK)
+        status = take_geometry(&h, source, err);
+    source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
+    if (status == ISO_OK && h.is_text) {
+        source->swap_bytes = false;
+        status = iso_source_take_text(source, f, false, err);
+    } else if (status == ISO_OK)
+        status = iso_source_take_part(source, source->path, (size_t)ftello(f), err);
+    fclose(f);
+    return status;
+}
+
+const iso_volume_format iso_volume_format_vtk = {
+    .name = "vtk",
+    .title = "VTK legacy",
+    .summary = "structured points, of points or cells; binary plane by plane, text at once",
+    .suffixes = ".vtk",
+    .starts = "\"# vtk DataFile\"",
+    .probe = starts_like_vtk,
+    .open = open_vtk,
+};
