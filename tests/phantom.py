@@ -316,6 +316,32 @@ def vtk_legacy():
     refused("grid.vtk", 4, "a dataset of VTK's kind RECTILINEAR_GRID, must be STRUCTURED_POINTS")
 
 
+@case
+def vti():
+    import vtk
+    for dtype in np.uint8, np.int16, np.float32:
+        values = phantom(dtype)
+        for mode, encode, pack, big in ((2, False, False, False), (2, True, False, False), (2, True, True, False),
+                                        (2, False, True, True), (1, False, True, False), (1, False, False, True),
+                                        (0, False, False, False), (2, False, False, True)):
+            writer = vtk.vtkXMLImageDataWriter()
+            writer.SetDataMode(mode)  # text, inline binary, appended
+            writer.SetEncodeAppendedData(encode)
+            if not pack:
+                writer.SetCompressorTypeToNone()
+            writer.SetBlockSize(512)
+            (writer.SetByteOrderToBigEndian if big else writer.SetByteOrderToLittleEndian)()
+            written = np.round(values).astype(dtype) if mode == 0 else values
+            vtk_write(writer, vtk_image(written, STEPS, FIRST), "phantom.vti")
+            same("phantom.vti", written, ras=False)
+            cut("phantom.vti", "cut.vti", 0.7)
+            refused("cut.vti", 4, "truncated")
+    image = vtk_image(phantom(), np.diag(SPACING), [1, 2, 3])
+    image.SetExtent(-2, 8, 3, 15, 1, 7)
+    vtk_write(vtk.vtkXMLImageDataWriter(), image, "phantom.vti")
+    same("phantom.vti", phantom(), np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+
+
 # ---- TIFF by tifffile ----
 
 @case

@@ -16,6 +16,7 @@
     X(nifti)                      \
     X(metaimage)                  \
     X(vtk)                        \
+    X(vti)                        \
     X(tiff)                       \
     X(mrc)                        \
     X(cube)                       \

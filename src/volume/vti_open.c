@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT */
+/* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as text;
+ * packed by zlib or not. What is appended raw and not packed is read plane by plane, the rest at once. */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "volume/stream_kernel.h"
+
+enum { HEAD_BYTES = 1 << 16, WORD_BYTES = 256 };
+
+typedef struct vti {
+    char *text; /* the file's beginning, or all of it */
+    size_t size;
+    const char *array, *appended; /* behind the tag DataArray; behind the _ of AppendedData */
+    char type[32], format[32], encoding[32];
+    long extent[6];
+    double origin[3], spacing[3], direction[9]; /* rows of a matrix whose columns are the axes' directions */
+    size_t offset, length_bytes;
+    bool big_endian, packed, of_cells;
+} vti;
+
+/* The text of an attribute of the tag that starts at `tag`; false where it has none. */
+static bool attribute(const char *tag, const char *name, char *out, size_t size)
+{
+    const char *end = tag ? strchr(tag, '>') : NULL;
+    const size_t length = strlen(name);
+    for (const char *at = tag; end && (at = strstr(at, name)) && at < end; at += length)
+        if (isspace((unsigned char)at[-1]) && at[length] == '=' && (at[length + 1] == '"' || at[length + 1] == '\'')) {
+            const char quote[2] = {at[length + 1], 0};
+            snprintf(out, size, "%.*s", (int)strcspn(at + length + 2, quote), at + length + 2);
+            return true;
+        }
+    *out = 0;
+    return false;
+}
+
+static int numbers(const char *text, double *out, int most)
+{
+    int count = 0;
+    char *end;
+    for (; count < most; ++count, text = end) {
+        const double value = strtod(text, &end);
+        if (end == text)
+            break;
+        out[count] = value;
+    }
+    return count;
+}
+
+/* The file's beginning, or all of it where what comes first is not appended. */
+static iso_status read_text(const char *path, vti *v, iso_error *err)
+{
+    FILE *f = fopen(path, "rb");
+    v->text = f ? calloc(1, HEAD_BYTES + 1) : NULL;
+    v->size = v->text ? fread(v->text, 1, HEAD_BYTES, f) : 0;
+    if (f)
+        fclose(f);
+    if (!v->text)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (strstr(v->text, "<AppendedData"))
+        return ISO_OK;
+    free(v->text);
+    v->text = NULL;
+    return iso_file_read(path, &v->text, &v->size, err);
+}
+
+/* The array that the section names as its scalars, or its first. */
+static const char *find_array(const char *section)
+{
+    char wanted[WORD_BYTES], name[WORD_BYTES];
+    const char *first = strstr(section, "<DataArray"), *end = strstr(section + 1, "Data>");
+    attribute(section, "Scalars", wanted, sizeof wanted);
+    for (const char *at = first; *wanted && at && (!end || at < end); at = strstr(at + 1, "<DataArray"))
+        if (attribute(at, "Name", name, sizeof name) && strcmp(name, wanted) == 0)
+            return at;
+    return first;
+}
+
+static iso_status parse(vti *v, const char *path, iso_error *err)
+{
+    char word[WORD_BYTES], piece[WORD_BYTES];
+    double list[9];
+    const char *file = strstr(v->text, "<VTKFile"), *image = strstr(v->text, "<ImageData");
+    const char *data = image ? strstr(image, "<PointData") : NULL, *tag = strstr(v->text, "<Piece");
+    const char *array = data ? find_array(data) : NULL;
+    const char *cells = image ? strstr(image, "<CellData") : NULL;
+    if (cells && (!array || array > cells)) {
+        array = find_array(cells);
+        v->of_cells = true;
+    }
+    if (!file || !image || !tag || !array)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no image data with an array in it", path);
+    if (!attribute(image, "WholeExtent", word, sizeof word) ||
+        sscanf(word, "%ld %ld %ld %ld %ld %ld", &v->extent[0], &v->extent[1], &v->extent[2], &v->extent[3],
+               &v->extent[4], &v->extent[5]) != 6)
+        return iso_fail(err, ISO_E_FORMAT, "%s: no WholeExtent of six numbers", path);
+    if (attribute(tag, "Extent", piece, sizeof piece) && strcmp(piece, word) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its first piece is not the whole, which is not read", path);
+    for (int a = 0; a < 9; ++a)
+        v->direction[a] = a % 4 == 0;
+    for (int a = 0; a < 3; ++a)
+        v->spacing[a] = 1;
+    if (attribute(image, "Origin", word, sizeof word))
+        numbers(word, v->origin, 3);
+    if (attribute(image, "Spacing", word, sizeof word))
+        numbers(word, v->spacing, 3);
+    if (attribute(image, "Direction", word, sizeof word) && numbers(word, list, 9) == 9)
+        memcpy(v->direction, list, sizeof list);
+    attribute(file, "byte_order", word, sizeof word);
+    v->big_endian = strcmp(word, "BigEndian") == 0;
+    attribute(file, "header_type", word, sizeof word);
+    v->length_bytes = strcmp(word, "UInt64") == 0 ? 8 : 4;
+    if (attribute(file, "compressor", word, sizeof word)) {
+        v->packed = true;
+        if (strcmp(word, "vtkZLibDataCompressor") != 0)
+            return iso_fail(err, ISO_E_FORMAT, "%s: packed by %s, must be vtkZLibDataCompressor", path, word);
+    }
+    if (attribute(array, "NumberOfComponents", word, sizeof word) && atoi(word) > 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %s components a voxel, a scalar volume has 1", path, word);
+    attribute(array, "type", v->type, sizeof v->type);
+    attribute(array, "format", v->format, sizeof v->format);
+    if (attribute(array, "offset", word, sizeof word))
+        v->offset = strtoull(word, NULL, 10);
+    const char *appended = strstr(v->text, "<AppendedData");
+    attribute(appended, "encoding", v->encoding, sizeof v->encoding);
+    v->array = strchr(array, '>');
+    const char *end = appended ? strchr(appended, '>') : NULL, *mark = end ? strchr(end, '_') : NULL;
+    v->appended = mark ? mark + 1 : NULL;
+    return ISO_OK;
+}
+
+static bool our_type(const char *name, iso_type *type)
+{
+    static const struct {
+        const char *name;
+        iso_type type;
+    } types[] = {{"UInt8", ISO_U8},   {"Int8", ISO_I8},   {"UInt16", ISO_U16},  {"Int16", ISO_I16},
+                 {"UInt32", ISO_U32}, {"Int32", ISO_I32}, {"Float32", ISO_F32}, {"Float64", ISO_F64}};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
+        if (strcmp(types[i].name, name) == 0) {
+            *type = types[i].type;
+            return true;
+        }
+    return false;
+}
+
+static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    size_t size[3];
+    double mm, first[3];
+    const iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    if (status != ISO_OK)
+        return status;
+    for (int a = 0; a < 3; ++a) {
+        const long points = v->extent[2 * a + 1] - v->extent[2 * a] + (v->of_cells ? 0 : 1);
+        size[a] = points > 0 ? (size_t)points : 0;
+        first[a] = (double)v->extent[2 * a] - (v->of_cells ? 0 : 0.5);
+    }
+    *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    for (int a = 0; a < 3; ++a)
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][a] = mm * v->direction[3 * r + a] * v->spacing[a];
+    g->origin_mm = iso_add(iso_scale(iso_v3(v->origin[0], v->origin[1], v->origin[2]), mm),
+                           iso_mul(g->index_to_world, iso_v3(first[0], first[1], first[2])));
+    return iso_geometry_check(g, source->path, err);
+}
+
+/* ---- samples ---- */
+
+/* Bytes of base64, in several runs that each may end with =; NULL when memory ends. */
+static unsigned char *decode_base64(const char *text, size_t *size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned char value[256];
+    memset(value, 255, sizeof value);
+    for (int i = 0; i < 64; ++i)
+        value[(unsigned char)digits[i]] = (unsigned char)i;
+    unsigned char *out = malloc(strlen(text) / 4 * 3 + 4);
+    uint32_t group = 0;
+    int count = 0, pads = 0;
+    *size = 0;
+    for (; out && *text && *text != '<'; ++text) {
+        const bool pad = *text == '=';
+        if (!pad && value[(unsigned char)*text] == 255)
+            continue;
+        group = group << 6 | (pad ? 0 : value[(unsigned char)*text]);
+        pads += pad;
+        if (++count < 4)
+            continue;
+        for (int b = 0; b < 3 - pads; ++b)
+            out[(*size)++] = (unsigned char)(group >> (16 - 8 * b));
+        group = 0, count = pads = 0;
+    }
+    return out;
+}
+
+static uint64_t number_at(const vti *v, const unsigned char *at)
+{
+    uint64_t value = 0;
+    for (size_t b = 0; b < v->length_bytes; ++b)
+        value = value << 8 | at[v->big_endian ? b : v->length_bytes - 1 - b];
+    return value;
+}
+
+/* [blocks][bytes of a block][of the last one, 0: as the others][packed bytes of each], then the blocks. */
+static bool unpack(const vti *v, const unsigned char *data, size_t size, unsigned char *out, size_t bytes)
+{
+    const size_t n = v->length_bytes;
+    const uint64_t blocks = size >= 3 * n ? number_at(v, data) : 0;
+    if (blocks == 0 || blocks > (size - 3 * n) / n)
+        return false;
+    size_t at = (3 + (size_t)blocks) * n, done = 0;
+    for (uint64_t i = 0; i < blocks; ++i) {
+        const uint64_t packed = number_at(v, data + (3 + i) * n);
+        uLongf room = (uLongf)(bytes - done);
+        if (packed > size - at || uncompress(out + done, &room, data + at, (uLong)packed) != Z_OK)
+            return false;
+        done += room;
+        at += (size_t)packed;
+    }
+    return done == bytes;
+}
+
+/* Of `size` bytes that start with their length, or with those of blocks. */
+static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsigned char *data, size_t size,
+                             iso_error *err)
+{
+    const size_t bytes = iso_source_bytes(source), n = v->length_bytes;
+    if (bytes > 1032.0 * (double)size)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes cannot hold the %zu that the sizes need",
+                        source->path, size, bytes);
+    source->preloaded = malloc(bytes);
+    if (!source->preloaded)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes of samples", source->path, bytes);
+    const bool well = v->packed ? unpack(v, data, size, (unsigned char *)source->preloaded, bytes)
+                                : size >= n + bytes && number_at(v, data) == bytes;
+    if (!well)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated or damaged: its array is not of the %zu bytes that the sizes need", source->path,
+                        bytes);
+    if (!v->packed)
+        memcpy(source->preloaded, data + n, bytes);
+    return ISO_OK;
+}
+
+static iso_status take_base64(const vti *v, iso_volume_source *source, const char *text, iso_error *err)
+{
+    size_t size;
+    unsigned char *data = decode_base64(text, &size);
+    const iso_status status = data ? take_bytes(v, source, data, size, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    free(data);
+    return status;
+}
+
+static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *err)
+{
+    FILE *f = fmemopen((void *)(size_t)(v->array + 1), v->size - (size_t)(v->array + 1 - v->text), "r");
+    const iso_status status = f ? iso_source_take_text(source, f, false, err)
+                                : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    if (f)
+        fclose(f);
+    return status;
+}
+
+static iso_status take_appended(const vti *v, iso_volume_source *source, iso_error *err)
+{
+    const size_t at = (size_t)(v->appended - v->text) + v->offset;
+    if (strcmp(v->encoding, "raw") == 0 && !v->packed)
+        return iso_source_take_part(source, source->path, at + v->length_bytes, err);
+    char *all;
+    size_t size;
+    iso_status status = iso_file_read(source->path, &all, &size, err);
+    if (status != ISO_OK)
+        return status;
+    if (at >= size)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before its samples at byte %zu", source->path, at);
+    else if (strcmp(v->encoding, "raw") == 0)
+        status = take_bytes(v, source, (unsigned char *)all + at, size - at, err);
+    else
+        status = take_base64(v, source, all + at, err);
+    free(all);
+    return status;
+}
+
+static iso_status take_samples(const vti *v, iso_volume_source *source, iso_error *err)
+{
+    source->swap_bytes = v->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+    if (strcmp(v->format, "appended") == 0 && v->appended)
+        return take_appended(v, source, err);
+    if (strcmp(v->format, "binary") == 0 && v->array)
+        return take_base64(v, source, v->array + 1, err);
+    source->swap_bytes = false;
+    if (strcmp(v->format, "ascii") == 0 && v->array)
+        return take_text(v, source, err);
+    return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or an array of format \"%s\"", source->path, v->format);
+}
+
+static iso_status open_vti(iso_volume_source *source, iso_error *err)
+{
+    vti v = {0};
+    iso_status status = read_text(source->path, &v, err);
+    if (status == ISO_OK)
+        status = parse(&v, source->path, err);
+    if (status == ISO_OK && !our_type(v.type, &source->header.type))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
+                          source->path, v.type);
+    if (status == ISO_OK)
+        status = take_geometry(&v, source, err);
+    if (status == ISO_OK)
+        status = take_samples(&v, source, err);
+    free(v.text);
+    return status;
+}
+
+static bool starts_like_vti(const unsigned char *head, size_t size)
+{
+    return memmem(head, size, "<VTKFile", 8) && memmem(head, size, "\"ImageData\"", 11);
+}
+
+const iso_volume_format iso_volume_format_vti = {
+    .name = "vti",
+    .title = "VTK XML",
+    .summary = "image data of one piece: appended raw plane by plane, base64, text and packed by zlib at once",
+    .suffixes = ".vti",
+    .starts = "\"<VTKFile\"",
+    .probe = starts_like_vti,
+    .open = open_vti,
+};
