@@ -304,6 +304,9 @@ def vtk_legacy():
             if text and values.dtype.kind == "f":  # of few digits
                 values = np.round(values)
             vtk_write(writer, vtk_image(values, np.diag(SPACING), [1, 2, 3]), "legacy.vtk")
+            if text and dtype == np.uint8:
+                refused("legacy.vtk", 4, "its samples are bytes as text (COLOR_SCALARS), which is not read")
+                continue
             wanted = values if values.dtype != np.float64 else values.astype(np.float32)
             same("legacy.vtk", wanted, np.diag(SPACING), [1, 2, 3], False)
             cut("legacy.vtk", "cut.vtk")
@@ -450,7 +453,7 @@ def cube():
     cut(f"{FILES}/phantom.cube", "cut.cube")
     refused("cut.cube", 4, "truncated")
     cut(f"{FILES}/phantom.cube", "cut.cube", 0.2)
-    refused("cut.cube", 4, "starts with \"made by \"")
+    refused("cut.cube", 4, "truncated before the values")
     with open(f"{FILES}/phantom.cube", encoding="ascii") as file:
         lines = file.readlines()
     with open("angstrom.cube", "w", encoding="ascii") as file:

@@ -142,8 +142,10 @@ static tiff_notes read_notes(TIFF *t)
 static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first, iso_error *err)
 {
     size_t room = 0;
-    do {
+    for (size_t i = 0; i == 0 || !TIFFLastDirectory(r->tiff); ++i) {
         uint32_t kind = 0;
+        if (i > 0 && !TIFFReadDirectory(r->tiff))
+            return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged behind page %zu", path, r->page_count);
         TIFFGetFieldDefaulted(r->tiff, TIFFTAG_SUBFILETYPE, &kind);
         if (kind & FILETYPE_REDUCEDIMAGE)
             continue; /* a thumbnail */
@@ -163,8 +165,8 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
             r->page = more;
         }
         r->page[r->page_count++] = TIFFCurrentDirOffset(r->tiff);
-    } while (TIFFReadDirectory(r->tiff));
-    return ISO_OK;
+    }
+    return r->page_count > 0 ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has no page but thumbnails", path);
 }
 
 static iso_status check_notes(const tiff_notes *n, const tiff_reader *r, const char *path, iso_error *err)

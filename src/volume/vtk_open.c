@@ -12,7 +12,7 @@ enum { LINE_BYTES = 1024, HEADER_LINES = 4096 };
 typedef struct vtk_header {
     size_t points[3];
     double spacing[3], origin[3];
-    bool is_text, of_cells, found;
+    bool is_text, of_cells, is_color, found;
     int components;
     char dataset[64], type[64];
 } vtk_header;
@@ -42,6 +42,9 @@ static void take(vtk_header *h, const char *line)
     else if (strcmp(word, "SCALARS") == 0) {
         h->components = 1;
         h->found = sscanf(line, "%*s %*s %63s %d", h->type, &h->components) >= 1;
+    } else if (strcmp(word, "COLOR_SCALARS") == 0) { /* how VTK writes bytes */
+        h->found = h->is_color = sscanf(line, "%*s %*s %d", &h->components) == 1;
+        snprintf(h->type, sizeof h->type, "unsigned_char");
     }
 }
 
@@ -63,8 +66,11 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without SCALARS: no samples in a VTK file", path);
     if (h->components != 1)
         return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, a scalar volume has 1", path, h->components);
+    if (h->is_color && h->is_text)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its samples are bytes as text (COLOR_SCALARS), which is not read",
+                        path);
     const off_t at = ftello(f);
-    if (!fgets(line, sizeof line, f) || strncmp(line, "LOOKUP_TABLE", 12) != 0)
+    if (!h->is_color && (!fgets(line, sizeof line, f) || strncmp(line, "LOOKUP_TABLE", 12) != 0))
         fseeko(f, at, SEEK_SET);
     return ISO_OK;
 }
