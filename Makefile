@@ -63,7 +63,7 @@ mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/iso
 # their names.
 itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
-itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF IOGIPL IOMINC
+itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF
 beside := $(mpi_library) $(itk_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)

@@ -27,11 +27,7 @@ static bool has_known_start(const char *path)
         size_t at, size;
         const char *bytes;
     } starts[] = {
-        {128, 4, "DICM"},
-        {0, 8, "\x89PNG\r\n\x1a\n"},
-        {0, 3, "\xff\xd8\xff"},       /* JPEG */
-        {252, 4, "\xef\xff\xe9\xb0"}, /* GIPL, of both kinds */
-        {252, 4, "\x2a\xe3\x89\xb8"},
+        {128, 4, "DICM"}, {0, 8, "\x89PNG\r\n\x1a\n"}, {0, 3, "\xff\xd8\xff"}, /* JPEG */
     };
     char head[256];
     FILE *f = fopen(path, "rb");
@@ -61,7 +57,7 @@ static bool holds_files(const char *path)
 
 static bool can_read(const char *path)
 {
-    return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path) || iso_path_ends_with(path, ".mnc");
+    return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path);
 }
 
 extern char **environ;
@@ -189,11 +185,10 @@ static iso_status open_itk(iso_volume_source *source, iso_error *err)
 
 const iso_volume_format iso_volume_format_itk = {
     .name = "itk",
-    .title = "DICOM, PNG, JPEG, GIPL and MINC",
-    .summary =
-        "by ITK, if it is installed: a folder of a DICOM series or of pictures, slice by slice; multi-frame DICOM, "
-        "GIPL, MINC at once",
-    .suffixes = ".dcm .gipl .mnc",
+    .title = "DICOM, PNG and JPEG",
+    .summary = "by ITK, if it is installed: a folder of a DICOM series or of pictures, slice by slice; "
+               "multi-frame DICOM at once",
+    .suffixes = ".dcm",
     .starts = "by ITK",
     .probe_path = can_read,
     .open = open_itk,

@@ -4,7 +4,6 @@
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
-#include <itkMINCImageIO.h>
 #include <itkMetaDataObject.h>
 #include <unistd.h>
 
@@ -160,7 +159,7 @@ private:
         if (s.size[2] < 2)
             fail(ISO_E_FORMAT, path + ": is one slice; a volume is the folder of its slices");
         take_header(s, s.size[2]);
-        header.is_patient = is_dicom(s) || dynamic_cast<itk::MINCImageIO *>(s.io.GetPointer()) != nullptr;
+        header.is_patient = is_dicom(s);
         if (!header.is_patient && s.io->GetSpacing(2) <= 0)
             snprintf(header.unspaced, sizeof header.unspaced, "of its voxels");
         slices_.push_back(s);

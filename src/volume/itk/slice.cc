@@ -2,9 +2,7 @@
 #include "volume/itk/slice.h"
 
 #include <itkGDCMImageIO.h>
-#include <itkGiplImageIO.h>
 #include <itkJPEGImageIO.h>
-#include <itkMINCImageIO.h>
 #include <itkPNGImageIO.h>
 #include <itkTIFFImageIO.h>
 
@@ -17,9 +15,10 @@ namespace {
 itk::ImageIOBase::Pointer reader_of(const std::string &path)
 {
     const itk::ImageIOBase::Pointer all[] = {
-        itk::GDCMImageIO::New().GetPointer(), itk::PNGImageIO::New().GetPointer(),
-        itk::JPEGImageIO::New().GetPointer(), itk::TIFFImageIO::New().GetPointer(),
-        itk::GiplImageIO::New().GetPointer(), itk::MINCImageIO::New().GetPointer(),
+        itk::GDCMImageIO::New().GetPointer(),
+        itk::PNGImageIO::New().GetPointer(),
+        itk::JPEGImageIO::New().GetPointer(),
+        itk::TIFFImageIO::New().GetPointer(),
     };
     for (const auto &io : all)
         if (io->CanReadFile(path.c_str()))
