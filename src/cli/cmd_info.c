@@ -143,6 +143,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     const iso_geometry *g = &v->geometry;
     double spacing[3], origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
     iso_geometry_spacing_mm(g, spacing);
+    const char *unit = v->notes.unit[0] ? v->notes.unit : "mm";
     json_t *root = iso_cli_json(cli), *matrix = json_array();
     for (int r = 0; r < 3; ++r)
         json_array_append_new(matrix, iso_json_numbers(g->index_to_world.m[r], 3));
@@ -159,7 +160,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "percents", iso_json_numbers(percents, 5));
     json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, 5));
     json_object_set_new(root, "histogram", integers(f->bins, BINS));
-    json_object_set_new(root, "unit", json_string(v->notes.unit[0] ? v->notes.unit : "mm"));
+    json_object_set_new(root, "unit", json_string(unit));
     json_object_set_new(root, "unit_is_named", json_boolean(v->notes.unit[0] != 0));
     json_object_set_new(root, "unit_mm", json_real(v->notes.unit_mm));
     json_object_set_new(root, "scale_slope", json_real(v->notes.scale_slope));
