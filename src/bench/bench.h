@@ -18,6 +18,7 @@
     X(convergence) \
     X(encode) \
     X(extinction_scale) \
+    X(fit) \
     X(palette) \
     X(power) \
     X(plan) \

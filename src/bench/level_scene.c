@@ -26,8 +26,7 @@ static iso_status show(const iso_level_subject *s, float *scalar, iso_level_show
     return iso_adapt_level(&with, NULL, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
 }
 
-/* The benchmark's light, for small pictures. */
-static iso_scene scene_of(iso_tf tf)
+iso_scene iso_level_bench_scene(iso_tf tf)
 {
     return (iso_scene){.path = (char *)"bench",
                        .light_count = 1,
@@ -46,7 +45,7 @@ iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown 
     float *scalar = malloc(count * sizeof *scalar);
     iso_status status = scalar ? iso_tf_from_table(s->tf, &tf, err)
                                : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
-    const iso_scene scene = scene_of(tf);
+    const iso_scene scene = iso_level_bench_scene(tf);
     if (status == ISO_OK) {
         memcpy(scalar, shown->level.scalar, count * sizeof *scalar);
         memcpy(levels, with.levels, with.level_count * sizeof *levels);
