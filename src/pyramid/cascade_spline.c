@@ -322,8 +322,8 @@ iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t 
     for (size_t z = z0; z < z1; z += SPLINE_BATCH) {
         const size_t end = z + SPLINE_BATCH < z1 ? z + SPLINE_BATCH : z1;
         sum_planes(&r, z, end);
-        if (c->carry && z >= out[0].first)
-            iso_cascade_cells_feed(&r, z, end);
+        if (c->carry && end > out[0].first)
+            iso_cascade_cells_feed(&r, largest(z, out[0].first), end);
         finish_planes(&r, 1, top, z, end);
     }
     if (top < c->level_count && z1 == c->size[0][2]) {
