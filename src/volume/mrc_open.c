@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* mrc_open.c - MRC2014 and CCP4 maps of electron microscopy and crystallography (Cheng et al. 2015): 1024 bytes of header,
+/* mrc_open.c - MRC2014 and CCP4 maps of electron microscopy and crystallography [cheng-2015]: 1024 bytes of header,
  * an extended header, then the samples. Lengths are angstrom; the unit cell may be oblique. */
 #define _GNU_SOURCE
 #include <math.h>
