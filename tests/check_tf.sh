@@ -40,6 +40,10 @@ expect triangle 0 "$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o tr
 grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && ok triangle_shows_corners || not_ok triangle_shows_corners "$(cat out)"
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 [ "$(wc -l <tf.csv)" = 257 ] && ok csv_has_a_line_an_entry || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
+expect or_by_two_names 0 "$ISOSHADE" tf convert "$tf" two.csv
+check which_are_the_same cmp tf.csv two.csv
+check and_named grep -q '^two.csv: ' out
+refuse but_not_both 2 'wanted: isoshade tf convert FILE OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
 
 # A .blend of three levels: a row of the colour map a level, each the adapted table of its own level.

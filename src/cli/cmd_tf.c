@@ -301,7 +301,7 @@ const iso_command iso_command_tf = {
     .min_arguments = 1,
     .max_arguments = 16,
     .usage =
-        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE -o OUT | names FILE | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE OUT | names FILE | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
@@ -319,7 +319,7 @@ const iso_command iso_command_tf = {
         "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48 --level 1\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
         "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"
-        "  isoshade tf convert refscenes/shells.tf.json --volume shells.nrrd -o shells.vp.json\n"
+        "  isoshade tf convert refscenes/shells.tf.json shells.vp.json --volume shells.nrrd\n"
         "  isoshade tf convert shells.vp.json --range fit -o again.tf.json\n"
         "  isoshade tf convert refscenes/shells.tf.json -o shells.paraview.json\n"
         "  isoshade tf names shells.paraview.json\n"

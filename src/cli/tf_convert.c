@@ -53,6 +53,13 @@ iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, is
 
 /* ---- convert ----------------------------------------------------------------------------------------------------- */
 
+/* What is written: behind the file, or by -o; NULL where neither or both are there. */
+static const char *output_of(const iso_tf_arguments *a)
+{
+    const size_t count = a->cli->argument_count;
+    return count == 2 ? a->output : count == 3 && !a->output ? a->cli->arguments[2] : NULL;
+}
+
 /* How far table b is from a at a's entries, in display color and in opacity of unit_mm. */
 static iso_tf_loss distance(const iso_tf_table *a, const iso_tf_table *b, double unit_mm)
 {
@@ -114,7 +121,7 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
 {
     if (a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
-        json_object_update_new(root, json_pack("{s:s, s:s, s:o, s:f, s:I, s:I, s:o, s:o}", "output", a->output,
+        json_object_update_new(root, json_pack("{s:s, s:s, s:o, s:f, s:I, s:I, s:o, s:o}", "output", output_of(a),
                                                "format", format->name, "range",
                                                t->tf.fit_range ? json_string("fit") : iso_json_numbers(t->tf.range, 2),
                                                "unit_distance_mm", unit_mm, "points", (json_int_t)t->tf.point_count,
@@ -126,9 +133,9 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
     if (a->cli->quiet)
         return;
     if (t->tf.fit_range)
-        printf("%s: %zu points over the volume's range, opacities for %g mm\n", a->output, t->tf.point_count, unit_mm);
+        printf("%s: %zu points over the volume's range, opacities for %g mm\n", output_of(a), t->tf.point_count, unit_mm);
     else
-        printf("%s: %zu points from %g to %g, opacities for %g mm\n", a->output, t->tf.point_count, t->table.lo,
+        printf("%s: %zu points from %g to %g, opacities for %g mm\n", output_of(a), t->tf.point_count, t->table.lo,
                t->table.hi, unit_mm);
     print_loss("read: against what its program shows", &t->tf.loss);
     print_loss("written: read again", written);
@@ -149,12 +156,13 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     char written[256];
     iso_cli_tf_table t;
     iso_tf_loss loss = {0};
-    if (a->cli->argument_count != 2 || !a->output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE -o OUT, a name that ends with %s",
+    const char *output = output_of(a);
+    if (!output)
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE OUT, a name that ends with %s",
                         iso_tf_format_written(written, sizeof written));
-    const iso_tf_format *format = iso_tf_format_of(a->output);
+    const iso_tf_format *format = iso_tf_format_of(output);
     if (!format || !format->save)
-        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with %s", a->output,
+        return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with %s", output,
                         iso_tf_format_written(written, sizeof written));
     iso_status status = iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err);
     if (status != ISO_OK)
@@ -162,9 +170,9 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     status = check_known(a, format, &t.tf, err);
     const double unit_mm = format->is_per_voxel ? t.voxel_mm : t.unit_mm;
     if (status == ISO_OK)
-        status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, a->output, err);
+        status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, output, err);
     if (status == ISO_OK)
-        status = read_again(format, a->output, unit_mm, &t, &loss, err);
+        status = read_again(format, output, unit_mm, &t, &loss, err);
     if (status == ISO_OK)
         report(a, &t, format, unit_mm, &loss);
     iso_cli_tf_table_destroy(&t);
