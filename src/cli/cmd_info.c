@@ -224,7 +224,7 @@ static json_t *joints_to_json(const verified *found)
         json_array_append_new(list, json_pack("{s:I, s:i, s:i, s:I, s:I, s:s}", "level", (json_int_t)c->key.level,
                                               "bits", c->key.bits, "second_value", (int)c->key.second, "voxels",
                                               (json_int_t)c->voxels, "differing_voxels", (json_int_t)c->differing,
-                                              "unreadable", c->unreadable));
+                                              "unreadable", c->unreadable.text));
     }
     return list;
 }

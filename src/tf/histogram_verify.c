@@ -31,13 +31,10 @@ static iso_status check_one(const iso_pyramid *p, const char *dir, const iso_joi
     const iso_level *fine = &p->levels[0];
     iso_bins z, s;
     iso_joint stored = {0}, counted = {0};
-    iso_error why = {""};
     *check = (iso_joint_check){.key = *key, .voxels = iso_geometry_voxel_count(&fine->geometry)};
     iso_joint_bins(fine->min, fine->max, fine->stored_type, key->bits, &z, &s);
-    if (iso_joint_load(dir, key, &z, &s, check->voxels, &stored, &why) != ISO_OK) {
-        snprintf(check->unreadable, sizeof check->unreadable, "%s", why.text);
+    if (iso_joint_load(dir, key, &z, &s, check->voxels, &stored, &check->unreadable) != ISO_OK)
         return ISO_OK;
-    }
     iso_status status = iso_joint_compute(p, key->level, key->bits, key->second, threads, &counted, err);
     if (status == ISO_OK)
         check->differing = count_differing(&stored, &counted);
@@ -83,7 +80,7 @@ iso_status iso_joint_verify(const iso_pyramid *p, const char *dir, int threads, 
 
 bool iso_joint_check_is_good(const iso_joint_check *check)
 {
-    return check->differing == 0 && !check->unreadable[0];
+    return check->differing == 0 && !check->unreadable.text[0];
 }
 
 static const char *second_word(iso_second_value second)
@@ -98,8 +95,8 @@ const char *iso_joint_check_text(const iso_joint_check *check, char *text, size_
     char name[80];
     snprintf(name, sizeof name, "level %zu: its joint histogram of %d bits%s", check->key.level, check->key.bits,
              second_word(check->key.second));
-    if (check->unreadable[0])
-        snprintf(text, size, "%s is none of this pyramid: %s", name, check->unreadable);
+    if (check->unreadable.text[0])
+        snprintf(text, size, "%s is none of this pyramid: %s", name, check->unreadable.text);
     else if (check->differing > 0)
         snprintf(text, size, "%s counts %llu of %llu voxels in other bins than the levels have them", name,
                  (unsigned long long)check->differing, (unsigned long long)check->voxels);

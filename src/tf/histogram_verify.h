@@ -12,7 +12,7 @@
 typedef struct iso_joint_check {
     iso_joint_key key;
     uint64_t voxels, differing; /* differing: counted in another bin than the levels have them */
-    char unreadable[256];       /* why it is none of this pyramid's at all; or "" */
+    iso_error unreadable;       /* why it is none of this pyramid's at all; or "" */
 } iso_joint_check;
 
 /* Counts again all histograms that lie in the pyramid's folder `dir`, level by level. *checks: to be freed, *count of

@@ -41,7 +41,7 @@ static iso_status add_joint_to_report(iso_validation *v, const iso_joint_check *
     const bool good = iso_joint_check_is_good(check);
     const iso_report_calibration row = {.renderer = "pyramid",
                                         .check = name,
-                                        .value = (double)(check->unreadable[0] ? check->voxels : check->differing),
+                                        .value = (double)(check->unreadable.text[0] ? check->voxels : check->differing),
                                         .limit = 0,
                                         .unit = "voxels counted elsewhere",
                                         .detail = text};
