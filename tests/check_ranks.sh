@@ -41,6 +41,7 @@ try means_beside_gaussians 2 f.nrrd --direction-filter naive --scalar-filter gau
 try least_squares_levels 3 v.nrrd --scalar-filter least-squares --levels 2
 try least_squares_beside_eq1 2 f.nrrd --scalar-filter least-squares --direction-filter eq1 --levels 3
 try least_squares_above_the_carried_level 3 v.nrrd --scalar-filter least-squares --levels 7
+try and_beside_eq1 3 v.nrrd --scalar-filter least-squares --direction-filter eq1 --levels 7
 try compressed_volumes 3 z.nrrd --levels 3
 try filters_that_are_chosen_in_shares 3 v.nrrd --direction-filter auto --levels 7 --keep-magnitude
 try and_of_floats 2 f.nrrd --direction-filter auto --scalar-filter gauss --levels 4
