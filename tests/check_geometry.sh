@@ -48,4 +48,11 @@ for pair in oblique-even:straight-even mirrored-even:straight-even straight-unev
     notice "${pair%%:*}_is_another_picture_than_${pair##*:}" \
         "$ISOSHADE" compare "$(image "signed-${pair%%:*}")" "$(image "signed-${pair##*:}")" --max-rmse 1e-3
 done
+# The center of the box, and grain, as made.
+"$ISOSHADE" make constant --size 4 --spacing 0.5 --center 52000,-31000,8000.5 --grain 0.1 --type float -q -o far.nrrd
+expect a_far_volume_is_described 0 "$ISOSHADE" info far.nrrd
+check it_is_around_its_center grep -q 'corner *51999, -31001, 7999.5 mm' out
+check its_grain_is_there grep -Eq 'range *0\.[1-4][0-9]* to 0\.[6-9]' out
+refuse a_center_without_z 2 'wanted X,Y,Z in mm' "$ISOSHADE" make constant --size 4 --center 1,2 -q -o no.nrrd
+refuse grain_above_the_range 2 'must be 0 to 1' "$ISOSHADE" make constant --size 4 --grain 1.5 -q -o no.nrrd
 exit $failed

@@ -25,6 +25,16 @@ done
 
 expect a_pyramid_is_described 0 "$ISOSHADE" info a.iso
 check with_what_built_it grep -q 'built by   isoshade [0-9]' out
+# The verdict for levels by as many views as one asks for; the report keeps how many they were.
+expect more_views_of_the_levels 0 "$ISOSHADE" validate a.nrrd --scene "$scene" --with gl --levels 2 --size 16 --level-views 8 --level-size 20 -q -o report-views
+cat >views.py <<'PY'
+import json
+r = json.load(open("report-views/report.json"))
+assert r["options"]["level_views"] == 8 and r["options"]["level_size"] == 20, r["options"]
+assert r["levels"][0]["views"] == 8 and len(set(r["consistency"][0]["by_view"]["rmse"])) == 8, r["consistency"][0]
+PY
+check as_many_as_were_asked_for python3 views.py
+refuse too_many_views 2 "must be 2 to 20" "$ISOSHADE" validate a.nrrd --scene "$scene" --with gl --level-views 21 -q -o no
 expect levels_of_their_own_level_0_pass 0 "$ISOSHADE" info a.iso --verify
 check each_of_them test "$(grep -c 'voxels are made from level 0' out)" = 4
 refuse a_volume_has_no_levels_to_verify 2 "a.nrrd is a volume" "$ISOSHADE" info a.nrrd --verify

@@ -334,18 +334,18 @@ static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
         iso_adapt_options opt = iso_adapt_defaults();
         /* without the block the row of 50 holds the plate's voxels alone, and shows them; with it they are its tail */
         opt.fall_back = false;
-        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, NULL, &err));
+        assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, NULL, &err));
         assert_true((out.entries[4 * 50 + 3] > 0.01f) == !with_block);
         iso_tf_table_destroy(&out);
         /* The planted fault: a wide window shows the block. Its error at the voxels is the smaller one all the same, small
          * views refuse it. */
         iso_adapt_judgment v;
         opt.window = 3;
-        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, NULL, &err));
+        assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, NULL, &err));
         assert_more_than(out.entries[4 * 50 + 3], 0.01);
         iso_tf_table_destroy(&out);
         opt.fall_back = true;
-        assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+        assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err));
         assert_true(v.seen && v.rms_adapted < v.rms_original && (v.use_original || !with_block));
         iso_tf_table_destroy(&out);
         iso_pyramid_destroy(&p);
@@ -412,16 +412,16 @@ static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **stat
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
     opt.fall_back = false;
-    assert_ok(iso_adapt_level(&p, NULL, 0, &tf, &opt, &out, &v, &err));
+    assert_ok(iso_adapt_level(&p, 0, &tf, &opt, &out, &v, &err));
     assert_true(v.use_original && out.count == tf.count);
     assert_memory_equal(out.entries, tf.entries, 4 * BINS * sizeof(float));
     iso_tf_table_destroy(&out);
-    assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+    assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err));
     assert_true(!v.use_original && out.count == 256);
     iso_tf_table_destroy(&out);
-    assert_status(iso_adapt_level(&p, NULL, 3, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
+    assert_status(iso_adapt_level(&p, 3, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
     opt.bits = 7;
-    assert_status(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
+    assert_status(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
     iso_tf_table_destroy(&tf);
     iso_pyramid_destroy(&p);
 }

@@ -81,10 +81,10 @@ static void a_2d_transfer_function_of_equal_rows_is_the_1d_one(void **state)
     iso_view view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d tf_2d;
-    assert_ok(iso_adapt_tf_2d(&p, NULL, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
+    assert_ok(iso_adapt_tf_2d(&p, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     opt.fall_back = false;
     iso_tf_table table, own = view.tf;
-    assert_ok(iso_adapt_level(&p, NULL, 1, &view.tf, &opt, &table, NULL, &err));
+    assert_ok(iso_adapt_level(&p, 1, &view.tf, &opt, &table, NULL, &err));
     for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
         memcpy(tf_2d.rows[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
     view.tf = table;
@@ -116,7 +116,7 @@ static void a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares
     assert_within(alpha_at(&finest, 1), 0, 1e-6);
     iso_image original = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_within(alpha_at(&original, 7), 0, 1e-6); /* the plate is lost */
-    assert_ok(iso_adapt_tf_2d(&p, NULL, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
+    assert_ok(iso_adapt_tf_2d(&p, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
         iso_image second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         assert_more_than(alpha_at(&second, 7), 0.95);
@@ -126,7 +126,7 @@ static void a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares
     }
     opt.fall_back = false; /* the planted fault: one table for both */
     iso_tf_table table, own = view.tf;
-    assert_ok(iso_adapt_level(&p, NULL, 1, &view.tf, &opt, &table, NULL, &err));
+    assert_ok(iso_adapt_level(&p, 1, &view.tf, &opt, &table, NULL, &err));
     view.tf = table;
     iso_image fault = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_more_than(alpha_at(&fault, 1), 0.9);

@@ -33,11 +33,21 @@ static const char thin_tf[] =
 typedef struct scene_case {
     iso_field_kind field;
     iso_type type;
-    double shear, scale;
+    double shear, scale; /* 0: 1 */
     bool orthographic;
     size_t level;
     const char *tf;
+    iso_vec3 away_mm; /* where its corner is moved to, by */
+    bool clipped;
 } scene_case;
+
+/* 5 mm of volume 60 m from the origin: there single precision steps by 4 micrometres, a twentieth of a voxel. */
+static const scene_case far_away = {.field = ISO_FIELD_NOISE,
+                                    .type = ISO_I16,
+                                    .scale = 0.1,
+                                    .tf = soft_tf,
+                                    .away_mm = {52000.3, -31000.1, 8000.2},
+                                    .clipped = true};
 
 /* What a case renders: the pyramid, the view, and their files' folder. */
 typedef struct subject {
@@ -74,8 +84,9 @@ static void make_view(const char *dir, const iso_pyramid *p, const scene_case *c
                      " \"lights\": [{\"direction\": [-0.6, 0.5, 1], \"space\": \"camera\", \"intensity\": 0.7},"
                      " {\"direction\": [1, 0.4, 0.2], \"space\": \"world\", \"intensity\": 0.3}],"
                      " \"shading\": {\"ambient\": 0.2, \"diffuse\": 0.8, \"specular\": 0.3, \"power\": 30},"
-                     " \"background\": [0.2, 0.1, 0.3], \"step_voxels\": 0.25, \"tf\": %s}",
-                     c->orthographic ? "orthographic" : "perspective", c->tf);
+                     " \"background\": [0.2, 0.1, 0.3], \"step_voxels\": 0.25, %s\"tf\": %s}",
+                     c->orthographic ? "orthographic" : "perspective",
+                     c->clipped ? "\"clip_planes\": [{\"normal\": [0.3, 1, 0.2], \"at\": 0.4}], " : "", c->tf);
     char *path = iso_path_join(dir, "case.scene.json");
     iso_scene scene = {0};
     assert_ok(iso_file_write(path, text, (size_t)n, &err));
@@ -89,6 +100,7 @@ static subject open_subject(const scene_case *c)
 {
     subject s = {.dir = iso_make_temp_dir()};
     iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear, c->scale), .seed = 5};
+    field.geometry.origin_mm = iso_add(field.geometry.origin_mm, c->away_mm);
     iso_volume v = {0};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
@@ -165,14 +177,20 @@ static void a_soft_opaque_border_agrees_in_perspective(void **state)
 {
     (void)state;
     need_cycles();
-    check_case(&(scene_case){ISO_FIELD_NOISE, ISO_I16, 0, 1, false, 0, soft_tf}, SMOOTH_LIMIT);
+    check_case(&(scene_case){.field = ISO_FIELD_NOISE, .type = ISO_I16, .tf = soft_tf}, SMOOTH_LIMIT);
 }
 
 static void an_overhanging_sheared_level_agrees_orthographically(void **state)
 {
     (void)state;
     need_cycles();
-    check_case(&(scene_case){ISO_FIELD_RAMP, ISO_F32, 0.4, 1, true, 1, soft_tf}, SMOOTH_LIMIT);
+    check_case(&(scene_case){.field = ISO_FIELD_RAMP,
+                             .type = ISO_F32,
+                             .shear = 0.4,
+                             .orthographic = true,
+                             .level = 1,
+                             .tf = soft_tf},
+               SMOOTH_LIMIT);
 }
 
 /* As in many scans: the determinant of index_to_world is below 0, of which Blender by itself draws nothing right. */
@@ -180,15 +198,24 @@ static void a_left_handed_grid_agrees(void **state)
 {
     (void)state;
     need_cycles();
-    check_case(&(scene_case){ISO_FIELD_NOISE, ISO_U8, 0.3, -1, false, 1, soft_tf}, SMOOTH_LIMIT);
+    check_case(
+        &(scene_case){.field = ISO_FIELD_NOISE, .type = ISO_U8, .shear = 0.3, .scale = -1, .level = 1, .tf = soft_tf},
+        SMOOTH_LIMIT);
 }
 
-/* Voxels of a tenth of a micrometre: Blender's single precision would lose them in its own unit. */
+/* Voxels of a tenth of a micrometre: Blender's single precision would lose them in its own unit. A plane cuts them. */
 static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **state)
 {
     (void)state;
     need_cycles();
-    check_case(&(scene_case){ISO_FIELD_SHELLS, ISO_U8, 0, 1e-4, true, 1, thin_tf}, THIN_LIMIT);
+    check_case(&(scene_case){.field = ISO_FIELD_SHELLS,
+                             .type = ISO_U8,
+                             .scale = 1e-4,
+                             .orthographic = true,
+                             .level = 1,
+                             .tf = thin_tf,
+                             .clipped = true},
+               THIN_LIMIT);
 }
 
 /* Error bar: the pictures at h/8 and h/16 are apart by what h/16 still errs, or more. Then the planted faults: each
@@ -197,7 +224,7 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
 {
     (void)state;
     need_cycles();
-    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
     double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
     assert_at_most(error, THIN_LIMIT);
@@ -247,7 +274,7 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
 {
     (void)state;
     need_cycles();
-    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_blender_options frames[3] = {iso_blender_defaults(), iso_blender_defaults(), iso_blender_defaults()};
     frames[0].step_voxels = 1.0 / 8;
     frames[1].step_voxels = frames[2].step_voxels = 1.0 / 2;
@@ -275,7 +302,7 @@ static void each_seed_has_a_noise_of_its_own(void **state)
     (void)state;
     need_cycles();
     enum { count = 6 };
-    subject s = open_subject(&(scene_case){ISO_FIELD_SHELLS, ISO_F32, 0, 1, false, 0, thin_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_blender_options frames[count];
     iso_image pictures[count];
     for (int i = 0; i < count; ++i) {
@@ -362,7 +389,7 @@ static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
 {
     (void)state;
     need_cycles();
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
     char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
     iso_tf_table tables[2];
@@ -403,6 +430,39 @@ static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
     free(made);
     free(moved);
     free(first);
+    free(blend);
+    close_subject(&s);
+}
+
+/* The .blend says in digits to be read where its origin lies; camera, box and suns are there with the volume. */
+static void a_volume_far_from_the_origin_agrees_and_so_does_its_file(void **state)
+{
+    (void)state;
+    need_cycles();
+    check_case(&far_away, SMOOTH_LIMIT);
+    subject s = open_subject(&far_away);
+    char *blend = iso_path_join(s.dir, "far.blend");
+    iso_blender_options opt = iso_blender_defaults();
+    assert_ok(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err));
+    const iso_vec3 center = iso_geometry_box_center_mm(&s.pyramid.levels[0].geometry);
+    char script[2000];
+    snprintf(script, sizeof script,
+             "import bpy\n"
+             "scene, frame, center = bpy.context.scene, bpy.data.objects['far'], (%.17g, %.17g, %.17g)\n"
+             "origin = [round(o) for o in scene['isoshade_origin_mm']]\n"
+             "assert '(%%d, %%d, %%d) of the world' %% tuple(origin) in bpy.data.texts['README'].as_string()\n"
+             "middle = [sum(v.co[a] for v in frame.data.vertices) / 8 for a in range(3)]\n"
+             "assert all(abs(o + m - c) < 1e-5 for o, m, c in zip(origin, middle, center)), (origin, middle, center)\n"
+             "for thing in bpy.data.objects:\n"
+             "    assert thing.matrix_world.to_translation().length < 50, thing.name\n"
+             "scene.render.filepath = '//far.exr'\n"
+             "bpy.ops.render.render(write_still=True)\n",
+             center.x, center.y, center.z);
+    run_script(blend, script);
+    iso_image want = reference(&s, 0, &s.view), have = load(s.dir, "far.exr");
+    assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
+    iso_image_destroy(&have);
+    iso_image_destroy(&want);
     free(blend);
     close_subject(&s);
 }
@@ -458,7 +518,7 @@ static void failures_are_told_and_leave_no_file(void **state)
 {
     (void)state;
     need_cycles();
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     iso_blender_options opt = iso_blender_defaults();
     iso_image image;
     char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
@@ -488,7 +548,7 @@ static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
 {
     (void)state;
     need_cycles();
-    subject s = open_subject(&(scene_case){ISO_FIELD_SPHERE, ISO_F32, 0, 1, false, 0, soft_tf});
+    subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     int n = asprintf(
@@ -527,6 +587,7 @@ int main(void)
         cmocka_unit_test(an_overhanging_sheared_level_agrees_orthographically),
         cmocka_unit_test(a_left_handed_grid_agrees),
         cmocka_unit_test(thin_shells_under_the_microscope_agree_at_a_coarse_level),
+        cmocka_unit_test(a_volume_far_from_the_origin_agrees_and_so_does_its_file),
         cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
         cmocka_unit_test(frames_of_one_run_are_the_pictures_of_single_runs),
         cmocka_unit_test(each_seed_has_a_noise_of_its_own),

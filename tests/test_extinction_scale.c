@@ -301,7 +301,7 @@ static void bytes_are_the_definition_rounded(void **state)
             const iso_adapt_options opt = iso_adapt_defaults();
             iso_tf_table original = tf_of(kind, &p.levels[0]), own;
             uint8_t *bytes;
-            assert_ok(iso_adapt_level(&p, NULL, level, &original, &opt, &own, NULL, &err));
+            assert_ok(iso_adapt_level(&p, level, &original, &opt, &own, NULL, &err));
             assert_ok(iso_extinction_scale_level(&p, level, &original, &own, 0, &bytes, &err));
             double *exact = three_rounds(&p, level, &original, &own), *rounded = octaves_of(bytes, coarse);
             double *want = fine_opacities(&p, &original), *plain = shown_opacities(&p, level, &own, NULL);

@@ -199,7 +199,7 @@ static void one_brick_is_the_whole_level(void **state)
     iso_tf_table tf = make_tf(), whole;
     iso_adapt_options opt = iso_adapt_defaults();
     opt.fall_back = false;
-    assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &whole, NULL, &err));
+    assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &whole, NULL, &err));
     for (size_t i = 1; i < 7; ++i) {
         double color[3], rgbs[4];
         const iso_vec3 at = {2.0 * (double)i, 3.3, 1.9 * (double)i};

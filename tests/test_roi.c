@@ -50,7 +50,7 @@ static iso_tf_table adapted_table(const iso_pyramid *p, size_t level, const iso_
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_table table;
     opt.fall_back = false;
-    assert_ok(iso_adapt_level(p, NULL, level, tf, &opt, &table, NULL, &err));
+    assert_ok(iso_adapt_level(p, level, tf, &opt, &table, NULL, &err));
     return table;
 }
 

@@ -123,7 +123,7 @@ static void a_signed_orbital_keeps_its_empty_space(void **state)
     iso_tf_table tf = shell(p.levels), out;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
-    assert_ok(iso_adapt_level(&p, NULL, 3, &tf, &opt, &out, &v, &err));
+    assert_ok(iso_adapt_level(&p, 3, &tf, &opt, &out, &v, &err));
     assert_true(v.rms_adapted < 0.95 * v.rms_original); /* what was trusted before */
     assert_true(v.seen && v.use_original);
     assert_more_than(v.seen_adapted.ssim_dissimilarity, 2 * v.seen_original.ssim_dissimilarity);
@@ -141,7 +141,7 @@ static void a_picture_without_anything_in_it_keeps_the_original(void **state)
     iso_tf_table tf = uniform(0), out;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
-    assert_ok(iso_adapt_level(&p, NULL, 1, &tf, &opt, &out, &v, &err));
+    assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err));
     assert_true(v.seen && v.use_original);
     iso_tf_table_destroy(&out);
     iso_tf_table_destroy(&tf);

@@ -102,6 +102,7 @@ static void planes_do_not_depend_on_slabs_or_threads(void **state)
     (void)state;
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
+        f.grain = 0.1;
         const size_t plane = 40 * 56;
         float *whole = malloc(33 * plane * sizeof *whole), *slab = malloc(33 * plane * sizeof *slab);
         assert_ok(iso_field_sample_planes(&f, ISO_F32, 0, 33, 1, whole, &err));
@@ -148,6 +149,35 @@ static void another_seed_is_another_noise(void **state)
     assert_more_than(difference, 0.02);
 }
 
+/* Grain of a tenth: its mean, deviation and what neighbors share, of 20^3 voxels; each within four standard errors. */
+static void grain_is_white_and_as_strong_as_was_asked(void **state)
+{
+    (void)state;
+    iso_field f = {.kind = ISO_FIELD_CONSTANT, .seed = 3, .grain = 0.1};
+    f.geometry = iso_geometry_axis_aligned((size_t[]){20, 20, 20}, (double[]){1, 1, 1});
+    iso_volume v;
+    assert_ok(iso_field_sample(&f, ISO_F64, &v, &err));
+    const double *value = v.data;
+    enum { n = 20 * 20 * 20 };
+    double mean = 0, square = 0, along[3] = {0, 0, 0};
+    const size_t step[3] = {1, 20, 400};
+    for (size_t i = 0; i < n; ++i)
+        mean += (value[i] - 0.5) / n, square += (value[i] - 0.5) * (value[i] - 0.5) / n;
+    for (int a = 0; a < 3; ++a)
+        for (size_t i = 0; i < n - 400; ++i)
+            along[a] += (value[i] - 0.5) * (value[i + step[a]] - 0.5) / (n - 400) / square;
+    assert_within(mean, 0, 4 * 0.1 / sqrt(n));
+    assert_within(sqrt(square), 0.1, 4 * 0.1 / sqrt(2.0 * n));
+    for (int a = 0; a < 3; ++a)
+        assert_within(along[a], 0, 4 / sqrt(n));
+    const double first = value[0];
+    iso_volume_destroy(&v);
+    f.seed = 4;
+    assert_ok(iso_field_sample(&f, ISO_F64, &v, &err));
+    assert_more_than(fabs(((const double *)v.data)[0] - first), 1e-6);
+    iso_volume_destroy(&v);
+}
+
 static void unknown_names_are_refused_with_the_list(void **state)
 {
     (void)state;
@@ -170,6 +200,7 @@ int main(void)
         cmocka_unit_test(planes_do_not_depend_on_slabs_or_threads),
         cmocka_unit_test(known_values_are_where_they_should_be),
         cmocka_unit_test(another_seed_is_another_noise),
+        cmocka_unit_test(grain_is_white_and_as_strong_as_was_asked),
         cmocka_unit_test(unknown_names_are_refused_with_the_list),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -58,7 +58,7 @@ static iso_tf_2d adapt(const iso_pyramid *p, iso_second_value second, const iso_
 {
     const iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d t;
-    assert_ok(iso_adapt_tf_2d(p, NULL, 1, second, &view->tf, &opt, &t, &err));
+    assert_ok(iso_adapt_tf_2d(p, 1, second, &view->tf, &opt, &t, &err));
     return t;
 }
 

@@ -34,29 +34,26 @@ iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, c
     return ISO_OK;
 }
 
-/* A copy that shares the voxels, its geometry in units. Free its levels. */
-static iso_status in_units(const iso_pyramid *p, double units, iso_pyramid *copy, iso_error *err)
+/* A copy that shares the voxels, its geometry in Blender's space. Free its levels. */
+static iso_status in_space(const iso_pyramid *p, const iso_blender_space *space, iso_pyramid *copy, iso_error *err)
 {
     *copy = *p;
     copy->levels = malloc(p->level_count * sizeof *copy->levels);
     if (!copy->levels)
         return iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     memcpy(copy->levels, p->levels, p->level_count * sizeof *copy->levels);
-    for (size_t k = 0; k < p->level_count; ++k) {
-        iso_geometry *g = &copy->levels[k].geometry;
-        g->index_to_world = iso_mat3_scale(g->index_to_world, units);
-        g->origin_mm = iso_scale(g->origin_mm, units);
-    }
+    for (size_t k = 0; k < p->level_count; ++k)
+        copy->levels[k].geometry = iso_blender_in_space(&p->levels[k].geometry, space);
     return ISO_OK;
 }
 
-static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, double units, const char *path,
+static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_blender_space *space, const char *path,
                            const iso_progress *progress, iso_error *err)
 {
     iso_level level = f->level;
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
-    level.geometry = iso_blender_in_units(&f->level.geometry, units);
+    level.geometry = iso_blender_in_space(&f->level.geometry, space);
     const iso_pyramid one = {.options = p->options, .source = p->source, .level_count = 1, .levels = &level};
     return iso_vdb_save(&one, 0, 1, path, &options, progress, err);
 }
@@ -79,27 +76,26 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     char *folder = iso_make_temp_dir();
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
-    double units = iso_blender_units_per_mm(&p->levels[0].geometry);
+    const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     vdb_options.extinction_scale = view->extinction_scale;
-    status = in_units(p, units, &scaled, err);
+    status = in_space(p, &space, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
     if (status == ISO_OK && view->roi)
-        status = save_roi(p, view->roi, units, roi_vdb, progress, err);
+        status = save_roi(p, view->roi, &space, roi_vdb, progress, err);
     if (status == ISO_OK) {
-        const iso_level *l = &scaled.levels[level];
-        const double voxel = units *
-                             iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &p->levels[level].geometry));
+        const iso_geometry *g = &p->levels[level].geometry;
+        const double voxel = space.units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
         json_t *levels = json_array();
-        const blender_level shown = {&l->geometry, level, {0, 1}, vdb, roi_vdb};
-        iso_blender_append_level(levels, &shown, view, units, &frames[0]);
-        json_t *about = iso_blender_describe_scene(view, units, &l->geometry, "isoshade", &frames[0]);
+        const blender_level shown = {g, level, {0, 1}, vdb, roi_vdb};
+        iso_blender_append_level(levels, &shown, view, &space, &frames[0]);
+        json_t *about = iso_blender_describe_scene(view, &space, g, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", levels);
-        json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, units));
+        json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, space.units));
         json_object_set_new(about, "extinction_scale", json_boolean(view->extinction_scale));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "frames", iso_blender_describe_frames(voxel, folder, frames, count));
@@ -137,8 +133,8 @@ char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool 
 
 /* Levels [first, first + count) of a pyramid in one file. */
 typedef struct export_job {
-    const iso_pyramid *p, *scaled; /* in millimetres, in units */
-    double units;
+    const iso_pyramid *p, *scaled; /* in millimetres, in Blender's space */
+    const iso_blender_space *space;
     size_t first, count;
     const iso_view *views;
     const char *blend_path;
@@ -173,7 +169,7 @@ static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out,
 {
     iso_status status = begin_grid(e, i, true, out, err);
     if (status == ISO_OK)
-        status = save_roi(e->p, e->views[i].roi, e->units, out->temp_path, progress, err);
+        status = save_roi(e->p, e->views[i].roi, e->space, out->temp_path, progress, err);
     return status;
 }
 
@@ -192,8 +188,7 @@ static json_t *describe_export(const export_job *e)
     const char *base = iso_path_base(e->blend_path);
     char name[NAME_MAX + 1];
     snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-    json_t *about = iso_blender_describe_scene(&views[0], e->units, &e->scaled->levels[e->first].geometry, name,
-                                               e->opt);
+    json_t *about = iso_blender_describe_scene(&views[0], e->space, &e->p->levels[e->first].geometry, name, e->opt);
     json_t *levels = json_array();
     size_t region = e->count; /* the regions' tables stand behind the levels' */
     for (size_t i = 0; i < e->count; ++i) {
@@ -202,14 +197,14 @@ static json_t *describe_export(const export_job *e)
         char *roi_path = iso_blender_vdb_path(e->blend_path, k, e->count, true), roi_relative[NAME_MAX + 48];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
         snprintf(roi_relative, sizeof roi_relative, "//%s", iso_path_base(roi_path));
-        const blender_level level = {&e->scaled->levels[k].geometry, k, {i, region}, relative, roi_relative};
-        iso_blender_append_level(levels, &level, &views[i], e->units, e->opt);
+        const blender_level level = {&e->p->levels[k].geometry, k, {i, region}, relative, roi_relative};
+        iso_blender_append_level(levels, &level, &views[i], e->space, e->opt);
         region += views[i].roi != NULL;
         free(path);
         free(roi_path);
     }
     json_object_set_new(about, "levels", levels);
-    json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->count, e->units));
+    json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->count, e->space->units));
     json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
@@ -257,12 +252,12 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     char *folder = iso_make_temp_dir();
     iso_output *outs = calloc(2 * count + 1, sizeof *outs);
     iso_pyramid scaled = {0};
-    double units = iso_blender_units_per_mm(&p->levels[0].geometry);
+    const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     if (!folder || !outs)
         status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     if (status == ISO_OK)
-        status = in_units(p, units, &scaled, err);
-    const export_job job = {p, &scaled, units, first, count, levels->views, blend_path, opt};
+        status = in_space(p, &space, &scaled, err);
+    const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, opt};
     size_t files = 0;
     if (status == ISO_OK)
         status = write_files(&job, folder, outs, &files, progress, err);

@@ -25,12 +25,13 @@ static char *plan_vdb_path(const iso_blender_plan *plan, size_t i, const char *b
     return iso_blender_vdb_path(blend_path, plan->lattices[i].level, plan->count, false);
 }
 
-static iso_status save_lattice(const iso_blender_plan *plan, size_t i, double units, const char *path,
-                               const iso_progress *progress, iso_error *err)
+static iso_status save_lattice(const iso_blender_plan *plan, size_t i, const char *path, const iso_progress *progress,
+                               iso_error *err)
 {
+    const iso_blender_space space = iso_blender_space_of(plan->geometry);
     iso_lattice lattice = plan->lattices[i];
     iso_vdb_options options = iso_vdb_defaults();
-    lattice.geometry = iso_blender_in_units(&lattice.geometry, units);
+    lattice.geometry = iso_blender_in_space(&lattice.geometry, &space);
     return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
 }
 
@@ -55,15 +56,15 @@ typedef struct plan_job {
 } plan_job;
 
 /* Volumes that overlap are walked together by the shortest step of them, so all have the same. */
-static json_t *describe_plan(const plan_job *job, double units, const char *name)
+static json_t *describe_plan(const plan_job *job, const char *name)
 {
     const iso_blender_plan *plan = job->plan;
     const iso_view *view = job->view;
-    const iso_geometry box = iso_blender_in_units(plan->geometry, units);
-    const double step = job->opt->step_voxels * iso_geometry_min_spacing_mm(&box);
-    json_t *about = iso_blender_describe_scene(view, units, &box, name, job->opt), *levels = json_array();
+    const iso_blender_space space = iso_blender_space_of(plan->geometry);
+    const double step = job->opt->step_voxels * space.units * iso_geometry_min_spacing_mm(plan->geometry);
+    json_t *about = iso_blender_describe_scene(view, &space, plan->geometry, name, job->opt), *levels = json_array();
     for (size_t i = 0; i < plan->count; ++i) {
-        const iso_geometry g = iso_blender_in_units(&plan->lattices[i].geometry, units);
+        const iso_geometry g = iso_blender_in_space(&plan->lattices[i].geometry, &space);
         char *path = plan_vdb_path(plan, i, job->blend_path), text[PATH_MAX];
         snprintf(text, sizeof text, "%s%s", job->relative ? "//" : "", job->relative ? iso_path_base(path) : path);
         json_t *level = iso_blender_describe_level(&g, plan->lattices[i].level, 0, text, step);
@@ -73,7 +74,7 @@ static json_t *describe_plan(const plan_job *job, double units, const char *name
     }
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "bricks", describe_bricks(plan));
-    json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, units));
+    json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, space.units));
     json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
     json_object_set_new(about, "source", iso_blender_text(plan->source ? plan->source : "", 1000));
     return about;
@@ -89,18 +90,18 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     char *folder = iso_make_temp_dir(), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
     if (!stem)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
-    double units = iso_blender_units_per_mm(plan->geometry);
+    const iso_blender_space space = iso_blender_space_of(plan->geometry);
     for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
         char *path = plan_vdb_path(plan, i, stem);
-        status = save_lattice(plan, i, units, path, progress, err);
+        status = save_lattice(plan, i, path, progress, err);
         free(path);
     }
     if (status == ISO_OK) {
         const plan_job job = {plan, view, stem, false, opt};
-        json_t *about = describe_plan(&job, units, "isoshade");
+        json_t *about = describe_plan(&job, "isoshade");
         json_object_set_new(about, "frames",
-                            iso_blender_describe_frames(units * iso_geometry_min_spacing_mm(plan->geometry), folder,
-                                                        opt, 1));
+                            iso_blender_describe_frames(space.units * iso_geometry_min_spacing_mm(plan->geometry),
+                                                        folder, opt, 1));
         status = iso_blender_run(about, folder, opt, progress, err);
     }
     if (status == ISO_OK)
@@ -118,14 +119,13 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     const iso_blender_plan *plan = job->plan;
     const char *blend_path = job->blend_path;
     iso_status status = ISO_OK;
-    double units = iso_blender_units_per_mm(plan->geometry);
     const char *base = iso_path_base(blend_path);
     char name[NAME_MAX + 1], *target = NULL;
     for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
         char *path = plan_vdb_path(plan, i, blend_path);
         status = iso_output_begin(&outs[i], path, err);
         if (status == ISO_OK)
-            status = save_lattice(plan, i, units, outs[i].temp_path, progress, err);
+            status = save_lattice(plan, i, outs[i].temp_path, progress, err);
         free(path);
     }
     if (status == ISO_OK)
@@ -134,7 +134,7 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
     if (status == ISO_OK) {
         snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-        json_t *about = describe_plan(job, units, name);
+        json_t *about = describe_plan(job, name);
         json_object_set_new(about, "save", json_string(target));
         status = iso_blender_run(about, folder, job->opt, progress, err);
     }

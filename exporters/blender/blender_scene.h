@@ -20,33 +20,40 @@ iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, c
 /* One file a level, and one a region of interest, all with the same grid names, so that one material reads them. */
 char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool roi);
 
-/* ---- the description: all lengths in units, g the geometry in units ---- */
+/* ---- the description: all places in Blender's space ---- */
 
-/* A unit is a millimetre, but for volumes that are so small or so large that
- * single precision and Cycles' fixed offsets do not suit them. */
-double iso_blender_units_per_mm(const iso_geometry *g);
-iso_geometry iso_blender_in_units(const iso_geometry *from, double units);
+/* A place in Blender is units (world - origin_mm). A unit is a millimetre, but for volumes that are so small or so large
+ * that single precision and Cycles' fixed offsets do not suit them. The origin is the world's, but for volumes that stand
+ * so far from it that single precision would lose parts of a voxel: there it is in the volume. */
+typedef struct iso_blender_space {
+    double units; /* per mm */
+    iso_vec3 origin_mm;
+} iso_blender_space;
+/* That of a volume whose level 0 is g, in mm. */
+iso_blender_space iso_blender_space_of(const iso_geometry *g);
+iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space);
 
 /* At most `limit` bytes, whole characters; what is not UTF-8 becomes '_'. */
 json_t *iso_blender_text(const char *text, size_t limit);
-json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
-                                   const iso_blender_options *opt);
+/* mm: the geometry of the level, or of the whole box. */
+json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space *space, const iso_geometry *mm,
+                                   const char *name, const iso_blender_options *opt);
 /* The transfer function of each view, row by row where it is 2D; then that of each region of interest. */
 json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units);
 
 /* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading "//". */
 typedef struct blender_level {
-    const iso_geometry *geometry; /* in units */
+    const iso_geometry *geometry; /* in mm */
     size_t number;
     size_t tables[2]; /* numbers of its table, and of its region's */
     const char *vdb, *roi_vdb;
 } blender_level;
 
-/* One volume object; step in units. */
-json_t *iso_blender_describe_level(const iso_geometry *in_units, size_t k, size_t table, const char *vdb, double step);
+/* One volume object; geometry and step in Blender's space. */
+json_t *iso_blender_describe_level(const iso_geometry *g, size_t k, size_t table, const char *vdb, double step);
 /* The volume objects of a level: itself, and its region of interest. */
-void iso_blender_append_level(json_t *levels, const blender_level *level, const iso_view *view, double units,
-                              const iso_blender_options *opt);
+void iso_blender_append_level(json_t *levels, const blender_level *level, const iso_view *view,
+                              const iso_blender_space *space, const iso_blender_options *opt);
 
 /* ---- running Blender ---- */
 

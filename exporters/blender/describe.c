@@ -10,17 +10,37 @@
 #include "scene/roi.h"
 #include "vdb/vdb.h"
 
-double iso_blender_units_per_mm(const iso_geometry *g)
+/* Positions in single precision are off by up to 6e-8 of their distance from the origin: 4e-6 radii of the volume at 64
+ * radii, a thousandth of a voxel where it has 500 voxels across. */
+#define MOST_RADII_AWAY 64
+
+/* The middle of the box, to as many digits as leave it within a radius: people have to read it. */
+static iso_vec3 near_origin(const iso_geometry *g, double radius)
 {
-    const double least = 1, most = 1e4, radius = iso_geometry_box_radius_mm(g);
-    return radius >= least && radius <= most ? 1 : pow(10, 2 - ceil(log10(radius)));
+    const iso_vec3 center = iso_geometry_box_center_mm(g);
+    if (iso_norm(center) <= MOST_RADII_AWAY * radius)
+        return iso_v3(0, 0, 0);
+    const double digit = pow(10, floor(log10(radius)));
+    return iso_v3(digit * rint(center.x / digit), digit * rint(center.y / digit), digit * rint(center.z / digit));
 }
 
-iso_geometry iso_blender_in_units(const iso_geometry *from, double units)
+iso_blender_space iso_blender_space_of(const iso_geometry *g)
 {
-    iso_geometry g = *from;
-    g.index_to_world = iso_mat3_scale(g.index_to_world, units);
-    g.origin_mm = iso_scale(g.origin_mm, units);
+    const double least = 1, most = 1e4, radius = iso_geometry_box_radius_mm(g);
+    return (iso_blender_space){.units = radius >= least && radius <= most ? 1 : pow(10, 2 - ceil(log10(radius))),
+                               .origin_mm = near_origin(g, radius)};
+}
+
+static iso_vec3 place(iso_vec3 world_mm, const iso_blender_space *space)
+{
+    return iso_scale(iso_sub(world_mm, space->origin_mm), space->units);
+}
+
+iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space)
+{
+    iso_geometry g = *mm;
+    g.index_to_world = iso_mat3_scale(g.index_to_world, space->units);
+    g.origin_mm = place(g.origin_mm, space);
     return g;
 }
 
@@ -79,12 +99,12 @@ static void describe_box(json_t *about, const iso_geometry *g)
     json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
 }
 
-static json_t *describe_camera(const iso_camera *c, double units, const iso_geometry *g)
+static json_t *describe_camera(const iso_camera *c, const iso_blender_space *space, const iso_geometry *g)
 {
-    iso_vec3 position = iso_scale(c->position, units);
+    const iso_vec3 position = place(c->position, space);
     double far = iso_norm(iso_sub(position, iso_geometry_box_center_mm(g))) + 4 * iso_geometry_box_radius_mm(g);
     return json_pack("{sb sf so so so so sf sf}", "orthographic", c->orthographic, "half_height",
-                     c->half_height * (c->orthographic ? units : 1), "position", vec_json(position), "forward",
+                     c->half_height * (c->orthographic ? space->units : 1), "position", vec_json(position), "forward",
                      vec_json(c->forward), "right", vec_json(c->right), "up", vec_json(c->up), "clip_start",
                      1e-3 * iso_geometry_min_spacing_mm(g), "clip_end", far);
 }
@@ -157,22 +177,22 @@ static json_t *describe_roi(const iso_roi *f, const iso_geometry *around, bool i
                      iso_json_numbers(band, 3), "side", inside ? 0.0 : 1.0, inside ? 1.0 : -1.0, 0.0);
 }
 
-json_t *iso_blender_describe_level(const iso_geometry *in_units_g, size_t k, size_t table, const char *vdb, double step)
+json_t *iso_blender_describe_level(const iso_geometry *g, size_t k, size_t table, const char *vdb, double step)
 {
-    const double x = iso_vdb_reverses_x(in_units_g) ? -1 : 1; /* along the axes of the file's grids */
+    const double x = iso_vdb_reverses_x(g) ? -1 : 1; /* along the axes of the file's grids */
     return json_pack("{sI sI ss sf so}", "level", (json_int_t)k, "table", (json_int_t)table, "vdb", vdb, "step", step,
-                     "voxel_diagonal", vec_json(iso_mul(in_units_g->index_to_world, iso_v3(x, 1, 1))));
+                     "voxel_diagonal", vec_json(iso_mul(g->index_to_world, iso_v3(x, 1, 1))));
 }
 
-void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_view *view, double units,
-                              const iso_blender_options *opt)
+void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_view *view,
+                              const iso_blender_space *space, const iso_blender_options *opt)
 {
-    const iso_geometry mm = iso_blender_in_units(l->geometry, 1 / units);
-    const double step = units * step_mm(view, &mm, opt);
-    json_t *around = iso_blender_describe_level(l->geometry, l->number, l->tables[0], l->vdb, step);
+    const iso_geometry g = iso_blender_in_space(l->geometry, space);
+    const double step = space->units * step_mm(view, l->geometry, opt);
+    json_t *around = iso_blender_describe_level(&g, l->number, l->tables[0], l->vdb, step);
     if (view->roi) {
-        const iso_geometry g = iso_blender_in_units(&view->roi->level.geometry, units);
-        json_t *inside = iso_blender_describe_level(&g, l->number, l->tables[1], l->roi_vdb, step);
+        const iso_geometry finer = iso_blender_in_space(&view->roi->level.geometry, space);
+        json_t *inside = iso_blender_describe_level(&finer, l->number, l->tables[1], l->roi_vdb, step);
         json_object_set_new(around, "roi", describe_roi(view->roi, l->geometry, false));
         json_object_set_new(inside, "roi", describe_roi(view->roi, l->geometry, true));
         json_array_append_new(levels, around);
@@ -198,20 +218,23 @@ static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
     return clips;
 }
 
-json_t *iso_blender_describe_scene(const iso_view *view, double units, const iso_geometry *g, const char *name,
-                                   const iso_blender_options *opt)
+json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space *space, const iso_geometry *mm,
+                                   const char *name, const iso_blender_options *opt)
 {
-    json_t *about = json_pack("{ss so si si si s[II] so so so s{sf sf sf sf} sf sf sf}", "schema", "isoshade.blender/1",
-                              "name", iso_blender_text(name, 50), "samples", opt->samples, "seed",
+    const iso_geometry g = iso_blender_in_space(mm, space);
+    json_t *about = json_pack("{ss so si si si s[II] so so so s{sf sf sf sf} sf sf sf so}", "schema",
+                              "isoshade.blender/1", "name", iso_blender_text(name, 50), "samples", opt->samples, "seed",
                               iso_blender_seed(opt->seed), "max_steps", ISO_BLENDER_MAX_STEPS, "image",
                               (json_int_t)view->width, (json_int_t)view->height, "background",
-                              iso_json_numbers(view->background, 3), "camera", describe_camera(&view->camera, units, g),
-                              "lights", describe_lights(view), "shading", "ambient", view->shading.ambient, "diffuse",
-                              view->shading.diffuse, "specular", view->shading.specular, "power", view->shading.power,
-                              "eps", ISO_DIRECTION_EPS, "step_voxels", opt->step_voxels, "units_per_mm", units);
+                              iso_json_numbers(view->background, 3), "camera",
+                              describe_camera(&view->camera, space, &g), "lights", describe_lights(view), "shading",
+                              "ambient", view->shading.ambient, "diffuse", view->shading.diffuse, "specular",
+                              view->shading.specular, "power", view->shading.power, "eps", ISO_DIRECTION_EPS,
+                              "step_voxels", opt->step_voxels, "units_per_mm", space->units, "origin_mm",
+                              vec_json(space->origin_mm));
     if (about) {
-        describe_box(about, g);
-        json_object_set_new(about, "clip_planes", describe_clips(view, g));
+        describe_box(about, &g);
+        json_object_set_new(about, "clip_planes", describe_clips(view, mm));
     }
     return about;
 }

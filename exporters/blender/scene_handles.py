@@ -66,7 +66,7 @@ def light_handles(about, look, collection):
 README = """{name}, exported by isoshade{source}
 
 The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
-{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
+{far}{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
 "isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
 packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
 differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
@@ -87,14 +87,18 @@ def explain(about, shift):
     if any("roi" in level for level in about["levels"]):
         several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
                     'isoshade_roi_* and those of the volume around it have to be the same but for the side.\n')
+    far = ("The volume stands far from the world's origin, and Blender's positions are in single precision: the origin of this\n"
+           "file is the point ({:.17g}, {:.17g}, {:.17g}) of the world, in millimetres.\n".format(*about["origin_mm"])
+           if any(about["origin_mm"]) else "")
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
-                             levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
+                             far=far, levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
                              alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
                              blender=bpy.app.version_string, shift=shift))
     scene = bpy.context.scene
     scene["isoshade_source"] = about["source"]
     scene["isoshade_voxel_shift"] = shift
+    scene["isoshade_origin_mm"] = about["origin_mm"]
     scene["isoshade_ramp_color_loss"] = ramp["color_loss"]
     scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
 

@@ -107,7 +107,7 @@ static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool ad
     iso_metrics m = {0};
     double bound = NAN;
     opt.threads = b->cli->threads;
-    iso_status status = iso_adapt_level(c->pyramid, NULL, adapted ? level : 0, &c->view.tf, &opt, &table, NULL, err);
+    iso_status status = iso_adapt_level(c->pyramid, adapted ? level : 0, &c->view.tf, &opt, &table, NULL, err);
     if (status == ISO_OK)
         status = draw(b, c, level, &table, &image, err);
     if (status == ISO_OK)

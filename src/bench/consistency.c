@@ -174,11 +174,11 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
             continue;
         iso_adapt_options opt = iso_bench_methods[m].options;
         opt.threads = run->cli->threads;
-        status = iso_adapt_level(p, NULL, iso_bench_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
+        status = iso_adapt_level(p, iso_bench_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
                                  &results[m].judgment, err);
         iso_tf_2d tf_2d = {0};
         if (status == ISO_OK && iso_bench_methods[m].tf_2d)
-            status = iso_adapt_tf_2d(p, NULL, level, iso_bench_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
+            status = iso_adapt_tf_2d(p, level, iso_bench_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
         uint8_t *scale = NULL;
         if (status == ISO_OK && iso_bench_methods[m].extinction_scale)
             status = iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err);

@@ -103,7 +103,7 @@ static iso_status run_case(scale_bench *b, const scale_case *c, iso_error *err)
     iso_tf_table own;
     opt.fall_back = false;
     uint8_t *bytes = malloc(iso_geometry_voxel_count(&c->pyramid->levels[c->level].geometry));
-    iso_status status = bytes ? iso_adapt_level(c->pyramid, NULL, c->level, &c->view->tf, &opt, &own, NULL, err)
+    iso_status status = bytes ? iso_adapt_level(c->pyramid, c->level, &c->view->tf, &opt, &own, NULL, err)
                               : iso_fail(err, ISO_E_MEMORY, "no memory for a byte a voxel");
     if (status != ISO_OK) {
         free(bytes);

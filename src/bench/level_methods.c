@@ -178,11 +178,10 @@ static iso_status treat_tf(const iso_level_method *m, const iso_level_subject *s
     opt.threads = s->threads;
     opt.fall_back = m->treatment == ISO_LEVEL_TF_ADAPTED;
     const bool adapted = m->treatment == ISO_LEVEL_TF_ADAPTED || m->treatment == ISO_LEVEL_TF_ALWAYS;
-    iso_status status = iso_adapt_level(s->pyramid, NULL, adapted ? s->level : 0, s->tf, &opt, &shown->tf,
-                                        &shown->judgment, err);
+    iso_status status = iso_adapt_level(s->pyramid, adapted ? s->level : 0, s->tf, &opt, &shown->tf, &shown->judgment,
+                                        err);
     if (status == ISO_OK && m->treatment == ISO_LEVEL_TF_2D) {
-        status = iso_adapt_tf_2d(s->pyramid, NULL, s->level, ISO_SECOND_VALUE_DEVIATION, s->tf, &opt, &shown->tf_2d,
-                                 err);
+        status = iso_adapt_tf_2d(s->pyramid, s->level, ISO_SECOND_VALUE_DEVIATION, s->tf, &opt, &shown->tf_2d, err);
         shown->has_tf_2d = status == ISO_OK;
     }
     return status;

@@ -23,7 +23,7 @@ static iso_status show(const iso_level_subject *s, float *scalar, iso_level_show
     levels[s->level] = shown->level;
     with.levels = levels;
     iso_tf_table_destroy(&shown->tf);
-    return iso_adapt_level(&with, NULL, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
+    return iso_adapt_level(&with, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
 }
 
 iso_scene iso_level_bench_scene(iso_tf tf)

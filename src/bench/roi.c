@@ -288,8 +288,8 @@ static iso_status measure(bench_run *run, iso_error *err)
     opt.fall_back = false;
     opt.threads = run->cli->threads;
     choose_box(run);
-    iso_status status = iso_adapt_level(&run->pyramid, NULL, (size_t)run->level, &run->view.tf, &opt, &run->adapted,
-                                        NULL, err);
+    iso_status status = iso_adapt_level(&run->pyramid, (size_t)run->level, &run->view.tf, &opt, &run->adapted, NULL,
+                                        err);
     if (status == ISO_OK)
         status = render(run, 0, &run->view.tf, NULL, &finest, err);
     if (status == ISO_OK && !run->cli->json)

@@ -65,7 +65,7 @@ static iso_status measure_level(const iso_shading_run *run, const iso_shading_su
     opt.threads = run->cli->threads;
     iso_status status = ISO_OK;
     if (iso_shading_methods[m].adapted)
-        status = iso_adapt_level(p, NULL, k, &s->views[0].tf, &opt, &table, NULL, err);
+        status = iso_adapt_level(p, k, &s->views[0].tf, &opt, &table, NULL, err);
     if (status == ISO_OK)
         status = iso_shading_measure(s,
                                      &(iso_shading_shown){&p->levels[k], k, p->options.code,

@@ -133,12 +133,11 @@ static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error
     opt.threads = b->threads;
     if (c->second != ISO_SECOND_VALUE_NONE) {
         iso_tf_2d *tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-        return tf_2d->bytes ? ISO_OK
-                            : iso_adapt_tf_2d(&b->first, NULL, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
+        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
     }
     if (!c->adapted || b->adapted[c->level].entries)
         return ISO_OK;
-    return iso_adapt_level(&b->first, NULL, c->level, &b->view.tf, &opt, &b->adapted[c->level], NULL, err);
+    return iso_adapt_level(&b->first, c->level, &b->view.tf, &opt, &b->adapted[c->level], NULL, err);
 }
 
 /* With few swaps: a chart has no time for the last per cent. */

@@ -14,7 +14,8 @@
 #define SLAB_BYTES ((size_t)32 << 20)
 
 typedef struct make_options {
-    char *size, *spacing, *rotate, *type, *range, *output;
+    char *size, *spacing, *rotate, *center, *type, *range, *output;
+    double grain;
     long long seed;
     int gzip;
 } make_options;
@@ -60,7 +61,17 @@ static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *
     return ISO_OK;
 }
 
-/* The box's centre stays at the world's origin. */
+/* "X,Y,Z" in mm. */
+static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *err)
+{
+    int end = -1;
+    if (sscanf(text, "%lf,%lf,%lf%n", &center->x, &center->y, &center->z, &end) != 3 || text[end] ||
+        !(iso_norm(*center) <= 1e12))
+        return iso_fail(err, ISO_E_USAGE, "--center is \"%s\", wanted X,Y,Z in mm", text);
+    return ISO_OK;
+}
+
+/* The box's centre stays at the world's origin, or at --center. */
 static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_error *err)
 {
     size_t size[3];
@@ -71,6 +82,11 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
         status = iso_words_parse_numbers(opt->spacing, "--spacing", spacing, err);
     for (int a = 0; status == ISO_OK && a < 3; ++a)
         status = iso_words_check_range("--spacing", spacing[a], 1e-9, 1e9, err);
+    iso_vec3 center = {0, 0, 0};
+    if (status == ISO_OK && opt->center)
+        status = parse_center(opt->center, &center, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--grain", opt->grain, 0, 1, err);
     if (status == ISO_OK && opt->rotate)
         status = parse_rotation(opt->rotate, &turn, err);
     if (status != ISO_OK)
@@ -79,7 +95,7 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
             g->index_to_world.m[r][c] = turn.m[r][c] * spacing[c];
-    g->origin_mm = iso_mul(turn, g->origin_mm);
+    g->origin_mm = iso_add(center, iso_mul(turn, g->origin_mm));
     return iso_geometry_check(g, "--size and --rotate", err);
 }
 
@@ -129,7 +145,7 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
 
 static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_error *err)
 {
-    iso_field field = {.seed = (uint64_t)opt->seed};
+    iso_field field = {.seed = (uint64_t)opt->seed, .grain = opt->grain};
     iso_volume like = {.notes = {.scale_slope = 1}};
     iso_volume_sink *sink;
     iso_status status = iso_field_from_name(cli->arguments[0], &field.kind, err);
@@ -167,10 +183,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "mm along the axes of the grid (1)", "SXxSYxSZ"},
         {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows",
          "NUMBERS"},
+        {"center", 0, POPT_ARG_STRING, &opt.center, 0, "of the box, in mm (0,0,0)", "X,Y,Z"},
         {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
         {"range", 0, POPT_ARG_STRING, &opt.range, 0,
          "what the values 0 and 1 become (the type's whole range; 0,1 for floats)", "LO,HI"},
-        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise and vessels", "N"},
+        {"grain", 0, POPT_ARG_DOUBLE, &opt.grain, 0,
+         "nearly normal noise in every voxel, of this standard deviation (of the range)", "SIGMA"},
+        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise, vessels and grain", "N"},
         {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress", NULL},
         POPT_TABLEEND,
     };
@@ -184,7 +203,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             status = make_volume(&cli, &opt, err);
     }
     iso_cli_end(&cli);
-    char *texts[] = {opt.size, opt.spacing, opt.rotate, opt.type, opt.range, opt.output};
+    char *texts[] = {opt.size, opt.spacing, opt.rotate, opt.center, opt.type, opt.range, opt.output};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i)
         free(texts[i]);
     return status;
@@ -198,7 +217,8 @@ const iso_command iso_command_make = {
     .max_arguments = 1,
     .usage = "KIND --size NXxNYxNZ -o FILE.nrrd [options]",
     .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(
-        KIND_LINE) "Integer types use their whole range. The box is centred at the world's origin.",
+        KIND_LINE) "Integer types use their whole range. The box is centred at the world's origin.\n"
+                   "What is known of the values is so without --grain.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade make sphere --size 48 --type float --rotate 1,2,3,30 -o sphere.nrrd\n"
                 "  isoshade make noise --size 64x48x32 --seed 7 --gzip -o noise.nrrd\n",

@@ -10,13 +10,14 @@
 #include "options/cli.h"
 #include "options/input.h"
 #include "report/levels.h"
+#include "scene/views.h"
 #include "scene/subject.h"
 #include "validate/validate.h"
 
 typedef struct validate_arguments {
     iso_volume_input input;
     char *scene, *output, *size, *with, *code, *junit, *suite;
-    int level_count, seeds, quick;
+    int level_count, seeds, quick, level_views, level_size;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -35,12 +36,12 @@ static size_t seeds_of(const validate_arguments *a)
 }
 
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
-static void scale_down(iso_validation *v, iso_scene *scene, const char *size)
+static void scale_down(iso_validation *v, iso_scene *scene, const validate_arguments *a)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
-    v->consistency_size = v->quick ? 96 : 160;
-    v->consistency_views = v->quick ? 3 : 6;
-    if (v->quick && !size) {
+    v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
+    v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
+    if (v->quick && !a->size) {
         double scale = 96.0 / (double)(scene->width > scene->height ? scene->width : scene->height);
         scene->width = scale < 1 ? (size_t)(scale * (double)scene->width + 0.5) : scene->width;
         scene->height = scale < 1 ? (size_t)(scale * (double)scene->height + 0.5) : scene->height;
@@ -55,6 +56,8 @@ static void describe_options(const validate_arguments *a, const iso_validation *
         iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
         iso_report_put(r, "options", "image",
                        json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
+        iso_report_put(r, "options", "level_views", json_integer((json_int_t)v->consistency_views));
+        iso_report_put(r, "options", "level_size", json_integer((json_int_t)v->consistency_size));
         iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
         iso_report_put(r, "options", "direction_filter",
                        json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
@@ -197,7 +200,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                                     .command = line,
                                     .volume = cli->arguments[0],
                                     .scene = a->scene};
-    scale_down(&v, scene, a->size);
+    scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
         status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max,
@@ -324,6 +327,10 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
     iso_status status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
     if (status == ISO_OK && a->seeds)
         status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
+    if (status == ISO_OK && a->level_views)
+        status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
+    if (status == ISO_OK && a->level_size)
+        status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
@@ -363,6 +370,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
+        {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
+         "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
+        {"level-size", 0, POPT_ARG_INT, &a.level_size, 0, "pixels along an edge of them (160; 96 with --quick)", "N"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         ISO_CLI_INPUT_OPTIONS(&a.input),

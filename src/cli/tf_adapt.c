@@ -58,8 +58,9 @@ static iso_status adapt_one(const iso_tf_arguments *a, const iso_pyramid *p, con
     char *path = adapted_path(a, level);
     iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    opt.folder = iso_pyramid_is_one(input) ? input : NULL;
     if (status == ISO_OK)
-        status = iso_adapt_level(p, iso_pyramid_is_one(input) ? input : NULL, level, tf, &opt, &table, &v, err);
+        status = iso_adapt_level(p, level, tf, &opt, &table, &v, err);
     if (status == ISO_OK)
         status = iso_tf_from_table(&table, &file, err);
     if (status == ISO_OK)

@@ -17,8 +17,9 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
     iso_adapt_options opt;
     iso_tf_table table = {0};
     iso_status status = iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err);
+    opt.folder = iso_pyramid_is_one(path) ? path : NULL;
     if (status == ISO_OK)
-        status = iso_adapt_level(p, iso_pyramid_is_one(path) ? path : NULL, level, &view->tf, &opt, &table, NULL, err);
+        status = iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err);
     const iso_tf_table *tfs[2] = {&view->tf, &table};
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
         const iso_image_bound_input in = {.fine = &p->levels[0],

@@ -96,7 +96,7 @@ iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t lev
     if (status == ISO_OK)
         status = tabulate(tf, pyramid, &original, err);
     if (status == ISO_OK)
-        status = iso_adapt_level(pyramid, NULL, level, &original, &o, &table, NULL, err);
+        status = iso_adapt_level(pyramid, level, &original, &o, &table, NULL, err);
     if (status == ISO_OK)
         status = keep(iso_tf_from_table(&table, &made, err), &made, adapted, err);
     iso_tf_table_destroy(&original);

@@ -73,8 +73,8 @@ static bool is_told_how(const iso_cli_adapted *a)
 }
 
 /* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
-static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
-                        iso_adapt_options *opt, iso_view *view, iso_error *err)
+static iso_status adapt(const iso_pyramid *p, size_t level, iso_second_value second, iso_adapt_options *opt,
+                        iso_view *view, iso_error *err)
 {
     iso_tf_table table;
     iso_tf_2d *tf_2d = NULL;
@@ -82,11 +82,11 @@ static iso_status adapt(const iso_pyramid *p, const char *dir, size_t level, iso
     if (second != ISO_SECOND_VALUE_NONE && level > 0) {
         opt->fall_back = false;
         tf_2d = calloc(1, sizeof *tf_2d);
-        status = tf_2d ? iso_adapt_tf_2d(p, dir, level, second, &view->tf, opt, tf_2d, err)
+        status = tf_2d ? iso_adapt_tf_2d(p, level, second, &view->tf, opt, tf_2d, err)
                        : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     if (status == ISO_OK)
-        status = iso_adapt_level(p, dir, level, &view->tf, opt, &table, NULL, err);
+        status = iso_adapt_level(p, level, &view->tf, opt, &table, NULL, err);
     if (status != ISO_OK) {
         iso_tf_2d_destroy(tf_2d);
         free(tf_2d);
@@ -110,7 +110,8 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
         status = iso_cli_adapt_second_value(a, &second, err);
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
-    return status == ISO_OK ? adapt(p, iso_pyramid_is_one(path) ? path : NULL, level, second, &opt, view, err) : status;
+    opt.folder = iso_pyramid_is_one(path) ? path : NULL;
+    return status == ISO_OK ? adapt(p, level, second, &opt, view, err) : status;
 }
 
 static iso_status check_together(const iso_cli_adapted *a, iso_error *err)

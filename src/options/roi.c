@@ -32,9 +32,8 @@ static iso_status roi_tf(const iso_cli_roi_place *at, size_t level, const iso_tf
     if (!at->adapted->wanted)
         level = 0; /* a copy */
     iso_status status = iso_cli_adapt_options(at->adapted, at->threads, &opt, err);
-    return status == ISO_OK ? iso_adapt_level(at->pyramid, iso_pyramid_is_one(at->path) ? at->path : NULL, level, tf,
-                                              &opt, table, NULL, err)
-                            : status;
+    opt.folder = iso_pyramid_is_one(at->path) ? at->path : NULL;
+    return status == ISO_OK ? iso_adapt_level(at->pyramid, level, tf, &opt, table, NULL, err) : status;
 }
 
 iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, iso_view *view, iso_error *err)

@@ -91,7 +91,7 @@ static iso_status judge(const iso_pyramid *p, size_t level, looks *l, float *sca
     levels[level].scalar = scalar;
     with.levels = levels;
     *c = (iso_level_candidate){.tried = true};
-    iso_status status = iso_adapt_level(&with, NULL, level, &l->views[0].tf, &adapt, &tf, &judgment, err);
+    iso_status status = iso_adapt_level(&with, level, &l->views[0].tf, &adapt, &tf, &judgment, err);
     c->adapted = !judgment.use_original;
     for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
         iso_image image = {0};

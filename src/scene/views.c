@@ -33,6 +33,11 @@ iso_vec3 iso_view_along_diagonal(int i)
     return iso_normalize(diagonals[i % ISO_DIAGONAL_VIEWS]);
 }
 
+iso_vec3 iso_view_spread(int i, int count)
+{
+    return count <= ISO_DIAGONAL_VIEWS ? iso_view_along_diagonal(i) : iso_view_of_faces(i, count);
+}
+
 iso_vec3 iso_view_up(iso_vec3 direction)
 {
     return fabs(direction.z) < 0.8 ? iso_v3(0, 0, 1) : iso_v3(0, 1, 0);

@@ -367,8 +367,8 @@ static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_sec
     return status;
 }
 
-iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
-                           const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value second, const iso_tf_table *tf,
+                           const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
 {
     iso_joint joint = {0}, joint_2d = {0};
     iso_adapter *all = NULL, *by_second = NULL;
@@ -376,10 +376,11 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, 
     iso_adapt_options opt_2d = *opt; /* the second value takes a row's bulk and its tail apart */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
         opt_2d.window = ISO_TF_2D_WINDOW;
-    iso_status status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
+    iso_status status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
                                          opt->threads, &joint, err);
     if (status == ISO_OK)
-        status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, second}, opt->threads, &joint_2d, err);
+        status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, second}, opt->threads, &joint_2d,
+                                  err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, &opt_2d, &all, err);
     if (status == ISO_OK)

@@ -64,6 +64,7 @@ typedef struct iso_adapt_options {
     int bits;            /* of the joint histogram: 8 to 16 */
     bool fall_back;      /* keep the original TF where the judgment says so */
     int threads;
+    const char *folder; /* where iso_adapt_level() and iso_adapt_tf_2d() keep histograms (iso_joint_obtain), or NULL */
 } iso_adapt_options;
 iso_adapt_options iso_adapt_defaults(void);
 
@@ -121,20 +122,18 @@ typedef struct iso_adapt_judgment {
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
                            const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);
 
-/* The whole adaptation for one level of a pyramid, as renderers and exporters call it. dir:
- * where the histogram is kept (iso_joint_obtain), or NULL. Level 0 gets a copy
- * of tf. judgment may be NULL. */
-iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
-                           iso_error *err);
+/* The whole adaptation for one level of a pyramid, as renderers and exporters call it. Level 0
+ * gets a copy of tf. judgment may be NULL. */
+iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_adapt_options *opt,
+                           iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err);
 
 /* The 2D transfer function (tf_2d.h) adapted to `level` alone, for volumes in which one value stands for two things.
  * Few voxels say little: each of its rows is averaged with the 1D transfer function, which has the weight of
  * ISO_TF_2D_PSEUDO_COUNTS voxels. level: at least 1; opt->bits: at most 12. ISO_E_RANGE, ISO_E_MEMORY. */
 #define ISO_TF_2D_PSEUDO_COUNTS 16
 #define ISO_TF_2D_WINDOW 3.0 /* of the flat weight, where the options leave it open */
-iso_status iso_adapt_tf_2d(const iso_pyramid *p, const char *dir, size_t level, iso_second_value second,
-                           const iso_tf_table *tf, const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
+iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value second, const iso_tf_table *tf,
+                           const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that
  * tabulating it gives the same entries back within rounding. */

@@ -107,9 +107,8 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     return ISO_OK;
 }
 
-iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, const iso_tf_table *tf,
-                           const iso_adapt_options *opt, iso_tf_table *table, iso_adapt_judgment *judgment,
-                           iso_error *err)
+iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_adapt_options *opt,
+                           iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err)
 {
     const iso_geometry *level0 = &p->levels[0].geometry;
     iso_joint joint = {0};
@@ -121,7 +120,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, const char *dir, size_t level, 
             *judgment = verdict;
         return iso_tf_table_copy(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, dir, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
+    iso_status status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
                                          opt->threads, &joint, err);
     if (status == ISO_OK)
         status = iso_adapter_create(&joint, opt, &adapter, err);

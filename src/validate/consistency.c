@@ -16,14 +16,14 @@ const iso_method iso_methods[] = {
 };
 const size_t iso_method_count = sizeof iso_methods / sizeof *iso_methods;
 static const iso_method tensor = {"tensor", ISO_DIRECTION_TENSOR, ISO_FROM_CODES};
-enum { max_views = ISO_DIAGONAL_VIEWS };
+enum { max_views = ISO_FACE_VIEWS };
 
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0];
     iso_scene scene = *v->scene; /* borrowed, but for the camera and the size */
     scene.camera_fit = true;
-    scene.camera_direction = iso_view_along_diagonal((int)i);
+    scene.camera_direction = iso_view_spread((int)i, (int)v->consistency_views);
     scene.camera_up = iso_view_up(scene.camera_direction);
     scene.width = scene.height = v->consistency_size;
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);

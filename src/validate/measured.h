@@ -12,7 +12,7 @@ typedef struct iso_measured_level {
     size_t level;
     const iso_method *method;
     bool adapted;
-    double figures[ISO_LEVEL_FIGURE_COUNT][ISO_DIAGONAL_VIEWS];
+    double figures[ISO_LEVEL_FIGURE_COUNT][ISO_FACE_VIEWS];
 } iso_measured_level;
 
 enum { ISO_MEASURED_MOST = 16 }; /* ways to show a level */

@@ -36,7 +36,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
                         v->pyramid->level_count);
     for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
-        status = iso_adapt_level(v->pyramid, NULL, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
+        status = iso_adapt_level(v->pyramid, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
     }
     return status;
 }
@@ -85,7 +85,7 @@ static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const i
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d tf_2d, *own = view->tf_2d;
     opt.threads = v->threads;
-    iso_status status = iso_adapt_tf_2d(p, NULL, level, second, &v->view->tf, &opt, &tf_2d, err);
+    iso_status status = iso_adapt_tf_2d(p, level, second, &v->view->tf, &opt, &tf_2d, err);
     if (status != ISO_OK)
         return status;
     view->tf_2d = &tf_2d;
@@ -103,7 +103,7 @@ static iso_status compare_scaled(iso_validation *v, const iso_pyramid *p, const 
     iso_view view = *small; /* borrowed, but for what is made here */
     opt.threads = v->threads;
     opt.fall_back = false;
-    iso_status status = iso_adapt_level(p, NULL, level, &v->view->tf, &opt, &view.tf, NULL, err);
+    iso_status status = iso_adapt_level(p, level, &v->view->tf, &opt, &view.tf, NULL, err);
     if (status != ISO_OK)
         return status;
     status = iso_extinction_scale_level(p, level, &v->view->tf, &view.tf, v->threads, &view.extinction_scale, err);

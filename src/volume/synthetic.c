@@ -351,6 +351,24 @@ static void store_sample(void *data, iso_type type, size_t at, double value)
     }
 }
 
+/* Twelve uniform numbers have a variance of 1, and sums are the same on every machine, which logarithms are not. */
+static double grain_of_voxel(uint64_t seed, size_t voxel)
+{
+    iso_random random = {seed};
+    random.state = iso_random_next(&random) +
+                   12 * (uint64_t)voxel * 0x9e3779b97f4a7c15u; /* each voxel its own twelve */
+    double sum = -6;
+    for (int i = 0; i < 12; ++i)
+        sum += iso_random_unit(&random);
+    return sum;
+}
+
+static void add_grain(const iso_field *f, size_t first_voxel, double *row)
+{
+    for (size_t x = 0; f->grain > 0 && x < f->geometry.size[0]; ++x)
+        row[x] += f->grain * grain_of_voxel(f->seed, first_voxel + x);
+}
+
 static void sample_row(const iso_field *f, const field_frame *frame, const noise_wave *waves, size_t y, size_t z,
                        double *row)
 {
@@ -386,6 +404,7 @@ iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0,
             if (!row)
                 continue;
             sample_row(f, &frame, waves, r % n[1], r / n[1], row);
+            add_grain(f, r * n[0], row);
             for (size_t x = 0; x < n[0]; ++x)
                 store_sample(out, type, (r - z0 * n[1]) * n[0] + x, lo + fmin(fmax(row[x], 0), 1) * (hi - lo));
         }

@@ -39,9 +39,10 @@ typedef enum iso_field_kind {
 typedef struct iso_field {
     iso_field_kind kind;
     iso_geometry geometry; /* where p is normalised */
-    uint64_t seed;         /* of noise and vessels */
+    uint64_t seed;         /* of noise, vessels and grain */
     bool has_range;        /* samples run over `range` instead of the type's own */
     double range[2];       /* what the values 0 and 1 become; within the type */
+    double grain;          /* the samples alone: standard deviation of nearly normal noise, of the values 0 to 1 */
 } iso_field;
 
 const char *iso_field_name(iso_field_kind kind);
