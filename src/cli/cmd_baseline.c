@@ -170,7 +170,7 @@ const iso_command iso_command_baseline = {
         "line for each figure, sorted by name, to be kept beside the code.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-base\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 -o report-base\n"
         "  isoshade baseline report-base accepted.json --update\n"
         "  isoshade baseline report-base accepted.json --factor 1.1\n",
     .run = run,

@@ -388,8 +388,8 @@ const iso_command iso_command_chart = {
         "\"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that was tried has the wanted error; the nearest is named.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
-        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names, NULL},
     .run = run,
 };

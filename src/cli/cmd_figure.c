@@ -88,7 +88,7 @@ const iso_command iso_command_figure = {
         "on-the-fly+adapted, naive+adapted, eq1+adapted and moments+adapted, under the one adapted to each level.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 -o report-fig\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 -o report-fig\n"
         "  isoshade figure report-fig -o figure-levels --methods naive,moments,moments+adapted\n"
         "  isoshade figure report-fig -o figure-renderers --kind renderers --level 1\n",
     .run = run,

@@ -350,7 +350,7 @@ const iso_command iso_command_render = {
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
-        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 -o ml1.exr\n"
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 --size 96 -o ml1.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"

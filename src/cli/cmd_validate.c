@@ -409,7 +409,7 @@ const iso_command iso_command_validate = {
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 64 --json -o report-gl\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --json -o report-gl\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .run = run,
 };
