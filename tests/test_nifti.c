@@ -178,10 +178,13 @@ static void bad_nifti_files_are_refused_with_the_reason(void **state)
     assert_refused("bad.nii", ISO_E_FORMAT, "truncated");
     h = good, h.dim[0] = 4, h.dim[4] = 2;
     write_nifti("bad.nii", h, nifti_samples, 24, false);
-    assert_refused("bad.nii", ISO_E_FORMAT, "4 axes");
+    assert_refused("bad.nii", ISO_E_USAGE, "has 2 frames");
     h = good, h.datatype = 128; /* RGB24 */
     write_nifti("bad.nii", h, nifti_samples, 24, false);
-    assert_refused("bad.nii", ISO_E_FORMAT, "data type 128");
+    assert_refused("bad.nii", ISO_E_USAGE, "has 3 channels");
+    h = good, h.datatype = 32; /* complex */
+    write_nifti("bad.nii", h, nifti_samples, 24, false);
+    assert_refused("bad.nii", ISO_E_FORMAT, "data type 32");
     h = good, h.dim[2] = -3;
     write_nifti("bad.nii", h, nifti_samples, 24, false);
     assert_refused("bad.nii", ISO_E_RANGE, "axis 2 has size -3");

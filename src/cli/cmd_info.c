@@ -88,6 +88,30 @@ static void print_unit(const iso_volume_notes *n)
         printf("  unit       %s, which is %.9g mm\n", n->unit, n->unit_mm);
 }
 
+/* Time steps and channels, where the file has several. */
+static void print_frames(const iso_volume_notes *n)
+{
+    if (n->frame_count > 1) {
+        printf("  frames     %zu, this is %zu (from 0)", n->frame_count, n->frame);
+        if (n->frame_step > 0)
+            printf(", %g%s%s apart", n->frame_step, n->frame_unit[0] ? " " : "", n->frame_unit);
+        printf("\n");
+    }
+    if (n->channel_count > 1 && strcmp(n->channel_name, "luminance") == 0)
+        printf("  channels   %zu, this is their luminance\n", n->channel_count);
+    else if (n->channel_count > 1)
+        printf("  channels   %zu, this is %zu (from 0)%s%s\n", n->channel_count, n->channel,
+               n->channel_name[0] ? ": " : "", n->channel_name);
+}
+
+static json_t *frames_to_json(const iso_volume_notes *n)
+{
+    return json_pack("{s:I, s:I, s:f, s:s, s:I, s:I, s:s}", "frames", (json_int_t)(n->frame_count ? n->frame_count : 1),
+                     "frame", (json_int_t)n->frame, "frame_step", n->frame_step, "frame_unit", n->frame_unit, "channels",
+                     (json_int_t)(n->channel_count ? n->channel_count : 1), "channel", (json_int_t)n->channel,
+                     "channel_name", n->channel_name);
+}
+
 static void print_scale(const iso_volume_notes *n)
 {
     if (n->applied_slope != 0)
@@ -109,6 +133,7 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
            g->origin_mm.x, g->origin_mm.y, g->origin_mm.z,
            v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
     print_unit(&v->notes);
+    print_frames(&v->notes);
     for (int a = 0; a < 3; ++a) {
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
@@ -167,6 +192,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "scale_intercept", json_real(v->notes.scale_intercept));
     json_object_set_new(root, "applied_slope", json_real(v->notes.applied_slope));
     json_object_set_new(root, "applied_intercept", json_real(v->notes.applied_intercept));
+    json_object_update_new(root, frames_to_json(&v->notes));
     json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
     json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
     iso_cli_print_json(root);

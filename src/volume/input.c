@@ -17,7 +17,8 @@ char *iso_volume_input_line(const iso_volume_input *in)
     const struct {
         const char *option, *value;
     } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing},
-                 {"--spacing", in->spacing},   {"--unit", in->unit},         {"--series", in->series}};
+                 {"--spacing", in->spacing},   {"--unit", in->unit},         {"--series", in->series},
+                 {"--frame", in->frame},       {"--channel", in->channel}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -57,7 +58,7 @@ static iso_status parse_spacing(const char *option, const char *text, double uni
 
 static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
 {
-    *hints = (iso_volume_hints){.series = in->series};
+    *hints = (iso_volume_hints){.series = in->series, .frame = in->frame, .channel = in->channel};
     *unit_mm = 1;
     iso_status status = in->unit ? iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err) : ISO_OK;
     if (status == ISO_OK && in->spacing)

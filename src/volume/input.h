@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* input.h - how a volume is to be read where its file does not say: size, type and spacing of a file without a header,
- * spacing, unit, which series; stored or physical values. The fields are the texts and numbers of the options of the same names, 0 where not given. */
+ * spacing, unit, which series, frame and channel; stored or physical values. The fields are the texts and numbers of the options of the same names, 0 where not given. */
 #ifndef ISO_VOLUME_INPUT_H
 #define ISO_VOLUME_INPUT_H
 
@@ -9,6 +9,7 @@
 typedef struct iso_volume_input {
     char *raw_size, *raw_type, *raw_spacing; /* borrowed; "40x56x33", "uint8", "1x1x2.5" */
     char *spacing, *unit, *series;           /* "0.2x0.2x1", "um", "2" */
+    char *frame, *channel;                   /* "3", "red" */
     int raw_big_endian, stored;
     long raw_skip_bytes;
 } iso_volume_input;

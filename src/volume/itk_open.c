@@ -100,8 +100,7 @@ static iso_status get_answer(const iso_itk_answer *answer, iso_status status, is
 
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
 {
-    const size_t *n = source->header.geometry.size;
-    const size_t plane = n[0] * n[1] * (iso_source_bytes(source) / iso_geometry_voxel_count(&source->header.geometry));
+    const size_t plane = iso_source_plane_bytes(source);
     iso_status status = ISO_OK;
     for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
         iso_itk_answer answer;

@@ -17,7 +17,7 @@ enum { LINE_BYTES = 4096 };
 typedef struct metaimage {
     int axes, channels;
     size_t size[8];
-    double steps[3][3], spacing[3], first[3]; /* steps[a]: the direction of axis a */
+    double steps[3][3], spacing[4], first[3]; /* steps[a]: the direction of axis a */
     double slope, intercept;
     char unit[32], type[32], file[LINE_BYTES];
     bool is_image, is_text, big_endian, compressed;
@@ -47,12 +47,14 @@ static void take(metaimage *m, const char *key, const char *value)
 {
     static const char *const places[] = {"Offset", "Position", "Origin"};
     static const char *const turns[] = {"TransformMatrix", "Rotation", "Orientation"};
-    double list[9];
+    double list[16];
     for (int i = 0; i < 3; ++i) {
         if (strcmp(key, places[i]) == 0 && numbers(value, list, 3) == 3)
             memcpy(m->first, list, sizeof m->first);
-        if (strcmp(key, turns[i]) == 0 && numbers(value, list, 9) == 9)
-            memcpy(m->steps, list, sizeof m->steps);
+        const int count = strcmp(key, turns[i]) == 0 ? numbers(value, list, 16) : 0;
+        const int axes = count == 9 ? 3 : count == 16 ? 4 : 0; /* of four axes those of space come first */
+        for (int a = 0; a < 3 && axes; ++a)
+            memcpy(m->steps[a], list + a * axes, sizeof m->steps[a]);
     }
     if (strcmp(key, "ObjectType") == 0)
         m->is_image = strcmp(value, "Image") == 0;
@@ -64,8 +66,8 @@ static void take(metaimage *m, const char *key, const char *value)
         for (int a = 0; a < count; ++a)
             m->size[a] = sizes[a] >= 1 && sizes[a] < 1e18 ? (size_t)sizes[a] : 0;
     } else if ((strcmp(key, "ElementSpacing") == 0 || (strcmp(key, "ElementSize") == 0 && m->spacing[0] == 0)) &&
-               numbers(value, list, 3) == 3)
-        memcpy(m->spacing, list, sizeof m->spacing);
+               numbers(value, m->spacing, 4) < 3)
+        m->spacing[0] = 0;
     else if (strcmp(key, "ElementType") == 0)
         snprintf(m->type, sizeof m->type, "%s", value);
     else if (strcmp(key, "ElementNumberOfChannels") == 0)
@@ -117,6 +119,16 @@ static iso_status read_header(const char *path, metaimage *m, iso_error *err)
                : iso_fail(err, ISO_E_FORMAT, "%s: truncated: the MetaImage header ends before ElementDataFile", path);
 }
 
+static iso_status choose(const metaimage *m, iso_volume_source *source, iso_error *err)
+{
+    const iso_extra_axes axes = {
+        .frame = {.count = m->axes == 4 ? m->size[3] : 1, .stride = 1},
+        .frame_step = m->spacing[3],
+        .channel = {.count = (size_t)m->channels, .inside = true, .stride = 1},
+    };
+    return iso_source_choose(source, &axes, err);
+}
+
 static bool our_type(const char *name, iso_type *type)
 {
     static const struct {
@@ -139,10 +151,10 @@ static iso_status check_header(metaimage *m, const char *path, iso_error *err)
         --m->axes;
     if (!m->is_image)
         return iso_fail(err, ISO_E_FORMAT, "%s: a MetaImage file of another ObjectType than Image", path);
-    if (m->axes != 3)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d axes, a scalar volume has 3", path, m->axes);
-    if (m->channels != 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, a scalar volume has 1", path, m->channels);
+    if (m->axes != 3 && m->axes != 4)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d axes, a volume has 3, with time 4", path, m->axes);
+    if (m->channels < 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, must be at least 1", path, m->channels);
     if (m->is_text)
         return iso_fail(err, ISO_E_FORMAT, "%s: its samples are text (BinaryData = False), which is not read", path);
     if (strcmp(m->file, "LIST") == 0 || strchr(m->file, '%'))
@@ -216,6 +228,8 @@ static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
                           source->path, m.type);
     if (status == ISO_OK)
         status = take_geometry(&m, source, err);
+    if (status == ISO_OK)
+        status = choose(&m, source, err);
     return status == ISO_OK ? open_samples(&m, source, err) : status;
 }
 

@@ -18,7 +18,7 @@ typedef struct nifti_header {
     bool one_file, known;
     char magic[4];
     int64_t dim[8];
-    int datatype, qform_code, sform_code, units;
+    int datatype, qform_code, sform_code, units, colors; /* colors: 3 or 4 bytes a voxel; 0 */
     double pixdim[8], vox_offset, slope, intercept, quatern[3], qoffset[3], srow[3][4];
     double least_offset; /* of the samples in one file: behind the header and its extension flag */
 } nifti_header;
@@ -108,10 +108,13 @@ static nifti_header from_nifti_2(const nifti_2_header *h)
     return out;
 }
 
-static bool our_type(int datatype, iso_type *type)
+static bool our_type(int datatype, iso_type *type, int *colors)
 {
+    *colors = datatype == NIFTI_TYPE_RGB24 ? 3 : datatype == NIFTI_TYPE_RGBA32 ? 4 : 0;
     switch (datatype) {
     case NIFTI_TYPE_INT8: *type = ISO_I8; return true;
+    case NIFTI_TYPE_RGB24:
+    case NIFTI_TYPE_RGBA32:
     case NIFTI_TYPE_UINT8: *type = ISO_U8; return true;
     case NIFTI_TYPE_INT16: *type = ISO_I16; return true;
     case NIFTI_TYPE_UINT16: *type = ISO_U16; return true;
@@ -176,6 +179,35 @@ static iso_status read_geometry(const nifti_header *h, iso_volume_source *source
     return ISO_OK;
 }
 
+static const char *time_unit(int units)
+{
+    switch (XYZT_TO_TIME(units)) {
+    case NIFTI_UNITS_SEC: return "s";
+    case NIFTI_UNITS_MSEC: return "ms";
+    case NIFTI_UNITS_USEC: return "us";
+    case NIFTI_UNITS_HZ: return "Hz";
+    case NIFTI_UNITS_PPM: return "ppm";
+    case NIFTI_UNITS_RADS: return "rad/s";
+    default: return "";
+    }
+}
+
+/* Axis 4 is time, axis 5 of components; those of colors stand in a voxel. */
+static iso_status choose(const nifti_header *h, iso_volume_source *source, iso_error *err)
+{
+    const size_t frames = h->dim[0] >= 4 ? (size_t)h->dim[4] : 1, components = h->dim[0] >= 5 ? (size_t)h->dim[5] : 1;
+    if (h->colors && components > 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu components of colors, which is not read", source->path, components);
+    iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
+                           .channel = {.count = components, .stride = frames},
+                           .frame_step = frames > 1 ? h->pixdim[4] : 0,
+                           .is_color = h->colors > 0};
+    if (h->colors)
+        axes.channel = (iso_extra_axis){.count = (size_t)h->colors, .inside = true, .stride = 1};
+    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", time_unit(h->units));
+    return iso_source_choose(source, &axes, err);
+}
+
 static iso_status check_header(const nifti_header *h, const char *path, iso_error *err)
 {
     const int digit = h->version[6];
@@ -191,8 +223,9 @@ static iso_status check_header(const nifti_header *h, const char *path, iso_erro
                             (long long)h->dim[a]);
     while (dim > 3 && h->dim[dim] == 1)
         --dim;
-    if (dim != 3)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, a scalar volume has 3", path, (long long)dim);
+    if (dim < 3 || dim > 5)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %lld axes, a volume has 3, with time 4, with components 5", path,
+                        (long long)dim);
     const double least = h->one_file ? h->least_offset : 0;
     if (!(h->vox_offset >= least && h->vox_offset <= 1e9))
         return iso_fail(err, ISO_E_RANGE, "%s: samples start at byte %g, must be %g to 1e9", path, h->vox_offset,
@@ -281,11 +314,13 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
     iso_status status = read_header(source, &h, err);
     if (status != ISO_OK)
         return status;
-    if (!our_type(h.datatype, &source->header.type))
+    if (!our_type(h.datatype, &source->header.type, &h.colors))
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float or double", source->path,
-                        h.datatype, nifti_datatype_string(h.datatype));
+                        "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float, double or RGB",
+                        source->path, h.datatype, nifti_datatype_string(h.datatype));
     status = read_geometry(&h, source, err);
+    if (status == ISO_OK)
+        status = choose(&h, source, err);
     if (status != ISO_OK)
         return status;
     if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {

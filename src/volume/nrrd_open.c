@@ -45,21 +45,67 @@ static bool our_type(int teem_type, iso_type *type)
     }
 }
 
-/* Three axes of positions, and none of components. */
-static iso_status check_axes(const Nrrd *nrrd, const char *path, iso_error *err)
+typedef enum axis_use { AXIS_SPACE, AXIS_FRAMES, AXIS_CHANNELS } axis_use;
+
+/* By its kind; where it has none, by whether it has a direction, or else by its place: of four axes without kinds the
+ * first is of components where it has at most four, and else the last is of frames. */
+static axis_use use_of(const Nrrd *nrrd, unsigned a, unsigned dim)
 {
-    unsigned dim = nrrd->dim;
+    const int kind = nrrd->axis[a].kind;
+    const bool may_be_components = nrrd->axis[0].size <= 4;
+    if (kind == nrrdKindList || kind == nrrdKindTime)
+        return AXIS_FRAMES;
+    if (kind == nrrdKindUnknown && nrrd->spaceDim > 0)
+        return isnan(nrrd->axis[a].spaceDirection[0]) ? (a == 0 && may_be_components ? AXIS_CHANNELS : AXIS_FRAMES)
+                                                      : AXIS_SPACE;
+    if (kind == nrrdKindUnknown && dim > 3 && a == (may_be_components ? 0 : dim - 1))
+        return may_be_components ? AXIS_CHANNELS : AXIS_FRAMES;
+    return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace ? AXIS_SPACE : AXIS_CHANNELS;
+}
+
+/* The axes of space, and what stands before and behind them. */
+typedef struct nrrd_axes {
+    unsigned space[3];
+    iso_extra_axes extra;
+} nrrd_axes;
+
+static void take_extra(const NrrdAxisInfo *axis, axis_use use, bool inside, size_t stride, iso_extra_axes *extra)
+{
+    *(use == AXIS_FRAMES ? &extra->frame : &extra->channel) = (iso_extra_axis){axis->size, inside, stride};
+    if (use == AXIS_CHANNELS) {
+        extra->is_color = axis->kind == nrrdKindRGBColor || axis->kind == nrrdKindRGBAColor;
+        return;
+    }
+    extra->frame_step = isnan(axis->spacing) ? 0 : axis->spacing;
+    snprintf(extra->frame_unit, sizeof extra->frame_unit, "%s", axis->units ? axis->units : "");
+}
+
+static iso_status sort_axes(const Nrrd *nrrd, const char *path, nrrd_axes *out, iso_error *err)
+{
+    unsigned dim = nrrd->dim, found = 0;
+    size_t stride[2] = {1, 1}; /* behind the axes of space, and before them */
+    *out = (nrrd_axes){0};
     while (dim > 3 && nrrd->axis[dim - 1].size == 1)
         --dim;
-    if (dim != 3)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %u axes, a scalar volume has 3", path, dim);
-    for (unsigned a = 0; a < 3; ++a) {
-        int kind = nrrd->axis[a].kind;
-        if (kind != nrrdKindUnknown && kind != nrrdKindDomain && kind != nrrdKindSpace)
-            return iso_fail(err, ISO_E_FORMAT, "%s: axis %u is of kind %s, a scalar volume has 3 axes of space", path,
-                            a, airEnumStr(nrrdKind, kind));
+    for (unsigned a = 0; a < dim; ++a) {
+        const NrrdAxisInfo *axis = &nrrd->axis[a];
+        const axis_use use = use_of(nrrd, a, dim);
+        const bool inside = found == 0;
+        if (use == AXIS_SPACE && found < 3) {
+            out->space[found++] = a;
+            continue;
+        }
+        if (use == AXIS_SPACE || (found > 0 && found < 3) ||
+            (use == AXIS_FRAMES ? out->extra.frame : out->extra.channel).count > 0)
+            return iso_fail(err, ISO_E_FORMAT,
+                            "%s: %u axes, of which axis %u is of kind %s: a volume has 3 of space side by side, and at "
+                            "most one of time and one of components",
+                            path, dim, a, axis->kind == nrrdKindUnknown ? "???" : airEnumStr(nrrdKind, axis->kind));
+        take_extra(axis, use, inside, stride[inside], &out->extra);
+        stride[inside] *= axis->size;
     }
-    return ISO_OK;
+    return found == 3 ? ISO_OK
+                      : iso_fail(err, ISO_E_FORMAT, "%s: %u axes, %u of space, a volume has 3", path, dim, found);
 }
 
 /* The signs that turn an anatomical space to right, anterior, superior. */
@@ -79,7 +125,8 @@ static iso_vec3 scaled(const double v[3], const double scale[3])
     return iso_v3(v[0] * scale[0], v[1] * scale[1], v[2] * scale[2]);
 }
 
-static iso_status oriented_geometry(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
+static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_volume_source *source,
+                                    iso_error *err)
 {
     iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
@@ -94,7 +141,7 @@ static iso_status oriented_geometry(const Nrrd *nrrd, iso_volume_source *source,
         scale[a] *= mm;
     }
     for (int a = 0; a < 3; ++a) {
-        iso_vec3 step = scaled(nrrd->axis[a].spaceDirection, scale);
+        iso_vec3 step = scaled(nrrd->axis[axes->space[a]].spaceDirection, scale);
         g->index_to_world.m[0][a] = step.x;
         g->index_to_world.m[1][a] = step.y;
         g->index_to_world.m[2][a] = step.z;
@@ -106,13 +153,13 @@ static iso_status oriented_geometry(const Nrrd *nrrd, iso_volume_source *source,
     return ISO_OK;
 }
 
-static iso_status plain_geometry(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
+static iso_status plain_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
     double spacing[3], corner[3], mm;
     bool placed = true;
     for (int a = 0; a < 3; ++a) {
-        const NrrdAxisInfo *axis = &nrrd->axis[a];
+        const NrrdAxisInfo *axis = &nrrd->axis[axes->space[a]];
         const iso_status status = iso_source_unit(source, axis->units, "mm", &mm, err);
         if (status != ISO_OK)
             return status;
@@ -144,18 +191,22 @@ static void read_scale(const Nrrd *nrrd, iso_volume_notes *notes)
 static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
 {
     iso_volume *header = &source->header;
-    iso_status status = check_axes(nrrd, source->path, err);
+    nrrd_axes axes;
+    iso_status status = sort_axes(nrrd, source->path, &axes, err);
     if (status != ISO_OK)
         return status;
     if (!our_type(nrrd->type, &header->type))
         return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
                         source->path, airEnumStr(nrrdType, nrrd->type));
     for (int a = 0; a < 3; ++a) {
-        header->geometry.size[a] = nrrd->axis[a].size;
-        header->geometry.box_index[a] = (double)nrrd->axis[a].size;
+        header->geometry.size[a] = nrrd->axis[axes.space[a]].size;
+        header->geometry.box_index[a] = (double)nrrd->axis[axes.space[a]].size;
     }
-    status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, source, err) : plain_geometry(nrrd, source, err);
+    status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
+                                : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
+    if (status == ISO_OK)
+        status = iso_source_choose(source, &axes.extra, err);
     return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;
 }
 

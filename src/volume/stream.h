@@ -16,8 +16,8 @@
  *          Known units (unit.h) are converted, others refused; without one lengths are mm.
  *   NIfTI  (1 and 2) sform before qform before bare pixdim (centred); its matrix maps
  *          voxel centres, so the corner lies at (-1/2, -1/2, -1/2).
- * doc/formats-in.md has the other formats. Trailing axes of one sample are dropped. Volumes of two axes, of several
- * components a voxel or of several time steps are refused. */
+ * doc/formats-in.md has the other formats. Trailing axes of one sample are dropped. Of several
+ * time steps or several numbers a voxel one is chosen (frames.h). Volumes of two axes are refused. */
 #ifndef ISO_VOLUME_STREAM_H
 #define ISO_VOLUME_STREAM_H
 
@@ -33,6 +33,8 @@ typedef struct iso_volume_hints {
     const char *unit;     /* of its lengths, one of unit.h; NULL: as the file says */
     double spacing_mm[3]; /* 0: as the file says. Axes keep their directions, and the box its center */
     const char *series;   /* of a folder that holds several: its number from 1, or its name; NULL: the only one */
+    const char *frame;    /* which time step, from 0; NULL: the only one */
+    const char *channel;  /* which number of a voxel: from 0, its name, or "luminance" of colors; NULL: the only one */
 } iso_volume_hints;
 iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
                                 iso_error *err);

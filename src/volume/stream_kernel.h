@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "volume/format.h"
+#include "volume/frames.h"
 
 struct iso_volume_source {
     char *path; /* a file, or a folder */
@@ -17,12 +18,13 @@ struct iso_volume_source {
     bool gz_end_is_missing;
     char *preloaded; /* all of them, of encodings that are read at once */
     bool swap_bytes;
-    iso_type stored; /* the type in the file; header.type is another one where the scale is applied */
-    bool scaled;
+    iso_type stored; /* the type in the file where header.type is another one: of scaled values, or luminance */
+    bool scaled; /* samples are made floats, slope * value + intercept */
     double slope, intercept;
-    size_t planes_done;
-    /* Samples that are none of these: read_planes gives the next ones in the machine's byte order, and close_reader, which
-     * may be NULL, ends it. */
+    iso_source_choice choice;
+    size_t planes_done, planes_read; /* given to the caller; read from the file, which may have volumes behind each other */
+    /* Samples that are none of these: read_planes gives the next planes of the file, all its channels, in the machine's
+     * byte order, and close_reader, which may be NULL, ends it. */
     void *reader;
     iso_status (*read_planes)(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
     void (*close_reader)(iso_volume_source *source);
@@ -47,6 +49,15 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_faste
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
 /* The same of what the plain file holds from where it stands. */
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
+/* Of all samples in the file, and of one of its planes: those of the frames and channels that are not read, too. */
 size_t iso_source_bytes(const iso_volume_source *source);
+size_t iso_source_plane_bytes(const iso_volume_source *source);
+/* Planes in the file, of all volumes that stand behind each other; the type of its samples. */
+size_t iso_source_planes(const iso_volume_source *source);
+iso_type iso_source_stored_type(const iso_volume_source *source);
+/* Skips planes of the file. */
+iso_status iso_source_skip_stored(iso_volume_source *source, size_t plane_count, iso_error *err);
+/* From now on samples are made floats (iso_source_convert). */
+void iso_source_make_floats(iso_volume_source *source);
 
 #endif

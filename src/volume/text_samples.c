@@ -39,7 +39,8 @@ static void store(char *data, iso_type type, size_t at, double value)
 
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err)
 {
-    const size_t *n = source->header.geometry.size, count = n[0] * n[1] * n[2];
+    const size_t *n = source->header.geometry.size, sample = iso_type_bytes(source->header.type),
+                 count = iso_source_bytes(source) / sample;
     const off_t at = ftello(f);
     const bool sized = at >= 0 && fseeko(f, 0, SEEK_END) == 0;
     const double bytes = sized ? (double)(ftello(f) - at) : 0;

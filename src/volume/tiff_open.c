@@ -11,19 +11,25 @@
 
 typedef struct tiff_reader {
     TIFF *tiff;
-    uint64_t *page; /* offsets of the directories */
+    uint64_t *page;         /* offsets of the directories */
     size_t page_count, next;
+    size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
 } tiff_reader;
 
 typedef struct tiff_page {
     uint32_t width, height;
-    uint16_t bits, samples, format;
+    uint16_t bits, samples, format, planar;
+    bool is_color;
 } tiff_page;
 
 /* What a description says. */
 typedef struct tiff_notes {
     bool is_imagej, is_ome;
     size_t slices, channels, frames; /* 0: not said */
+    char order[8];                   /* of pages: "ZCT": z first */
+    double frame_step;
+    char frame_unit[16];
+    char channel_name[ISO_NAMED_CHANNELS][ISO_CHANNEL_NAME_BYTES];
     double spacing[3];               /* 0: not said */
     char unit[3][32];
 } tiff_notes;
@@ -36,12 +42,16 @@ static bool starts_like_tiff(const unsigned char *head, size_t size)
 
 static tiff_page read_page(TIFF *t)
 {
-    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT};
+    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG};
+    uint16_t meaning = 0;
     TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &p.width);
     TIFFGetField(t, TIFFTAG_IMAGELENGTH, &p.height);
     TIFFGetFieldDefaulted(t, TIFFTAG_BITSPERSAMPLE, &p.bits);
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLESPERPIXEL, &p.samples);
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &p.format);
+    TIFFGetFieldDefaulted(t, TIFFTAG_PLANARCONFIG, &p.planar);
+    TIFFGetFieldDefaulted(t, TIFFTAG_PHOTOMETRIC, &meaning);
+    p.is_color = meaning == PHOTOMETRIC_RGB && (p.samples == 3 || p.samples == 4);
     return p;
 }
 
@@ -92,6 +102,10 @@ static void read_imagej(TIFF *t, const char *description, tiff_notes *n)
     n->frames = (size_t)find_number(description, "\nframes=", "\n");
     if (n->slices == 0 && n->channels <= 1 && n->frames <= 1)
         n->slices = (size_t)find_number(description, "\nimages=", "\n");
+    snprintf(n->order, sizeof n->order, "CZT");
+    n->frame_step = find_number(description, "\nfinterval=", "\n");
+    if (!find_text(description, "\ntunit=", "\n", n->frame_unit, sizeof n->frame_unit))
+        snprintf(n->frame_unit, sizeof n->frame_unit, "s");
     n->spacing[2] = find_number(description, "\nspacing=", "\n");
     if (find_text(description, "\nunit=", "\n", n->unit[0], sizeof n->unit[0])) {
         memcpy(n->unit[1], n->unit[0], sizeof n->unit[0]);
@@ -103,6 +117,17 @@ static void read_imagej(TIFF *t, const char *description, tiff_notes *n)
         n->spacing[0] = 1 / (double)x;
     if (TIFFGetField(t, TIFFTAG_YRESOLUTION, &y) && y > 0)
         n->spacing[1] = 1 / (double)y;
+}
+
+/* Channels have elements of their own, each with a name or without. */
+static void read_ome_channels(const char *pixels, tiff_notes *n)
+{
+    const char *at = pixels;
+    for (size_t c = 0; c < ISO_NAMED_CHANNELS && (at = strstr(at, "<Channel ")); ++c, ++at) {
+        const char *end = strchr(at, '>'), *name = strstr(at, " Name=\"");
+        if (end && name && name < end)
+            find_text(name, " Name=\"", "\"", n->channel_name[c], sizeof n->channel_name[c]);
+    }
 }
 
 /* Attributes of the element Pixels. */
@@ -121,6 +146,11 @@ static void read_ome(const char *description, tiff_notes *n)
         n->slices = (size_t)find_number(pixels, " SizeZ=\"", "\"");
         n->channels = (size_t)find_number(pixels, " SizeC=\"", "\"");
         n->frames = (size_t)find_number(pixels, " SizeT=\"", "\"");
+        n->frame_step = find_number(pixels, " TimeIncrement=\"", "\"");
+        if (!find_text(pixels, " TimeIncrementUnit=\"", "\"", n->frame_unit, sizeof n->frame_unit))
+            snprintf(n->frame_unit, sizeof n->frame_unit, "s");
+        find_text(pixels, " DimensionOrder=\"XY", "\"", n->order, sizeof n->order);
+        read_ome_channels(pixels, n);
     }
 }
 
@@ -169,18 +199,44 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
     return r->page_count > 0 ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has no page but thumbnails", path);
 }
 
-static iso_status check_notes(const tiff_notes *n, const tiff_reader *r, const char *path, iso_error *err)
+/* Pages by their description's order; components of one page stand in its pixels. */
+static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_source *source, size_t *slices, iso_error *err)
 {
-    if (n->channels > 1 || n->frames > 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels and %zu time steps, a scalar volume has 1 of each", path,
-                        n->channels > 1 ? n->channels : 1, n->frames > 1 ? n->frames : 1);
-    if (n->slices > 0 && n->slices != r->page_count)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: has %zu pages, %s says %zu slices", path, r->page_count,
-                        n->is_ome ? "OME" : "ImageJ", n->slices);
-    return ISO_OK;
+    tiff_reader *r = source->reader;
+    const size_t frames = n->frames > 1 ? n->frames : 1, all = n->channels > 1 ? n->channels : 1;
+    const size_t inside = p->samples, channels = all % inside == 0 ? all / inside : all; /* OME counts both */
+    *slices = n->slices > 0 ? n->slices : r->page_count / frames / channels;
+    if (*slices == 0 || *slices > r->page_count || (double)*slices * (double)frames * (double)channels != (double)r->page_count)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated: has %zu pages, %s says %zu slices, %zu channels and %zu time steps", source->path,
+                        r->page_count, n->is_ome ? "OME" : "ImageJ", *slices, channels, frames);
+    if (inside > 1 && channels > 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels of %zu components each, which is not read", source->path,
+                        channels, inside);
+    iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
+                           .channel = {.count = inside > 1 ? inside : channels, .inside = inside > 1, .stride = 1},
+                           .frame_step = n->frame_step,
+                           .is_color = p->is_color};
+    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", n->frame_step > 0 ? n->frame_unit : "");
+    if (inside == 1)
+        memcpy(axes.channel_name, n->channel_name, sizeof axes.channel_name);
+    const iso_status status = iso_source_choose(source, &axes, err);
+    /* Which pages: this reader's business. */
+    const size_t count[3] = {*slices, channels, frames};
+    const size_t chosen[3] = {0, inside > 1 ? 0 : source->choice.channel, source->choice.frame};
+    size_t stride = 1;
+    for (const char *at = n->order[0] ? n->order : "ZCT"; *at; ++at) {
+        const int axis = *at == 'Z' ? 0 : *at == 'C' ? 1 : 2;
+        r->first += chosen[axis] * stride;
+        r->step = axis == 0 ? stride : r->step;
+        stride *= count[axis];
+    }
+    source->choice.volume_count = 1;
+    source->choice.volume_at = 0;
+    return status;
 }
 
-static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, size_t pages, tiff_notes *n,
+static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, size_t slices, tiff_notes *n,
                                 iso_error *err)
 {
     double spacing[3], mm;
@@ -197,7 +253,7 @@ static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, s
     }
     if (status != ISO_OK)
         return status;
-    source->header.geometry = iso_geometry_axis_aligned((size_t[]){p->width, p->height, pages}, spacing);
+    source->header.geometry = iso_geometry_axis_aligned((size_t[]){p->width, p->height, slices}, spacing);
     return iso_geometry_check(&source->header.geometry, source->path, err);
 }
 
@@ -237,10 +293,10 @@ static bool read_strips(TIFF *t, char *out, size_t bytes)
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
 {
     tiff_reader *r = source->reader;
-    const size_t *n = source->header.geometry.size, bytes = iso_source_bytes(source) / n[2];
+    const size_t *n = source->header.geometry.size, bytes = iso_source_plane_bytes(source);
     for (size_t i = 0; i < plane_count; ++i, ++r->next) {
         char *plane = (char *)out + i * bytes;
-        if (!TIFFSetSubDirectory(r->tiff, r->page[r->next]) ||
+        if (!TIFFSetSubDirectory(r->tiff, r->page[r->first + r->next * r->step]) ||
             !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, plane, bytes / n[1], n[1])
                                    : read_strips(r->tiff, plane, bytes)))
             return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path, r->next + 1,
@@ -262,6 +318,7 @@ static iso_status open_tiff(iso_volume_source *source, iso_error *err)
 {
     tiff_reader *r = calloc(1, sizeof *r);
     tiff_page page = {0};
+    size_t slices = 0;
     if (!r)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
     source->reader = r;
@@ -274,8 +331,8 @@ static iso_status open_tiff(iso_volume_source *source, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged: not a good TIFF file", source->path);
     tiff_notes notes = read_notes(r->tiff);
     iso_status status = find_pages(r, source->path, &page, err);
-    if (status == ISO_OK && page.samples != 1)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components a voxel, a scalar volume has 1", source->path,
+    if (status == ISO_OK && page.samples > 1 && page.planar != PLANARCONFIG_CONTIG)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components in planes of their own, which is not read", source->path,
                           page.samples);
     if (status == ISO_OK && !our_type(&page, &source->header.type))
         status = iso_fail(err, ISO_E_FORMAT,
@@ -283,8 +340,8 @@ static iso_status open_tiff(iso_volume_source *source, iso_error *err)
                           "float or double",
                           source->path, page.bits, page.format);
     if (status == ISO_OK)
-        status = check_notes(&notes, r, source->path, err);
-    return status == ISO_OK ? take_geometry(source, &page, r->page_count, &notes, err) : status;
+        status = choose(&notes, &page, source, &slices, err);
+    return status == ISO_OK ? take_geometry(source, &page, slices, &notes, err) : status;
 }
 
 const iso_volume_format iso_volume_format_tiff = {

@@ -21,6 +21,7 @@ typedef struct vti {
     double origin[3], spacing[3], direction[9]; /* rows of a matrix whose columns are the axes' directions */
     size_t offset, length_bytes;
     bool big_endian, packed, of_cells;
+    iso_extra_axes axes;
 } vti;
 
 /* The text of an attribute of the tag that starts at `tag`; false where it has none. */
@@ -80,6 +81,19 @@ static const char *find_array(const char *section)
     return first;
 }
 
+/* Three or four bytes are taken for colors, as VTK maps them. */
+static void take_channels(vti *v, const char *array, size_t count)
+{
+    char type[16], key[32];
+    attribute(array, "type", type, sizeof type);
+    v->axes.channel = (iso_extra_axis){.count = count, .inside = true, .stride = 1};
+    v->axes.is_color = strcmp(type, "UInt8") == 0 && (count == 3 || count == 4);
+    for (size_t c = 0; c < count && c < ISO_NAMED_CHANNELS; ++c) {
+        snprintf(key, sizeof key, "ComponentName%zu", c);
+        attribute(array, key, v->axes.channel_name[c], sizeof v->axes.channel_name[c]);
+    }
+}
+
 static iso_status parse(vti *v, const char *path, iso_error *err)
 {
     char word[WORD_BYTES], piece[WORD_BYTES];
@@ -120,7 +134,7 @@ static iso_status parse(vti *v, const char *path, iso_error *err)
             return iso_fail(err, ISO_E_FORMAT, "%s: packed by %s, must be vtkZLibDataCompressor", path, word);
     }
     if (attribute(array, "NumberOfComponents", word, sizeof word) && atoi(word) > 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %s components a voxel, a scalar volume has 1", path, word);
+        take_channels(v, array, (size_t)atoi(word));
     attribute(array, "type", v->type, sizeof v->type);
     attribute(array, "format", v->format, sizeof v->format);
     if (attribute(array, "offset", word, sizeof word))
@@ -312,6 +326,8 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
                           source->path, v.type);
     if (status == ISO_OK)
         status = take_geometry(&v, source, err);
+    if (status == ISO_OK)
+        status = iso_source_choose(source, &v.axes, err);
     if (status == ISO_OK)
         status = take_samples(&v, source, err);
     free(v.text);

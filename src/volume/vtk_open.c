@@ -64,8 +64,8 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
     }
     if (!h->found)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without SCALARS: no samples in a VTK file", path);
-    if (h->components != 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, a scalar volume has 1", path, h->components);
+    if (h->components < 1)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, must be at least 1", path, h->components);
     if (h->is_color && h->is_text)
         return iso_fail(err, ISO_E_FORMAT, "%s: its samples are bytes as text (COLOR_SCALARS), which is not read",
                         path);
@@ -120,6 +120,11 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
                           source->path, h.type);
     if (status == ISO_OK)
         status = take_geometry(&h, source, err);
+    /* Bytes are written as colors, whatever they are: three or four of them are taken for such. */
+    const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
+                                 .is_color = h.is_color && h.components >= 3 && h.components <= 4};
+    if (status == ISO_OK)
+        status = iso_source_choose(source, &axes, err);
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
     if (status == ISO_OK && h.is_text) {
         source->swap_bytes = false;

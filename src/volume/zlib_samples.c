@@ -43,7 +43,7 @@ static bool inflate_some(zlib_reader *r, unsigned char *out, size_t bytes, size_
 static iso_status read_zlib(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
     zlib_reader *r = s->reader;
-    const size_t total = iso_source_bytes(s), bytes = total / s->header.geometry.size[2] * plane_count;
+    const size_t total = iso_source_bytes(s), bytes = iso_source_plane_bytes(s) * plane_count;
     size_t done;
     unsigned char extra;
     if (!inflate_some(r, out, bytes, &done))

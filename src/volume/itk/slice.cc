@@ -31,7 +31,7 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
     using Type = itk::IOComponentEnum;
     if (io.GetNumberOfComponents() != 1)
         fail(ISO_E_FORMAT,
-             path + ": " + std::to_string(io.GetNumberOfComponents()) + " components a voxel, a scalar volume has 1");
+             path + ": " + std::to_string(io.GetNumberOfComponents()) + " components a voxel, which is not read of this format");
     switch (io.GetComponentType()) {
     case Type::UCHAR: return ISO_U8;
     case Type::CHAR: return ISO_I8;
@@ -61,7 +61,7 @@ Slice open_slice(const std::string &path)
     const unsigned axes = s.io->GetNumberOfDimensions();
     for (unsigned a = 3; a < axes; ++a)
         if (s.io->GetDimensions(a) != 1)
-            fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, a scalar volume has 3");
+            fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, which is not read of this format");
     s.type = type_of(*s.io, path);
     for (unsigned a = 0; a < 3 && a < axes; ++a) {
         const auto direction = s.io->GetDirection(a);

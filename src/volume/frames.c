@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "volume/frames.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/words.h"
+#include "volume/stream_kernel.h"
+
+/* Of red, green and blue in luminance: [itu-bt709], of the values as they are stored. */
+static const double luminance_weights[3] = {0.2126, 0.7152, 0.0722};
+
+static const char *const color_names[4] = {"red", "green", "blue", "alpha"};
+
+static const char *channel_name(const iso_extra_axes *axes, size_t channel)
+{
+    if (channel < ISO_NAMED_CHANNELS && axes->channel_name[channel][0])
+        return axes->channel_name[channel];
+    return axes->is_color && channel < 4 ? color_names[channel] : "";
+}
+
+/* A whole number below `count`. */
+static bool read_index(const char *text, size_t count, size_t *index)
+{
+    char *end;
+    const unsigned long long value = strtoull(text, &end, 10);
+    *index = (size_t)value;
+    return isdigit((unsigned char)*text) && *end == 0 && value < count;
+}
+
+/* "steps of 2.5 s", or nothing. */
+static void describe_step(double step, const char *unit, char *text, size_t size)
+{
+    *text = 0;
+    if (step > 0)
+        snprintf(text, size, " (%g%s%s apart)", step, *unit ? " " : "", unit);
+}
+
+iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes,
+                               size_t *frame, iso_error *err)
+{
+    const size_t count = axes->frame.count;
+    char step[64];
+    *frame = 0;
+    if (hints->frame && read_index(hints->frame, count, frame))
+        return ISO_OK;
+    describe_step(axes->frame_step, axes->frame_unit, step, sizeof step);
+    if (hints->frame)
+        return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu frames%s, numbered from 0 to %zu", path,
+                        hints->frame, count, step, count - 1);
+    if (count == 1)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE,
+                    "%s: has %zu frames%s; --frame K chooses one, from 0 to %zu (build --frames all: a pyramid of each)",
+                    path, count, step, count - 1);
+}
+
+/* "0 red, 1 green, 2 blue", or "0 to 2"; luminance where there is one. */
+static void list_channels(const iso_extra_axes *axes, char *text, size_t size)
+{
+    enum { LISTED = 12 };
+    const size_t count = axes->channel.count;
+    *text = 0;
+    if (count <= LISTED && *channel_name(axes, 0))
+        for (size_t c = 0; c < count; ++c)
+            iso_words_append(text, size, "%s%zu%s%s", c ? ", " : "", c, *channel_name(axes, c) ? " " : "",
+                             channel_name(axes, c));
+    else
+        iso_words_append(text, size, "0 to %zu", count - 1);
+    if (axes->is_color)
+        iso_words_append(text, size, ", luminance");
+}
+
+static iso_status choose_channel(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes,
+                                 iso_source_choice *choice, iso_error *err)
+{
+    const size_t count = axes->channel.count;
+    char list[640];
+    choice->channel = 0;
+    if (hints->channel && read_index(hints->channel, count, &choice->channel))
+        return ISO_OK;
+    for (size_t c = 0; hints->channel && c < count; ++c)
+        if (strcasecmp(channel_name(axes, c), hints->channel) == 0 && *hints->channel) {
+            choice->channel = c;
+            return ISO_OK;
+        }
+    choice->channel = 0;
+    choice->luminance = hints->channel && axes->is_color && axes->channel.inside && count >= 3 &&
+                        strcmp(hints->channel, "luminance") == 0;
+    if (choice->luminance || (!hints->channel && count == 1))
+        return ISO_OK;
+    list_channels(axes, list, sizeof list);
+    if (hints->channel)
+        return iso_fail(err, ISO_E_USAGE, "%s: --channel is \"%s\", there are %zu channels: %s", path, hints->channel,
+                        count, list);
+    return iso_fail(err, ISO_E_USAGE, "%s: has %zu channels a voxel; --channel chooses one of them: %s", path, count, list);
+}
+
+/* Counts this axis among those of its place. */
+static void place(const iso_extra_axis *axis, size_t index, iso_source_choice *choice)
+{
+    size_t *count = axis->inside ? &choice->inside_count : &choice->volume_count;
+    *(axis->inside ? &choice->inside_at : &choice->volume_at) += index * axis->stride;
+    if (__builtin_mul_overflow(*count, axis->count, count))
+        *count = SIZE_MAX;
+}
+
+static void take_notes(const iso_extra_axes *axes, const iso_source_choice *choice, iso_volume_notes *notes)
+{
+    notes->frame_count = axes->frame.count;
+    notes->frame = choice->frame;
+    notes->frame_step = axes->frame_step > 0 ? axes->frame_step : 0;
+    snprintf(notes->frame_unit, sizeof notes->frame_unit, "%s", axes->frame_unit);
+    notes->channel_count = axes->channel.count;
+    notes->channel = choice->channel;
+    snprintf(notes->channel_name, sizeof notes->channel_name, "%s",
+             choice->luminance ? "luminance" : channel_name(axes, choice->channel));
+}
+
+iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *given, iso_error *err)
+{
+    iso_extra_axes axes = *given;
+    iso_source_choice choice = {.inside_count = 1, .volume_count = 1};
+    axes.frame.count += axes.frame.count == 0;
+    axes.channel.count += axes.channel.count == 0;
+    iso_status status = iso_frames_choose(source->path, &source->hints, &axes, &choice.frame, err);
+    if (status == ISO_OK)
+        status = choose_channel(source->path, &source->hints, &axes, &choice, err);
+    if (status != ISO_OK)
+        return status;
+    place(&axes.frame, choice.frame, &choice);
+    place(&axes.channel, choice.channel, &choice);
+    source->choice = choice;
+    take_notes(&axes, &choice, &source->header.notes);
+    return ISO_OK;
+}
+
+/* ---- samples ---- */
+
+bool iso_source_is_plain(const iso_volume_source *s)
+{
+    return s->choice.inside_count == 1 && !s->scaled;
+}
+
+static void pick(const char *restrict cells, size_t sample_bytes, size_t stride, size_t count, char *restrict out)
+{
+    for (size_t i = 0; i < count; ++i)
+        memcpy(out + i * sample_bytes, cells + i * stride * sample_bytes, sample_bytes);
+}
+
+void iso_source_convert(const iso_volume_source *s, const void *cells, size_t count, void *out)
+{
+    const iso_source_choice *c = &s->choice;
+    const size_t stride = c->inside_count;
+    const double slope = s->slope, intercept = s->intercept;
+    if (!s->scaled) {
+        const size_t bytes = iso_type_bytes(s->header.type);
+        pick((const char *)cells + c->inside_at * bytes, bytes, stride, count, out);
+        return;
+    }
+    const double own[3] = {1, 0, 0}, *w = c->luminance ? luminance_weights : own;
+    const size_t second = c->luminance ? 1 : 0, third = c->luminance ? 2 : 0;
+/* clang-format off */
+#define ISO_CONVERT_CASE(name, text, ctype)                                                            \
+    case name:                                                                                         \
+        for (size_t i = 0; i < count; ++i) {                                                           \
+            const ctype *at = (const ctype *)cells + i * stride + c->inside_at;                        \
+            const double value = w[0] * (double)at[0] + w[1] * (double)at[second] + w[2] * (double)at[third]; \
+            ((float *)out)[i] = (float)(slope * value + intercept);                                    \
+        }                                                                                              \
+        break;
+    /* clang-format on */
+    switch (s->stored) {
+        ISO_TYPE_LIST(ISO_CONVERT_CASE)
+    }
+#undef ISO_CONVERT_CASE
+}

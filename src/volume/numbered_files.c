@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* numbered_files.c - frames in files of their own, whose names have a number. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "volume/frames.h"
+
+typedef struct numbered {
+    unsigned long long number;
+    char *name;
+} numbered;
+
+typedef struct numbered_files {
+    numbered *file;
+    size_t count, room;
+} numbered_files;
+
+/* The place of a number such as %d or %04d in a file's name; NULL where there is none. */
+static const char *find_place(const char *name, size_t *bytes)
+{
+    for (const char *at = strchr(name, '%'); at; at = strchr(at + 1, '%')) {
+        *bytes = 1 + strspn(at + 1, "0123456789");
+        if (at[(*bytes)++] == 'd')
+            return at;
+    }
+    return NULL;
+}
+
+/* Whether `name` is `before`, digits, `after`; their number then. */
+static bool has_number(const char *name, const char *pattern, size_t before, const char *after,
+                       unsigned long long *number)
+{
+    const size_t length = strlen(name), end = strlen(after);
+    if (length <= before + end || strncmp(name, pattern, before) != 0 || strcmp(name + length - end, after) != 0)
+        return false;
+    const size_t digits = strspn(name + before, "0123456789");
+    *number = strtoull(name + before, NULL, 10);
+    return digits == length - before - end;
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const numbered *x = a, *y = b;
+    return x->number != y->number ? (x->number > y->number) - (x->number < y->number) : strcmp(x->name, y->name);
+}
+
+static void free_files(numbered_files *files)
+{
+    for (size_t i = 0; i < files->count; ++i)
+        free(files->file[i].name);
+    free(files->file);
+}
+
+static bool add_file(numbered_files *files, const char *folder, const char *name, unsigned long long number)
+{
+    if (files->count == files->room) {
+        files->room = files->room ? 2 * files->room : 64;
+        numbered *more = realloc(files->file, files->room * sizeof *more);
+        if (!more)
+            return false;
+        files->file = more;
+    }
+    char *path = strcmp(folder, ".") == 0 ? strdup(name) : iso_path_join(folder, name);
+    files->file[files->count] = (numbered){number, path};
+    files->count += path != NULL;
+    return path != NULL;
+}
+
+static bool find_files(const char *path, const char *base, numbered_files *files)
+{
+    size_t bytes = 0;
+    unsigned long long number;
+    const char *at = find_place(base, &bytes);
+    char *folder = iso_path_dir(path);
+    DIR *dir = folder ? opendir(folder) : NULL;
+    bool well = folder != NULL;
+    for (const struct dirent *entry; dir && well && (entry = readdir(dir));)
+        if (has_number(entry->d_name, base, (size_t)(at - base), at + bytes, &number))
+            well = add_file(files, folder, entry->d_name, number);
+    if (dir)
+        closedir(dir);
+    free(folder);
+    if (files->count > 1)
+        qsort(files->file, files->count, sizeof *files->file, by_number);
+    return well;
+}
+
+iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, char **file, size_t *count,
+                               size_t *frame, iso_error *err)
+{
+    struct stat st;
+    size_t bytes;
+    const char *base = iso_path_base(path);
+    *file = NULL;
+    if (!find_place(base, &bytes) || stat(path, &st) == 0)
+        return ISO_OK;
+    numbered_files files = {0};
+    const iso_volume_hints none = {0};
+    iso_extra_axes found = {0};
+    iso_status status = find_files(path, base, &files) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK && files.count == 0)
+        status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
+    found.frame.count = files.count;
+    if (status == ISO_OK)
+        status = iso_frames_choose(path, hints ? hints : &none, &found, frame, err);
+    if (status == ISO_OK && !(*file = strdup(files.file[*frame].name)))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    *count = files.count;
+    free_files(&files);
+    return status;
+}
