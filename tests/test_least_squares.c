@@ -410,6 +410,111 @@ static void a_constant_stays_one(void **state)
     iso_volume_destroy(&v);
 }
 
+/* ---- damped levels ---- */
+
+static iso_pyramid with_filter(const iso_volume *v, iso_scalar_filter filter, size_t levels)
+{
+    iso_pyramid_options opt = least_squares(levels);
+    opt.scalar_filter = filter;
+    return build(v, &opt);
+}
+
+/* Mean and range of the fine voxels that voxel j of level k covers. */
+static void measure_own(const iso_volume *v, const size_t j[3], size_t k, double *mean, double limits[2])
+{
+    const size_t *n = v->geometry.size;
+    double sum = 0, count = 0;
+    limits[0] = INFINITY, limits[1] = -INFINITY;
+    for (size_t z = j[2] << k; z < (j[2] + 1) << k && z < n[2]; ++z)
+        for (size_t y = j[1] << k; y < (j[1] + 1) << k && y < n[1]; ++y)
+            for (size_t x = j[0] << k; x < (j[0] + 1) << k && x < n[0]; ++x) {
+                const double value = (double)((const float *)v->data)[(z * n[1] + y) * n[0] + x];
+                limits[0] = fmin(limits[0], value);
+                limits[1] = fmax(limits[1], value);
+                sum += value;
+                count += 1;
+            }
+    *mean = sum / count;
+}
+
+static void damped_levels_are_means_and_a_part_of_least_squares(void **state)
+{
+    (void)state;
+    static const size_t sizes[][3] = {{16, 16, 16}, {17, 13, 9}, {2, 23, 10}, {5, 1, 75}, {40, 66, 3}, {37, 150, 5}};
+    for (size_t t = 0; t < 6; ++t) {
+        iso_volume v = noise(sizes[t][0], sizes[t][1], sizes[t][2]);
+        for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) { /* slabs, as noise alone rings little */
+            size_t at[3];
+            place(&v.geometry, i, at);
+            ((float *)v.data)[i] = 0.05f * ((float *)v.data)[i] + ((at[0] + at[1] + at[2]) % 16 > 7 ? 1.f : 0.f);
+        }
+        iso_pyramid free_values = with_filter(&v, ISO_SCALAR_LEAST_SQUARES, 8),
+                    damped = with_filter(&v, ISO_SCALAR_DAMPED, 8);
+        size_t outside = 0;
+        for (size_t k = 1; k < damped.level_count; ++k)
+            for (size_t i = 0; i < iso_geometry_voxel_count(&damped.levels[k].geometry); ++i) {
+                const iso_level *l = &damped.levels[k];
+                size_t at[3];
+                double mean, limits[2], value = (double)free_values.levels[k].scalar[i];
+                place(&l->geometry, i, at);
+                measure_own(&v, at, k, &mean, limits);
+                outside += k == 1 && (value < limits[0] || value > limits[1]);
+                value = k == 1 ? fmin(fmax(value, limits[0]), limits[1]) : value;
+                assert_within((double)l->scalar[i], mean + (double)ISO_DAMPED_PART * (value - mean), 1e-5);
+                assert_true((double)l->scalar[i] >= l->min && (double)l->scalar[i] <= l->max);
+                if (k == 1) /* level 1 never leaves the range of its own voxels, but by rounding */
+                    assert_true((double)l->scalar[i] >= limits[0] - 1e-6 && (double)l->scalar[i] <= limits[1] + 1e-6);
+            }
+        assert_true(outside > 0); /* a build that holds nothing is noticed */
+        iso_pyramid_destroy(&free_values);
+        iso_pyramid_destroy(&damped);
+        iso_volume_destroy(&v);
+    }
+}
+
+/* The residual is a square, with its least value at least squares, so on the way there from the means it falls as
+ * (1 - part)^2: so it is below that of the means. Level 1 is held to ranges, which this volume does not leave. */
+static void the_residual_falls_with_the_square_of_what_is_left(void **state)
+{
+    (void)state;
+    iso_volume v = noise(16, 24, 8);
+    iso_pyramid p[3];
+    static const iso_scalar_filter filters[] = {ISO_SCALAR_MEAN, ISO_SCALAR_LEAST_SQUARES, ISO_SCALAR_DAMPED};
+    const double left = 1 - (double)ISO_DAMPED_PART;
+    for (size_t i = 0; i < 3; ++i)
+        p[i] = with_filter(&v, filters[i], 4);
+    for (size_t k = 2; k < p[0].level_count; ++k) {
+        const double means = residual(&v, &p[0], k), least = residual(&v, &p[1], k);
+        assert_within(residual(&v, &p[2], k), least + left * left * (means - least), 1e-5 * means);
+        assert_more_than(means - least, 1e-3 * means); /* else any part would do */
+    }
+    for (size_t i = 0; i < 3; ++i)
+        iso_pyramid_destroy(&p[i]);
+    iso_volume_destroy(&v);
+}
+
+/* Means and least squares give linear fields back where voxels are whole. */
+static void linear_fields_are_exact_in_damped_levels(void **state)
+{
+    (void)state;
+    enum { N = 64 };
+    iso_volume v = empty(N, N, N);
+    for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
+        ((float *)v.data)[i] = (float)(i % N) - 0.5f * (float)(i / N % N) + 0.25f * (float)(i / N / N);
+    iso_pyramid p = with_filter(&v, ISO_SCALAR_DAMPED, 3);
+    for (size_t k = 1; k < 3; ++k)
+        for (size_t z = 6; z + 6 < (size_t)N >> k; ++z)
+            for (size_t x = 6; x + 6 < (size_t)N >> k; ++x) { /* 6 voxels from a face: 3^-6 of what clamping bends */
+                const size_t m = (size_t)N >> k, y = m / 2;
+                const double ratio = ldexp(1, (int)k), center = 0.5 * (ratio - 1);
+                const double expected = (double)x * ratio + center - 0.5 * ((double)y * ratio + center) +
+                                        0.25 * ((double)z * ratio + center);
+                assert_within((double)p.levels[k].scalar[(z * m + y) * m + x], expected, 4e-3);
+            }
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
 static void values_whose_levels_may_overflow_are_refused(void **state)
 {
     (void)state;
@@ -438,6 +543,9 @@ int main(void)
         cmocka_unit_test(values_overshoot_by_no_more_and_the_level_says_so),
         cmocka_unit_test(a_constant_stays_one),
         cmocka_unit_test(values_whose_levels_may_overflow_are_refused),
+        cmocka_unit_test(damped_levels_are_means_and_a_part_of_least_squares),
+        cmocka_unit_test(the_residual_falls_with_the_square_of_what_is_left),
+        cmocka_unit_test(linear_fields_are_exact_in_damped_levels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

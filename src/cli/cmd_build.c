@@ -258,7 +258,7 @@ const iso_command iso_command_build = {
         "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
         "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones, or with --scalar-filter\n"
         "least-squares what shows level 0 best when it is looked up (doc/method/least-squares-levels.md): levels look more\n"
-        "alike, and their values may leave the range of level 0. (Bricks of mixed resolution, isoshade plan, are made in\n"
+        "alike, and their values may leave the range of level 0; with damped most of the way there, which rings less. (Bricks of mixed resolution, isoshade plan, are made in\n"
         "memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
         "With --direction-filter auto each coarse level gets moments, or tensor where the gradients below its voxels agree\n"
         "better on an axis than in a direction, by 0.4 and more; the volume is read once more for that, and the figures\n"

@@ -102,12 +102,14 @@ static bool create_level(const iso_cascade *c, size_t k, spline_level *s)
     s->slot_count = s->axis[2].coarse < most || is_top(c, k) ? s->axis[2].coarse : most;
     s->slots = calloc(s->slot_count * spline_plane_floats(s), sizeof *s->slots);
     s->tasks = is_top(c, k) ? 0 : (s->axis[1].coarse + task_rows(s) - 1) / task_rows(s);
+    if (c->opt.scalar_filter == ISO_SCALAR_DAMPED)
+        good = iso_own_create(s) && good;
     return good && s->solve_z && s->slots;
 }
 
 iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err)
 {
-    if (c->opt.scalar_filter != ISO_SCALAR_LEAST_SQUARES)
+    if (!iso_scalar_filter_is_spline(c->opt.scalar_filter))
         return ISO_OK;
     c->spline = calloc(c->level_count, sizeof *c->spline);
     bool good = c->spline != NULL;
@@ -123,6 +125,7 @@ void iso_cascade_spline_destroy(iso_cascade *c)
         free(c->spline[k].solve[1]);
         free(c->spline[k].solve_z);
         free(c->spline[k].slots);
+        free(c->spline[k].own);
     }
     free(c->spline);
 }
@@ -130,8 +133,10 @@ void iso_cascade_spline_destroy(iso_cascade *c)
 size_t iso_cascade_spline_floats(const iso_cascade *c)
 {
     size_t floats = 0;
-    for (size_t k = 1; c->spline && k < c->level_count; ++k)
-        floats += c->spline[k].slot_count * spline_plane_floats(&c->spline[k]);
+    for (size_t k = 1; c->spline && k < c->level_count; ++k) {
+        const spline_level *s = &c->spline[k];
+        floats += s->slot_count * spline_plane_floats(s) + (s->own ? iso_own_floats(s) : 0);
+    }
     return floats;
 }
 
@@ -148,7 +153,8 @@ static size_t scratch_floats(const iso_cascade *c)
     for (size_t k = 1; k < c->level_count; ++k) {
         const spline_level *s = &c->spline[k];
         const size_t padded = is_top(c, k) ? 0 : iso_spline_padded(&s->axis[0]);
-        most = largest(most, c->size[0][0] + task_rows(s) * padded + 2 * padded + s->axis[0].coarse + 64);
+        const size_t own = s->own && !is_top(c, k) ? iso_own_scratch(s) : 0;
+        most = largest(most, c->size[0][0] + task_rows(s) * padded + 2 * padded + s->axis[0].coarse + own + 64);
         most = largest(most, (largest(SPLINE_WINDOW, ISO_SPLINE_LANES)) * s->axis[0].coarse + 64);
     }
     return (most + 15) / 16 * 16;
@@ -162,10 +168,10 @@ static void weigh_row(float weight, const float *row, size_t n, float *sum, bool
     iso_add_weighted_row(weight, row, n, sum);
 }
 
-/* Coarse rows j0 .. j1 - 1 of the fine plane z: sums along y, `padded` floats apart and ready to be reduced along x. */
-static void sum_rows(const spline_run *r, const spline_level *s, size_t z, size_t j0, size_t j1, float *row,
-                     float *sums)
+/* The coarse rows of `own` of a fine plane: sums along y, `padded` floats apart and ready to be reduced along x. */
+static void sum_rows(const spline_run *r, const spline_level *s, own_rows *own, float *row, float *sums)
 {
+    const size_t z = own->z, j0 = own->j0, j1 = own->j1;
     const iso_spline_axis *a = &s->axis[1];
     const size_t padded = iso_spline_padded(&s->axis[0]), n = s->axis[0].fine, offset = s->axis[0].ratio / 2;
     memset(sums, 0, (j1 - j0) * padded * sizeof *sums);
@@ -173,6 +179,8 @@ static void sum_rows(const spline_run *r, const spline_level *s, size_t z, size_
         double f;
         const size_t j = iso_spline_lookup(a, y, &f);
         iso_planes_row(r->in, y, z, row);
+        if (s->own)
+            iso_own_row(s, y, row, own);
         if (j >= j0 && j < j1)
             iso_add_weighted_row((float)((1 - f) / (double)a->ratio), row, n, sums + (j - j0) * padded + offset);
         if (f > 0 && j + 1 >= j0 && j + 1 < j1)
@@ -190,7 +198,11 @@ static void sum_plane(const spline_run *r, const spline_level *s, size_t task, s
           *reduced = halves + 2 * padded + 16;
     double f;
     const size_t p = iso_spline_lookup(a, z, &f);
-    sum_rows(r, s, z, j0, j1, row, sums);
+    own_rows own;
+    iso_own_begin(s, z, j0, j1, reduced + nx, &own);
+    sum_rows(r, s, &own, row, sums);
+    if (s->own)
+        iso_own_end(s, &own);
     for (size_t j = j0; j < j1; ++j) {
         iso_spline_reduce_row(&s->axis[0], sums + (j - j0) * padded, halves, reduced);
         weigh_row((float)((1 - f) / (double)a->ratio), reduced, nx, spline_slot(s, p) + j * nx,
@@ -258,7 +270,9 @@ static void solve_row(const spline_run *r, size_t k, size_t block, size_t y, flo
         memcpy(values + (p - w.first) * nx, spline_slot(s, p) + y * nx, nx * sizeof *values);
     iso_spline_solve(s->solve_z + block * SPLINE_WINDOW, w.end - w.first, values, nx, nx);
     for (size_t p = w.p0; p < w.p1; ++p) {
-        const float *row = values + (p - w.first) * nx;
+        float *row = values + (p - w.first) * nx;
+        if (s->own)
+            iso_own_damp(s, y, p, row);
         iso_row_range(row, nx, lo, hi);
         if (out->scalar)
             memcpy(out->scalar + ((p - out->first) * ny + y) * nx, row, nx * sizeof *row);

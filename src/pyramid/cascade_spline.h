@@ -4,6 +4,8 @@
 #ifndef ISO_PYRAMID_CASCADE_SPLINE_H
 #define ISO_PYRAMID_CASCADE_SPLINE_H
 
+#include <stdbool.h>
+
 #include "base/parallel.h"
 #include "pyramid/cascade_kernel.h"
 #include "pyramid/spline_kernel.h"
@@ -19,6 +21,7 @@ struct spline_level {
     size_t slot_count;        /* coarse planes that are kept: plane p in slot p % slot_count */
     float *slots;
     size_t tasks; /* of coarse rows; 0: made at the end, from the carry */
+    float *own;   /* cascade_own.c: of damped levels; or NULL */
 };
 
 /* What one call of iso_cascade_spline_feed works with. */
@@ -44,6 +47,22 @@ static inline float *spline_scratch(const spline_run *r)
 {
     return r->memory + (size_t)iso_thread_index() * r->per_thread;
 }
+
+/* cascade_own.c: of damped levels. Fine rows of plane z, added to the own voxels of coarse rows j0 .. j1 - 1. */
+typedef struct own_rows {
+    size_t z, j0, j1, row;
+    float *sums[4];
+} own_rows;
+bool iso_own_create(spline_level *s);
+size_t iso_own_floats(const spline_level *s);
+size_t iso_own_scratch(const spline_level *s);
+void iso_own_begin(const spline_level *s, size_t z, size_t j0, size_t j1, float *memory, own_rows *t);
+void iso_own_row(const spline_level *s, size_t y, const float *row, own_rows *t);
+void iso_own_end(const spline_level *s, own_rows *t);
+/* Of levels above the carry: a row of cells' means, `size` voxels an edge. */
+void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cell_z, const float *means, size_t cells);
+/* A row of least squares to what is stored. */
+void iso_own_damp(const spline_level *s, size_t y, size_t z, float *row);
 
 /* cascade_spline_top.c */
 size_t iso_cascade_cells_scratch(const iso_cascade *c);

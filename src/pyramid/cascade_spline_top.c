@@ -28,7 +28,7 @@ size_t iso_cascade_cells_scratch(const iso_cascade *c)
 
 size_t iso_cascade_cells_floats(const iso_cascade *c)
 {
-    return c->opt.scalar_filter == ISO_SCALAR_LEAST_SQUARES
+    return iso_scalar_filter_is_spline(c->opt.scalar_filter)
                ? MOMENTS * c->size[c->tile_top][0] * c->size[c->tile_top][1]
                : 0;
 }
@@ -105,7 +105,12 @@ void iso_cascade_cells_gather(const spline_run *r, spline_level *s)
 {
     const size_t *cells = r->c->size[r->c->tile_top];
     memset(s->slots, 0, s->slot_count * spline_plane_floats(s) * sizeof *s->slots);
+    if (s->own)
+        memset(s->own, 0, iso_own_floats(s) * sizeof *s->own);
     for (size_t z = 0; z < cells[2]; ++z)
-        for (size_t y = 0; y < cells[1]; ++y)
+        for (size_t y = 0; y < cells[1]; ++y) {
             gather_row(r, s, y, z);
+            if (s->own)
+                iso_own_cells(s, cell_size(r->c), y, z, cell_row(r->c, y, z, 0), cells[0]);
+        }
 }

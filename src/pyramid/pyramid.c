@@ -22,6 +22,7 @@ static const struct {
         [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
         [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
         [ISO_SCALAR_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0; from level 0"},
+        [ISO_SCALAR_DAMPED] = {"damped", "from the means .6 of the way to least-squares: rings less"},
 },
   direction_filters[] = {
       [ISO_DIRECTION_MOMENTS] = {"moments", "sums weighted by the squared magnitude; the coherence is the length"},

@@ -25,7 +25,8 @@
  * length of the filtered gradient (eq1, naive).
  * scalar: mean of the 2x2x2 children, a Gaussian, or the least-squares level: of all levels
  * of its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md);
- * its values can lie outside level 0's range. */
+ * its values can lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at
+ * level 1 it is first held to the range of each voxel's own fine voxels. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
@@ -42,8 +43,12 @@ typedef enum iso_scalar_filter {
     ISO_SCALAR_MEAN,
     ISO_SCALAR_GAUSS,
     ISO_SCALAR_LEAST_SQUARES,
+    ISO_SCALAR_DAMPED,
     ISO_SCALAR_COUNT
 } iso_scalar_filter;
+/* More is nearer to level 0 in most scenes, and farther in those where least squares ring (doc/results). */
+#define ISO_DAMPED_PART 0.6f
+
 typedef enum iso_direction_filter {
     ISO_DIRECTION_MOMENTS,
     ISO_DIRECTION_EQ1,
@@ -82,6 +87,10 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
 
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
 const char *iso_scalar_filter_name(iso_scalar_filter f);
+static inline bool iso_scalar_filter_is_spline(iso_scalar_filter f)
+{
+    return f == ISO_SCALAR_LEAST_SQUARES || f == ISO_SCALAR_DAMPED;
+}
 const char *iso_direction_filter_name(iso_direction_filter f);
 /* The filter of a coarse level: the one that was asked for, or chosen. */
 iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, size_t level);

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT */
+/* cascade_own.c - what damped least-squares levels take beside the solution: of the fine voxels that a coarse voxel
+ * covers, its own, the mean; and their range, to which the solution of level 1 is held.
+ *
+ * A task adds up its rows of fine voxels, reduces them along x when a row of own voxels is complete, and adds that to the
+ * planes that are kept beside those of the level. */
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "base/simd.h"
+#include "pyramid/cascade_spline.h"
+
+ISO_SIMD static void extend_low(const float *restrict row, size_t n, float *restrict low)
+{
+    for (size_t i = 0; i < n; ++i)
+        low[i] = row[i] < low[i] ? row[i] : low[i];
+}
+
+ISO_SIMD static void extend_high(const float *restrict row, size_t n, float *restrict high)
+{
+    for (size_t i = 0; i < n; ++i)
+        high[i] = row[i] > high[i] ? row[i] : high[i];
+}
+
+ISO_SIMD static void halve_mean(const float *restrict v, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = 0.5f * (v[2 * i] + v[2 * i + 1]);
+}
+
+ISO_SIMD static void halve_low(const float *restrict v, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = v[2 * i + 1] < v[2 * i] ? v[2 * i + 1] : v[2 * i];
+}
+
+ISO_SIMD static void halve_high(const float *restrict v, size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = v[2 * i + 1] > v[2 * i] ? v[2 * i + 1] : v[2 * i];
+}
+
+static void fill(float value, size_t n, float *row)
+{
+    for (size_t i = 0; i < n; ++i)
+        row[i] = value;
+}
+
+/* ---- planes ---- */
+
+/* What is kept of a voxel: means that count voxels beyond the volume as zeros; at level 1 the range. */
+enum { MEAN, LOW, HIGH, NUMBERS };
+static const float empty[NUMBERS] = {0, FLT_MAX, -FLT_MAX};
+
+static size_t numbers_of(const spline_level *s)
+{
+    return s->axis[0].ratio == 2 ? NUMBERS : 1;
+}
+
+size_t iso_own_floats(const spline_level *s)
+{
+    return numbers_of(s) * s->slot_count * spline_plane_floats(s);
+}
+
+bool iso_own_create(spline_level *s)
+{
+    s->own = calloc(iso_own_floats(s), sizeof *s->own);
+    return s->own;
+}
+
+static float *own_row(const spline_level *s, int number, size_t y, size_t z)
+{
+    return s->own + ((size_t)number * s->slot_count + z % s->slot_count) * spline_plane_floats(s) +
+           y * s->axis[0].coarse;
+}
+
+/* ---- rows ---- */
+
+size_t iso_own_scratch(const spline_level *s)
+{
+    return 4 * iso_spline_padded(&s->axis[0]);
+}
+
+void iso_own_begin(const spline_level *s, size_t z, size_t j0, size_t j1, float *memory, own_rows *t)
+{
+    const size_t padded = iso_spline_padded(&s->axis[0]);
+    *t = (own_rows){.z = z, .j0 = j0, .j1 = j1, .row = SIZE_MAX, .sums = {memory}};
+    for (int i = 1; i < 4; ++i)
+        t->sums[i] = t->sums[i - 1] + padded;
+}
+
+/* One number of the rows that were added, reduced along x and put to the plane. */
+static void close_number(const spline_level *s, const own_rows *t, int number)
+{
+    const size_t nx = s->axis[0].coarse, ratio = s->axis[0].ratio;
+    float *from = t->sums[number], *to = t->sums[NUMBERS], *plane = own_row(s, number, t->row, t->z / ratio);
+    for (size_t n = nx * ratio / 2; n >= nx; n /= 2) {
+        if (number == MEAN)
+            halve_mean(from, n, to);
+        else
+            (number == LOW ? halve_low : halve_high)(from, n, to);
+        float *used = from;
+        from = to, to = used;
+    }
+    if (t->z % ratio == 0)
+        fill(empty[number], nx, plane);
+    if (number == MEAN)
+        iso_add_weighted_row((float)(1 / (double)ratio), from, nx, plane);
+    else
+        (number == LOW ? extend_low : extend_high)(from, nx, plane);
+}
+
+void iso_own_end(const spline_level *s, own_rows *t)
+{
+    for (int i = 0; i < (int)numbers_of(s) && t->row != SIZE_MAX; ++i)
+        close_number(s, t, i);
+    t->row = SIZE_MAX;
+}
+
+void iso_own_row(const spline_level *s, size_t y, const float *row, own_rows *t)
+{
+    const size_t ratio = s->axis[1].ratio, j = y / ratio, n = s->axis[0].fine;
+    if (j < t->j0 || j >= t->j1)
+        return;
+    if (j != t->row) {
+        iso_own_end(s, t);
+        t->row = j;
+        for (int i = 0; i < (int)numbers_of(s); ++i)
+            fill(empty[i], s->axis[0].coarse * ratio, t->sums[i]);
+    }
+    iso_add_weighted_row((float)(1 / (double)ratio), row, n, t->sums[MEAN]);
+    if (numbers_of(s) == NUMBERS) {
+        extend_low(row, n, t->sums[LOW]);
+        extend_high(row, n, t->sums[HIGH]);
+    }
+}
+
+void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cell_z, const float *means, size_t cells)
+{
+    const size_t ratio = s->axis[0].ratio / size; /* cells along an edge of a voxel */
+    const double part = 1 / (double)(ratio * ratio * ratio);
+    float *plane = own_row(s, MEAN, cell_y / ratio, cell_z / ratio);
+    for (size_t x = 0; x < cells; ++x)
+        plane[x / ratio] += (float)part * means[x];
+}
+
+/* ---- damping ---- */
+
+/* The mean counted voxels beyond the volume: what to multiply it by along an axis. */
+static double refill(const iso_spline_axis *a, size_t j)
+{
+    const size_t left = a->fine - j * a->ratio;
+    return left < a->ratio ? (double)a->ratio / (double)left : 1;
+}
+
+void iso_own_damp(const spline_level *s, size_t y, size_t z, float *row)
+{
+    const size_t nx = s->axis[0].coarse;
+    const bool has_range = numbers_of(s) == NUMBERS;
+    const float *mean = own_row(s, MEAN, y, z), *low = has_range ? own_row(s, LOW, y, z) : NULL,
+                *high = has_range ? own_row(s, HIGH, y, z) : NULL;
+    const float of_row = (float)(refill(&s->axis[1], y) * refill(&s->axis[2], z)),
+                of_last = (float)((double)of_row * refill(&s->axis[0], nx - 1));
+    for (size_t x = 0; x < nx; ++x) {
+        if (has_range)
+            row[x] = row[x] < low[x] ? low[x] : row[x] > high[x] ? high[x] : row[x];
+        const float own = (x + 1 < nx ? of_row : of_last) * mean[x];
+        row[x] = own + ISO_DAMPED_PART * (row[x] - own);
+    }
+}
