@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/json.h"
+#include "options/visible.h"
 #include "plan/scene_levels.h"
 #include "scene/scene.h"
 
@@ -72,6 +73,18 @@ static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_
     printf("%s\n", b->output);
 }
 
+/* Levels for a scene that shows nothing would be made with care, for nothing. */
+static iso_status warn(const iso_build_for *b, const iso_pyramid *p, const iso_scene *scene, iso_error *err)
+{
+    iso_view view = {0};
+    const iso_level *level0 = &p->levels[0];
+    iso_status status = iso_scene_resolve(scene, &level0->geometry, level0->min, level0->max, &view, err);
+    if (status == ISO_OK)
+        iso_cli_warn_of_view(b->cli, p, &view, NULL, &(bool){false});
+    iso_view_destroy(&view);
+    return status;
+}
+
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(b->cli);
@@ -88,6 +101,8 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     if (status == ISO_OK)
         status = iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err);
     iso_volume_destroy(&volume);
+    if (status == ISO_OK)
+        status = warn(b, &p, &scene, err);
     if (status == ISO_OK)
         status = iso_scene_levels_make(&p, 1, &scene, b->cli->threads, levels, &progress, err);
     if (status == ISO_OK)

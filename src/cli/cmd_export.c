@@ -7,6 +7,7 @@
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/roi.h"
+#include "options/visible.h"
 #include "scene/subject.h"
 #include "targets/targets.h"
 
@@ -138,6 +139,8 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                           a->level + a->level_count - 1, pyramid.level_count - 1);
     if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale))
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
+    if (status == ISO_OK && view.width > 0) /* there is a scene */
+        iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
     if (status == ISO_OK && a->plan)
         status = iso_planned_create(a->plan,
                                     &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},

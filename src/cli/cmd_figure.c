@@ -21,6 +21,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     iso_figure_options opt = iso_figure_defaults();
     char *output = NULL, *kind = NULL, *methods = NULL, *variant = NULL, *scene = NULL;
+    char notice[1024] = "";
     int level = 0;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the figure", "DIR"},
@@ -53,8 +54,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         opt.methods = methods;
         opt.variant = variant;
         opt.scene = scene;
+        opt.notice = notice;
+        opt.notice_size = sizeof notice;
         if (status == ISO_OK)
             status = iso_figure_make(cli.arguments[0], &opt, output, err);
+        if (status == ISO_OK && notice[0]) {
+            iso_progress_line_hide(cli.progress);
+            fprintf(stderr, "isoshade figure: warning: %s\n", notice);
+        }
         if (status == ISO_OK && cli.json) {
             json_t *root = iso_cli_json(&cli);
             json_object_set_new(root, "options",

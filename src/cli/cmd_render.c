@@ -8,6 +8,7 @@
 #include "cli/render_options.h"
 #include "plan/cached.h"
 #include "options/cli.h"
+#include "options/visible.h"
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
@@ -88,7 +89,7 @@ static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, 
 }
 
 static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
-                   const char *version, double seconds)
+                   const iso_visible *visible, const char *version, double seconds)
 {
     if (!cli->json) {
         printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version,
@@ -106,6 +107,7 @@ static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_
                                      version, "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
                                      (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
                                      "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
+    json_object_set_new(root, "visible", iso_cli_visible_json(visible));
     iso_cli_print_json(root);
 }
 
@@ -174,8 +176,10 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     iso_palette palette = {0};
     iso_view view = {0};
     iso_image image = {0};
+    iso_visible visible = {0};
     char version[320] = "";
     double seconds = 0;
+    bool warned = false;
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
     iso_status status = iso_render_take_options(a, cli->threads, &opt, err);
     if (status == ISO_OK)
@@ -196,6 +200,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     if (status == ISO_OK)
         status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
     if (status == ISO_OK)
+        visible = iso_cli_warn_of_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
+    if (status == ISO_OK)
         status = iso_cli_roi_view(&a->roi,
                                   &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
                                                        cli->threads},
@@ -215,8 +221,12 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
         status = iso_render_check_finite(opt.renderer, &image, err);
     if (status == ISO_OK)
         status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
-    if (status == ISO_OK)
-        report(a, cli, &pyramid, &view, version, seconds);
+    if (status == ISO_OK) {
+        iso_visible_take_image(&visible, &image, view.background);
+        if (!warned)
+            iso_cli_warn_of(cli, &visible);
+        report(a, cli, &pyramid, &view, &visible, version, seconds);
+    }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
     if ((size_t)a->level < pyramid.level_count)

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/visible.h"
 #include "report/levels.h"
 #include "scene/views.h"
 #include "scene/subject.h"
@@ -17,7 +18,7 @@
 typedef struct validate_arguments {
     iso_volume_input input;
     char *scene, *output, *size, *with, *code, *junit, *suite;
-    int level_count, seeds, quick, level_views, level_size;
+    int level_count, seeds, quick, level_views, level_size, anyway;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -177,6 +178,21 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     return verdict(v, &summary, &levels, err);
 }
 
+/* Renderers agree on a picture of nothing, and levels cannot be told apart in it: a verdict would say nothing. */
+static iso_status check_visible(const validate_arguments *a, const iso_cli *cli, const iso_pyramid *p,
+                                const iso_view *view, iso_error *err)
+{
+    const iso_visible v = iso_visible_measure(&p->levels[0], view, NULL, cli->threads);
+    char text[900];
+    if (a->anyway) {
+        iso_cli_warn_of(cli, &v);
+        return ISO_OK;
+    }
+    return iso_visible_complaint(&v, cli->arguments[0], text, sizeof text)
+               ? iso_fail(err, ISO_E_RANGE, "%s; --anyway validates it as it is", text)
+               : ISO_OK;
+}
+
 static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_error *err)
 {
@@ -205,6 +221,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     if (status == ISO_OK)
         status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max,
                                    &view, err);
+    if (status == ISO_OK)
+        status = check_visible(a, cli, pyramid, &view, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
@@ -374,6 +392,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
         {"level-size", 0, POPT_ARG_INT, &a.level_size, 0, "pixels along an edge of them (160; 96 with --quick)", "N"},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
+        {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0,
+         "validate a scene that shows next to nothing of the volume, or a box, too", NULL},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -404,8 +424,9 @@ const iso_command iso_command_validate = {
         "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"
         "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
-        "in a scene, or of a renderer whose images of a scene show too little; 7: a renderer is missing; 9: one failed its\n"
-        "calibration.",
+        "in a scene, or of a renderer whose images of a scene show too little; 5: the scene shows less than .1 % of the voxels or\n"
+        "of the picture, or a box whose faces are opaque to more than 98 % (--anyway); 7: a renderer is missing; 9: one failed\n"
+        "its calibration.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"

@@ -189,6 +189,15 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
     return status;
 }
 
+double iso_image_shown_share(const iso_image *image)
+{
+    const size_t count = image->width * image->height;
+    size_t shown = 0;
+    for (size_t i = 0; i < count; ++i)
+        shown += (double)image->rgba[4 * i + 3] >= 1.0 / 255;
+    return count ? (double)shown / (double)count : 0;
+}
+
 bool iso_image_is_finite(const iso_image *image)
 {
     for (size_t i = 0; i < 4 * image->width * image->height; ++i)

@@ -15,6 +15,9 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
 /* colour += (1 - alpha) * background: for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);
 
+/* The share of the pixels that show something of what was rendered: whose alpha is at least 1/255. */
+double iso_image_shown_share(const iso_image *image);
+
 /* Are all values numbers? */
 bool iso_image_is_finite(const iso_image *image);
 

@@ -26,6 +26,8 @@ typedef struct figure {
     json_t *report;
     panel *panels;
     size_t count, rows, columns;
+    size_t pictures, empty; /* pictures of the volume, and those of them that show next to nothing of it */
+    const char *first_empty;
     bool in_logs;
     double low, high; /* of the difference maps; log10 when in_logs */
     FILE *caption;
@@ -94,6 +96,12 @@ static iso_status add_panel(figure *f, panel p, iso_error *err)
         iso_image_destroy(&p.a);
         iso_image_destroy(&p.b);
         return status;
+    }
+    if (!p.against) {
+        const double least = 1e-3; /* ISO_VISIBLE_LEAST of scene/visible.h, which reports know nothing of */
+        ++f->pictures;
+        if (iso_image_shown_share(&p.a) < least && f->empty++ == 0)
+            f->first_empty = p.image;
     }
     f->rows = p.row + 1 > f->rows ? p.row + 1 : f->rows;
     f->columns = p.column + 1 > f->columns ? p.column + 1 : f->columns;
@@ -373,6 +381,18 @@ static void describe_drawing(const figure *f)
             f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
 }
 
+static void notice(const figure *f)
+{
+    if (!f->opt->notice)
+        return;
+    f->opt->notice[0] = 0;
+    if (f->empty > 0)
+        snprintf(f->opt->notice, f->opt->notice_size,
+                 "%zu of %zu pictures show something of the volume on less than .1 %% of their pixels, the first is "
+                 "%s/images/%s.exr: validate again with a scene that fits the volume",
+                 f->empty, f->pictures, f->report_dir, f->first_empty);
+}
+
 static iso_status make(figure *f, const char *dir, iso_error *err)
 {
     char *caption = NULL, *path = iso_path_join(dir, "caption.txt");
@@ -438,6 +458,8 @@ iso_status iso_figure_make(const char *report_dir, const iso_figure_options *opt
         status = iso_output_begin_dir(&out, out_dir, "figure.gp", err);
     if (status == ISO_OK)
         status = make(&f, out.temp_path, err);
+    if (status == ISO_OK)
+        notice(&f);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

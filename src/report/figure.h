@@ -35,6 +35,8 @@ typedef struct iso_figure_options {
     double width_mm;  /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
     double height_mm; /* the same: panels become smaller */
     double dpi;       /* of the pictures, at least */
+    char *notice;     /* NULL, or room for notice_size bytes: what a reader should know of the pictures; or "" */
+    size_t notice_size;
 } iso_figure_options;
 iso_figure_options iso_figure_defaults(void);
 
