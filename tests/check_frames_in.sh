@@ -5,4 +5,25 @@
 python=python3
 "$python" -c 'import numpy, vtk' 2>/dev/null || python=/usr/bin/python3 # Debian's, where another one comes first
 "$python" "$top/tests/frames_in.py" "$ISOSHADE" || failed=1
+
+# All frames: one range, so that a fitted transfer function gives a value one color in all of them. The second frame has
+# a larger value than the first.
+frame() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n'; for i in {0..62}; do printf "\\x$(printf %x $((i + 1)))"; done; printf "$1"; }
+frame '\x40' >f_1.nrrd
+frame '\xc8' >f_2.nrrd
+"$ISOSHADE" build 'f_%d.nrrd' --frames all --levels 1 -q -o all.iso >out || not_ok all_frames_are_built "$(cat out)"
+check a_pyramid_a_frame test -s all_0000.iso/pyramid.json -a -s all_0001.iso/pyramid.json
+check the_range_is_that_of_all grep -q '2 frames, all 1 to 200' out
+"$ISOSHADE" build f_1.nrrd --levels 1 -q -o f_1.iso >out
+"$ISOSHADE" build f_2.nrrd --levels 1 -q -o f_2.iso >out
+for p in all_0000 all_0001 f_1 f_2; do
+    "$ISOSHADE" render $p.iso --scene "$top/refscenes/marschner-lobb.scene.json" --with reference --size 12 -q -o $p.exr >out 2>err || not_ok render "$(cat err)"
+done
+check the_frame_of_the_widest_range_is_as_by_itself "$ISOSHADE" compare all_0001.exr f_2.exr
+notice and_the_other_is_not "$ISOSHADE" compare all_0000.exr f_1.exr
+check verify_knows_it "$ISOSHADE" info all_0000.iso --verify
+refuse one_frame_only 2 'has one frame' "$ISOSHADE" build f_1.nrrd --frames all -o x.iso
+refuse frames_is_all 2 '--frames is "3", must be all' "$ISOSHADE" build f_1.nrrd --frames 3 -o x.iso
+refuse all_or_one 2 '--frames all and --frame' "$ISOSHADE" build 'f_%d.nrrd' --frames all --frame 1 -o x.iso
+refuse no_frame_is_named 2 'f_%d.nrrd: has 2 frames; --frame K chooses one, from 0 to 1' "$ISOSHADE" render 'f_%d.nrrd' -o x.png
 exit $failed

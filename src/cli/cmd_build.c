@@ -14,9 +14,10 @@
 #include "pyramid/agreement.h"
 #include "pyramid/pyramid_stream.h"
 #include "volume/format.h"
+#include "volume/frames_all.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene;
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
@@ -79,7 +80,7 @@ static json_t *levels_to_json(const iso_stream_report *r)
     return levels;
 }
 
-static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const iso_stream_report *r,
+static json_t *to_json(const iso_cli *cli, const iso_pyramid_options *opt, const iso_stream_report *r,
                        const char *output)
 {
     json_t *root = iso_cli_json(cli), *options = json_object_get(root, "options");
@@ -96,7 +97,7 @@ static void print_json(const iso_cli *cli, const iso_pyramid_options *opt, const
     json_object_set_new(root, "buffer_bytes", json_integer((json_int_t)r->buffer_bytes));
     json_object_set_new(root, "resumed_at_plane", json_integer((json_int_t)r->resumed_at_plane));
     json_object_set_new(root, "peak_rss_bytes", json_real(iso_peak_rss_bytes()));
-    iso_cli_print_json(root);
+    return root;
 }
 
 static void print_text(const iso_stream_report *r, const char *output)
@@ -114,6 +115,13 @@ static void print_text(const iso_stream_report *r, const char *output)
         printf("resumed at plane %zu\n", r->resumed_at_plane);
     printf("%s\n", output);
 }
+
+typedef struct build_job {
+    const iso_cli *cli;
+    const iso_volume_input *input;
+    const build_options *options;
+    iso_ranks *ranks;
+} build_job;
 
 typedef struct open_user {
     const char *path;
@@ -145,31 +153,87 @@ static iso_status build_for(const iso_cli *cli, const iso_volume_input *input, c
     return status;
 }
 
-static iso_status build(const iso_cli *cli, const iso_volume_input *input, const build_options *in, iso_ranks *ranks,
-                        iso_error *err)
+/* One pyramid; *json, where it is not NULL, takes what is printed as JSON, to be freed. */
+static iso_status build_one(const build_job *job, const iso_pyramid_options *opt, const char *output, json_t **json,
+                            iso_error *err)
 {
+    const iso_cli *cli = job->cli;
     const char *path = cli->arguments[0];
-    iso_pyramid_options opt;
     iso_stream_report report;
     iso_progress progress = iso_cli_progress(cli);
     const iso_cli_stage stages[] = {{"directions", 1}, {"build", 2}};
-    const bool is_given = !in->direction_filter || strcmp(in->direction_filter, "auto") != 0;
+    const bool is_given = opt->direction_filter != ISO_DIRECTION_AUTO;
     iso_cli_expect(cli, stages + is_given, 2 - (size_t)is_given);
-    open_user user = {path, input};
+    open_user user = {path, job->input};
     const iso_stream_input source = {open_input, &user, path};
-    const iso_stream_options stream = {.memory_bytes = (size_t)(in->memory_mb * 1048576),
-                                       .resume = in->resume,
-                                       .ranks = ranks};
+    const iso_stream_options stream = {.memory_bytes = (size_t)(job->options->memory_mb * 1048576),
+                                       .resume = job->options->resume,
+                                       .ranks = job->ranks};
+    const iso_status status = iso_pyramid_stream(&source, opt, &stream, output, &report, &progress, err);
+    if (status == ISO_OK && cli->json)
+        *json = to_json(cli, opt, &report, output);
+    else if (status == ISO_OK)
+        print_text(&report, output);
+    return status;
+}
+
+/* A pyramid of each frame, NAME_0000.iso and so on, with the range of all of them. */
+static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, const char *output, iso_error *err)
+{
+    const char *path = job->cli->arguments[0];
+    size_t count = 0;
+    json_t *all = json_array();
+    iso_status status = iso_frames_measure(path, job->input, &count, opt->value_range, err);
+    for (size_t k = 0; k < count && status == ISO_OK; ++k) {
+        char number[24];
+        json_t *one = NULL;
+        snprintf(number, sizeof number, "%zu", k);
+        iso_volume_input input = *job->input;
+        input.frame = number;
+        build_job frame = *job;
+        frame.input = &input;
+        char *name = iso_frames_name(output, k);
+        status = name ? build_one(&frame, opt, name, &one, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(name);
+        if (one)
+            json_array_append_new(all, one);
+    }
+    if (status == ISO_OK && job->cli->json) {
+        json_t *root = iso_cli_json(job->cli);
+        json_object_set_new(root, "value_range", iso_json_numbers(opt->value_range, 2));
+        json_object_set(root, "frames", all);
+        iso_cli_print_json(root);
+    } else if (status == ISO_OK) {
+        printf("%zu frames, all %.9g to %.9g\n", count, opt->value_range[0], opt->value_range[1]);
+    }
+    json_decref(all);
+    return status;
+}
+
+static iso_status check_frames(const build_options *in, const iso_volume_input *input, iso_error *err)
+{
+    if (in->frames && strcmp(in->frames, "all") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K builds one", in->frames);
+    if (in->frames && (input->frame || in->scene))
+        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: one or the other", in->scene ? "--for" : "--frame");
+    return ISO_OK;
+}
+
+static iso_status build(const build_job *job, iso_error *err)
+{
+    const build_options *in = job->options;
+    const char *path = job->cli->arguments[0];
+    iso_pyramid_options opt;
+    json_t *json = NULL;
     char *output = in->output ? strdup(in->output) : default_output(path);
-    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = output ? to_pyramid_options(in, job->cli, &opt, err)
+                               : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err);
     if (status == ISO_OK)
-        status = iso_pyramid_stream(&source, &opt, &stream, output, &report, &progress, err);
-    if (status == ISO_OK && cli->json)
-        print_json(cli, &opt, &report, output);
-    else if (status == ISO_OK)
-        print_text(&report, output);
+        status = in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err);
+    if (json)
+        iso_cli_print_json(json);
     free(output);
     return status;
 }
@@ -204,6 +268,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
         {"for", 0, POPT_ARG_STRING, &in.scene, 0,
          "choose each coarse level's scalar so that this scene shows it most like level 0", "SCENE"},
+        {"frames", 0, POPT_ARG_STRING, &in.frames, 0,
+         "all: a pyramid of each time step, NAME_0000.iso and so on, with one range of values for fitted TFs", "all"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
@@ -223,7 +289,10 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     cli.quiet = cli.quiet || iso_ranks_is_other();
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = in.scene ? build_for(&cli, &input, &in, ranks, err) : build(&cli, &input, &in, ranks, err);
+        status = check_frames(&in, &input, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = in.scene ? build_for(&cli, &input, &in, ranks, err)
+                          : build(&(build_job){&cli, &input, &in, ranks}, err);
     iso_cli_end(&cli);
     free(in.output);
     free(in.estimator);
@@ -231,6 +300,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     free(in.direction_filter);
     free(in.code);
     free(in.scene);
+    free(in.frames);
     return status;
 }
 

@@ -301,6 +301,8 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
            iso_scalar_filter_name(opt->scalar_filter), iso_direction_filter_name(opt->direction_filter),
            iso_gradient_name(opt->gradient.method), iso_code_describe(opt->code)->name,
            opt->keep_float ? " --keep-float" : "", opt->keep_magnitude ? " --keep-magnitude" : "");
+    if (opt->value_range[1] > opt->value_range[0])
+        printf("  all frames %.9g to %.9g, which fitted TFs follow\n", opt->value_range[0], opt->value_range[1]);
     if (p->made_for)
         print_made_for(p);
     for (size_t k = 0; k < p->level_count; ++k) {

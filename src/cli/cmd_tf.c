@@ -227,7 +227,7 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_cli_tf_load_subject(a, false, &build, &p, err);
     if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
+        status = iso_tf_tabulate(&tf, iso_pyramid_lo(&p), iso_pyramid_hi(&p), &p.levels[0].geometry, &table, err);
     if (status == ISO_OK)
         status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
                                   &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads,

@@ -219,7 +219,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, pyramid->levels[0].min, pyramid->levels[0].max,
+        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
                                    &view, err);
     if (status == ISO_OK)
         status = check_visible(a, cli, pyramid, &view, err);

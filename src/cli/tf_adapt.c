@@ -133,7 +133,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
                           a->level, p.level_count - 1);
     if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, p.levels[0].min, p.levels[0].max, &p.levels[0].geometry, &table, err);
+        status = iso_tf_tabulate(&tf, iso_pyramid_lo(&p), iso_pyramid_hi(&p), &p.levels[0].geometry, &table, err);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k) {
         iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(k - 1) / (double)(p.level_count - 1));
         if (a->level == 0 || (size_t)a->level == k)

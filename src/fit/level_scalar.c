@@ -129,7 +129,7 @@ iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_le
     if (status == ISO_OK)
         status = iso_tf_from_json(points, r.path, &own, err);
     if (status == ISO_OK)
-        status = iso_tf_tabulate(&own, level0->min, level0->max, &level0->geometry, tf, err);
+        status = iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, tf, err);
     iso_tf_destroy(&own);
     return status;
 }

@@ -81,7 +81,7 @@ iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double u
 static iso_status tabulate(const iso_tf *tf, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0];
-    return iso_tf_tabulate(tf, level0->min, level0->max, &level0->geometry, table, err);
+    return iso_tf_tabulate(tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, table, err);
 }
 
 iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err)

@@ -41,7 +41,7 @@ static iso_status load_scene_views(const char *path, size_t turns, const iso_pyr
             status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
         if (status == ISO_OK)
-            status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, &views[*count], err);
+            status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count], err);
         *count += status == ISO_OK;
         iso_scene_destroy(&scene);
     }

@@ -70,7 +70,7 @@ static iso_status look(const iso_pyramid *p, const iso_scene *scene, int threads
         s.camera_direction = iso_small_views_direction(i);
         s.camera_up = iso_view_up(s.camera_direction);
         s.margin = 1;
-        status = iso_scene_resolve(&s, &level0->geometry, level0->min, level0->max, &l->views[i], err);
+        status = iso_scene_resolve(&s, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &l->views[i], err);
         if (status == ISO_OK)
             status = draw(p, level0, &l->views[i], &l->views[i].tf, threads, &l->finest[i], err);
     }

@@ -48,6 +48,21 @@ iso_pyramid_options iso_pyramid_defaults(void)
     };
 }
 
+static bool has_value_range(const iso_pyramid *p)
+{
+    return p->options.value_range[1] > p->options.value_range[0];
+}
+
+double iso_pyramid_lo(const iso_pyramid *p)
+{
+    return has_value_range(p) ? p->options.value_range[0] : p->levels[0].min;
+}
+
+double iso_pyramid_hi(const iso_pyramid *p)
+{
+    return has_value_range(p) ? p->options.value_range[1] : p->levels[0].max;
+}
+
 const char *iso_scalar_filter_name(iso_scalar_filter f)
 {
     return scalar_filters[f].name;

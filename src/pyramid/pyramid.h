@@ -78,6 +78,7 @@ typedef struct iso_pyramid_options {
     bool keep_float;
     bool keep_magnitude;
     int threads;
+    double value_range[2];       /* of all frames of a series: what a fitted TF follows in each; equal: level 0's own */
     iso_direction_choice choice; /* with ISO_DIRECTION_AUTO; made by the build */
 } iso_pyramid_options;
 iso_pyramid_options iso_pyramid_defaults(void);
@@ -124,6 +125,10 @@ typedef struct iso_pyramid {
 iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
                              const iso_progress *progress, iso_error *err);
 void iso_pyramid_destroy(iso_pyramid *p);
+
+/* The range that a fitted TF follows: of the series, or of level 0. */
+double iso_pyramid_lo(const iso_pyramid *p);
+double iso_pyramid_hi(const iso_pyramid *p);
 
 /* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
 /* Checks the sizes and the checksums that pyramid.json states. */

@@ -185,6 +185,8 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
     iso_json_get_string(r, object, "code", true, &code);
     iso_json_get_number(r, object, "gauss_sigma_voxels", true, 0, 100, &o->gauss_sigma_voxels);
     iso_json_get_size(r, object, "gauss_radius", true, 1, 16, &o->gauss_radius);
+    const iso_json_list range = {o->value_range, 2, -1e300, 1e300};
+    iso_json_get_numbers(r, object, "value_range", false, &range);
     iso_json_get_size(r, object, "eq1_exponent", false, 0, 4, &o->eq1_exponent);
     iso_json_get_bool(r, object, "keep_float", true, &o->keep_float);
     iso_json_get_bool(r, object, "keep_magnitude", true, &o->keep_magnitude);

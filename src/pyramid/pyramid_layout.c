@@ -65,12 +65,15 @@ json_t *iso_layout_geometry(const iso_geometry *g)
 
 json_t *iso_layout_options(const iso_pyramid_options *o)
 {
-    return json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
+    json_t *object = json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
                      "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
                      iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
                      "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
                      "gauss_radius", (json_int_t)o->gauss_radius, "eq1_exponent", (json_int_t)o->eq1_exponent,
                      "keep_float", o->keep_float, "keep_magnitude", o->keep_magnitude);
+    if (o->value_range[1] > o->value_range[0])
+        json_object_set_new(object, "value_range", iso_json_numbers(o->value_range, 2));
+    return object;
 }
 
 json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,

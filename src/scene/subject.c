@@ -49,7 +49,7 @@ iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, c
         status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
     const iso_level *level0 = &p->levels[0];
     if (status == ISO_OK)
-        status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+        status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
     iso_scene_destroy(&scene);
     return status;
 }

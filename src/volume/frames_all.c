@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "volume/frames_all.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static iso_status measure_planes(const char *path, iso_volume_source *source, double range[2], iso_error *err)
+{
+    iso_volume plane = *iso_source_volume(source);
+    const size_t planes = plane.geometry.size[2];
+    iso_status status = ISO_OK;
+    plane.geometry.size[2] = 1;
+    plane.data = malloc(plane.geometry.size[0] * plane.geometry.size[1] * iso_type_bytes(plane.type));
+    if (!plane.data)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", path);
+    for (size_t z = 0; z < planes && status == ISO_OK; ++z) {
+        status = iso_source_read(source, 1, plane.data, err);
+        if (status != ISO_OK)
+            break;
+        const iso_volume_stats s = iso_volume_measure(&plane);
+        range[0] = fmin(range[0], s.min);
+        range[1] = fmax(range[1], s.max);
+        if (s.nonfinite_count > 0)
+            status = iso_fail(err, ISO_E_RANGE, "%s: voxels of plane %zu are NaN or infinite, none may be", path, z);
+    }
+    free(plane.data);
+    return status;
+}
+
+iso_status iso_frames_measure(const char *path, const iso_volume_input *input, size_t *count, double range[2],
+                              iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *count = 1;
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (size_t k = 0; k < *count && status == ISO_OK; ++k) {
+        char number[24];
+        iso_volume_source *source;
+        iso_volume_input one = *input;
+        snprintf(number, sizeof number, "%zu", k);
+        one.frame = number;
+        status = iso_volume_input_open(path, &one, &source, err);
+        if (status != ISO_OK)
+            break;
+        *count = iso_source_volume(source)->notes.frame_count;
+        status = *count > 1 ? measure_planes(path, source, range, err)
+                            : iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
+        iso_source_close(source);
+    }
+    return status;
+}
+
+char *iso_frames_name(const char *output, size_t frame)
+{
+    const char *place = strchr(output, '%'), *end = strrchr(output, '.');
+    const size_t digits = place ? 1 + strspn(place + 1, "0123456789") : 0;
+    char *name = NULL;
+    int n;
+    if (place && place[digits] == 'd')
+        n = asprintf(&name, "%.*s%04zu%s", (int)(place - output), output, frame, place + digits + 1);
+    else if (end && strcmp(end, ".iso") == 0)
+        n = asprintf(&name, "%.*s_%04zu.iso", (int)(end - output), output, frame);
+    else
+        n = asprintf(&name, "%s_%04zu.iso", output, frame);
+    return n < 0 ? NULL : name;
+}

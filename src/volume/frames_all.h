@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* frames_all.h - all frames of a file, or of numbered files: their number, their range, names for what is made of them. */
+#ifndef ISO_VOLUME_FRAMES_ALL_H
+#define ISO_VOLUME_FRAMES_ALL_H
+
+#include "volume/input.h"
+
+/* Reads all frames, plane by plane. ISO_E_USAGE where there is one only; ISO_E_RANGE for NaN and infinite voxels. */
+iso_status iso_frames_measure(const char *path, const iso_volume_input *input, size_t *count, double range[2],
+                              iso_error *err);
+/* "out_0003.iso" of "out.iso" and "out_%04d.iso"; to be freed, NULL when memory ends. */
+char *iso_frames_name(const char *output, size_t frame);
+
+#endif
