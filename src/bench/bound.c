@@ -8,13 +8,11 @@
 
 #include "base/file.h"
 #include "bench/bench.h"
-#include "bench/level_tfs.h"
+#include "bench/volumes.h"
 #include "compare/metrics.h"
 #include "compare/quartiles.h"
-#include "options/input.h"
 #include "render/image_bound.h"
 #include "renderers/renderers.h"
-#include "scene/subject.h"
 #include "scene/views.h"
 #include "tf/adapt.h"
 
@@ -142,24 +140,17 @@ static iso_status run_case(bound_bench *b, bound_case *c, iso_error *err)
     return status;
 }
 
-static iso_status run_volume(bound_bench *b, size_t volume, iso_error *err)
+static iso_status run_tf(void *user, const iso_bench_visited *v, iso_error *err)
 {
-    const char *path = b->cli->arguments[volume];
-    const double cases = (double)ISO_LEVEL_TF_COUNT * b->views, all = cases * (double)b->cli->argument_count;
+    bound_bench *b = user;
     const iso_progress progress = iso_cli_progress(b->cli);
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    build.level_count = (size_t)b->levels;
-    build.threads = b->cli->threads;
-    iso_status status = iso_subject_load_pyramid(path, &b->input, &build, NULL, &p, err);
-    for (int t = 0; t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t)
-        for (int view = 0; view < b->views && status == ISO_OK; ++view) {
-            iso_progress_report(&progress, "cases", ((double)volume * cases + t * b->views + view) / all);
-            status = run_case(
-                b, &(bound_case){.volume = iso_path_base(path), .pyramid = &p, .tf = &iso_level_tfs[t], .number = view},
-                err);
-        }
-    iso_pyramid_destroy(&p);
+    iso_status status = ISO_OK;
+    for (int view = 0; view < b->views && status == ISO_OK; ++view) {
+        const double done = ((double)v->number + (double)view / b->views) / (double)v->count;
+        iso_progress_report(&progress, "cases", done);
+        status = run_case(b, &(bound_case){.volume = v->volume, .pyramid = v->pyramid, .tf = v->tf, .number = view},
+                          err);
+    }
     return status;
 }
 
@@ -195,8 +186,8 @@ static iso_status run_all(bound_bench *b, iso_error *err)
     if (status == ISO_OK && !b->cli->json)
         printf("%-22s %-13s view k %-8s  %-7s  %-7s  factor\n", "volume", "tf", "tf", "RMSE", "bound");
     iso_cli_expect(b->cli, &(iso_cli_stage){"cases", 1}, 1);
-    for (size_t i = 0; i < b->cli->argument_count && status == ISO_OK; ++i)
-        status = run_volume(b, i, err);
+    if (status == ISO_OK)
+        status = iso_bench_visit_volumes(&(iso_bench_volumes){b->cli, &b->input, b->levels, NULL}, run_tf, b, err);
     if (status == ISO_OK)
         report(b);
     json_decref(b->cases);
@@ -223,11 +214,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     b.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--views", b.views, 1, ISO_FACE_VIEWS, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--size", b.size, 16, 4096, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--levels", b.levels, 2, 8, err);
+        status = iso_bench_check_pictures(&(iso_bench_pictures){b.views, ISO_FACE_VIEWS, b.size, b.levels, 8}, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = run_all(&b, err);
     iso_cli_end(&cli);

@@ -21,6 +21,7 @@
 #include "bench/look.h"
 #include "bench/methods.h"
 #include "bench/shading.h"
+#include "bench/volumes.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
 #include "scene/subject.h"
@@ -338,11 +339,9 @@ static iso_status choose_renderers(bench_run *run, iso_error *err)
 
 static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--views", run->views, 1, MAX_VIEWS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", run->size, 16, 4096, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
+    iso_status status = iso_bench_check_pictures(&(iso_bench_pictures){run->views, MAX_VIEWS, run->size, run->levels,
+                                                                       MAX_LEVELS},
+                                                 err);
     if (status == ISO_OK)
         status = iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
     if (status == ISO_OK)

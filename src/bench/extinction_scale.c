@@ -7,11 +7,9 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "bench/bench.h"
-#include "bench/level_tfs.h"
+#include "bench/volumes.h"
 #include "fit/extinction_scale.h"
-#include "options/input.h"
 #include "renderers/renderers.h"
-#include "scene/subject.h"
 #include "tf/adapt.h"
 
 typedef struct scale_bench {
@@ -139,31 +137,21 @@ static iso_status make_view(const scale_bench *b, const iso_pyramid *p, const is
     return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
 }
 
-static iso_status run_volume(scale_bench *b, const char *path, iso_error *err)
+static iso_status run_tf(void *user, const iso_bench_visited *v, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(b->cli);
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    build.level_count = (size_t)b->levels;
-    build.threads = b->cli->threads;
-    iso_status status = iso_subject_load_pyramid(path, &b->input, &build, &progress, &p, err);
-    for (int t = 0; t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t) {
-        const iso_tf tf = iso_level_tf_of(&iso_level_tfs[t]);
-        iso_view view = {0};
-        status = make_view(b, &p, &tf, &view, err);
-        for (size_t level = 1; level < p.level_count && status == ISO_OK; ++level)
-            status = run_case(b, &(scale_case){&p, level, iso_path_base(path), iso_level_tfs[t].name, &view}, err);
-        iso_view_destroy(&view);
-    }
-    iso_pyramid_destroy(&p);
+    const iso_tf tf = iso_level_tf_of(v->tf);
+    iso_view view = {0};
+    iso_status status = make_view(user, v->pyramid, &tf, &view, err);
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level)
+        status = run_case(user, &(scale_case){v->pyramid, level, v->volume, v->tf->name, &view}, err);
+    iso_view_destroy(&view);
     return status;
 }
 
 static iso_status run_all(scale_bench *b, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--levels", b->levels, 2, 8, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", b->size, 16, 4096, err);
+    iso_status status =
+        iso_bench_check_pictures(&(iso_bench_pictures){.size = b->size, .levels = b->levels, .most_levels = 8}, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--runs", b->runs, 1, 15, err);
     if (status != ISO_OK)
@@ -173,8 +161,8 @@ static iso_status run_all(scale_bench *b, iso_error *err)
         printf("%-20s %-13s %c %9s %9s %9s %10s %10s %8s   %s\n%-20s %-13s %c %9s %9s %9s %10s %10s %8s\n", "volume",
                "tf", 'k', "seen", "once, ns", "edit, ns", "edit", "frame", "frames", "opacity off by", "", "", ' ', "",
                "a voxel", "a seen one", "ms", "ms", "a 10^6");
-    for (size_t i = 0; i < b->cli->argument_count && status == ISO_OK; ++i)
-        status = run_volume(b, b->cli->arguments[i], err);
+    const iso_progress progress = iso_cli_progress(b->cli);
+    status = iso_bench_visit_volumes(&(iso_bench_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
     if (status == ISO_OK && b->cli->json) {
         json_t *root = iso_cli_json(b->cli);
         json_object_set(root, "cases", b->rows);

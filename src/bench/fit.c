@@ -3,14 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/file.h"
 #include "base/parallel.h"
 #include "bench/bench.h"
 #include "bench/level_scene.h"
-#include "bench/level_tfs.h"
-#include "options/input.h"
+#include "bench/volumes.h"
 #include "plan/scene_levels.h"
-#include "scene/subject.h"
 
 typedef struct fit_bench {
     const iso_cli *cli;
@@ -85,26 +82,17 @@ static iso_status run_level(fit_bench *b, fit_case *c, iso_error *err)
     return status;
 }
 
-static iso_status run_volume(fit_bench *b, const char *path, iso_error *err)
+static iso_status run_tf(void *user, const iso_bench_visited *v, iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(b->cli);
-    iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    build.level_count = (size_t)b->levels;
-    build.threads = b->cli->threads;
-    iso_status status = iso_subject_load_pyramid(path, &b->input, &build, &progress, &p, err);
-    for (int t = 0; t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t) {
-        const iso_level *level0 = &p.levels[0];
-        fit_case c = {.volume = iso_path_base(path),
-                      .tf = iso_level_tfs[t].name,
-                      .pyramid = &p,
-                      .scene = iso_level_bench_scene(iso_level_tf_of(&iso_level_tfs[t]))};
-        status = iso_tf_tabulate(&c.scene.tf, level0->min, level0->max, &level0->geometry, &c.table, err);
-        for (c.level = 1; c.level < p.level_count && status == ISO_OK; ++c.level)
-            status = run_level(b, &c, err);
-        iso_tf_table_destroy(&c.table);
-    }
-    iso_pyramid_destroy(&p);
+    const iso_level *level0 = &v->pyramid->levels[0];
+    fit_case c = {.volume = v->volume,
+                  .tf = v->tf->name,
+                  .pyramid = v->pyramid,
+                  .scene = iso_level_bench_scene(iso_level_tf_of(v->tf))};
+    iso_status status = iso_tf_tabulate(&c.scene.tf, level0->min, level0->max, &level0->geometry, &c.table, err);
+    for (c.level = 1; c.level < v->pyramid->level_count && status == ISO_OK; ++c.level)
+        status = run_level(user, &c, err);
+    iso_tf_table_destroy(&c.table);
     return status;
 }
 
@@ -115,8 +103,8 @@ static iso_status run_all(fit_bench *b, iso_error *err)
     if (!b->cli->json)
         printf("%-22s %-13s k %9s %9s %9s %9s %9s  chosen\n", "volume", "tf", "squares", "fit", "pictures", "bytes",
                "error");
-    for (size_t i = 0; i < b->cli->argument_count && status == ISO_OK; ++i)
-        status = run_volume(b, b->cli->arguments[i], err);
+    const iso_progress progress = iso_cli_progress(b->cli);
+    status = iso_bench_visit_volumes(&(iso_bench_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
     if (status == ISO_OK && b->cli->json) {
         json_t *root = iso_cli_json(b->cli);
         json_object_set(root, "cases", b->cases);

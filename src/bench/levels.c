@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "bench/bench.h"
 #include "bench/levels_run.h"
+#include "bench/volumes.h"
 
 static const iso_names tf_table = ISO_NAMES_OF_STRINGS("transfer function", iso_levels_tf_names);
 
@@ -56,11 +57,9 @@ static iso_status list_volumes(iso_levels_run *run, iso_error *err)
 
 static iso_status check_options(iso_levels_run *run, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--views", run->views, 1, ISO_LEVELS_MAX_VIEWS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", run->size, 16, 4096, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", run->levels, 2, ISO_LEVELS_MAX_LEVELS, err);
+    iso_status status = iso_bench_check_pictures(&(iso_bench_pictures){run->views, ISO_LEVELS_MAX_VIEWS, run->size,
+                                                                       run->levels, ISO_LEVELS_MAX_LEVELS},
+                                                 err);
     if (status == ISO_OK)
         status = iso_words_check_range("--level", run->level, 0, run->levels - 1, err);
     if (status == ISO_OK)

@@ -14,6 +14,7 @@
 #include "bench/look.h"
 #include "bench/shading_method.h"
 #include "bench/surface.h"
+#include "bench/volumes.h"
 #include "encode/code.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
@@ -328,11 +329,9 @@ static iso_status run_all(noise_run *run, iso_error *err)
 
 static iso_status check_options(noise_run *run, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--views", run->views, 1, ISO_FACE_VIEWS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", run->size, 16, 4096, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", run->levels, 2, MAX_LEVELS, err);
+    iso_status status = iso_bench_check_pictures(&(iso_bench_pictures){run->views, ISO_FACE_VIEWS, run->size,
+                                                                       run->levels, MAX_LEVELS},
+                                                 err);
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)

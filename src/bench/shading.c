@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "options/input.h"
 #include "bench/shading_run.h"
+#include "bench/volumes.h"
 #include "scene/subject.h"
 #include "tf/adapt.h"
 
@@ -201,11 +202,9 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
         run->size = run->size < 96 ? run->size : 96;
         run->analytic_size = run->analytic_size < 48 ? run->analytic_size : 48;
     }
-    iso_status status = iso_words_check_range("--views", run->views, 1, ISO_DIAGONAL_VIEWS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", run->size, 16, 4096, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", run->levels, 2, ISO_SHADING_LEVELS, err);
+    iso_status status = iso_bench_check_pictures(&(iso_bench_pictures){run->views, ISO_DIAGONAL_VIEWS, run->size,
+                                                                       run->levels, ISO_SHADING_LEVELS},
+                                                 err);
     if (status == ISO_OK)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     if (status == ISO_OK)

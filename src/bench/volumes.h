@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/* volumes.h - what benchmarks of levels share: the ranges of their options, and the way through the volumes that are named,
+ * under each of the four transfer functions. */
+#ifndef ISO_BENCH_VOLUMES_H
+#define ISO_BENCH_VOLUMES_H
+
+#include "bench/level_tfs.h"
+#include "options/cli.h"
+#include "options/input.h"
+
+/* What pictures of levels are asked for. */
+typedef struct iso_bench_pictures {
+    int views, most_views;   /* --views: 1 to most_views; most_views 0: there is no such option */
+    int size;                /* --size: 16 to 4096 */
+    int levels, most_levels; /* --levels: 2 to most_levels */
+} iso_bench_pictures;
+/* ISO_E_USAGE with the option's name. */
+iso_status iso_bench_check_pictures(const iso_bench_pictures *pictures, iso_error *err);
+
+/* A pyramid under a transfer function. */
+typedef struct iso_bench_visited {
+    const char *volume; /* the file's name */
+    const iso_pyramid *pyramid;
+    const iso_level_tf *tf;
+    size_t number, count; /* of the visit, from 0, and how many there are */
+} iso_bench_visited;
+typedef iso_status (*iso_bench_visit)(void *user, const iso_bench_visited *visited, iso_error *err);
+
+/* The volumes that the command line names, built with `levels` levels, one after the other. loading: NULL for none. */
+typedef struct iso_bench_volumes {
+    const iso_cli *cli;
+    const iso_volume_input *input;
+    int levels;
+    const iso_progress *loading;
+} iso_bench_volumes;
+iso_status iso_bench_visit_volumes(const iso_bench_volumes *volumes, iso_bench_visit visit, void *user, iso_error *err);
+
+#endif
