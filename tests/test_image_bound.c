@@ -70,18 +70,31 @@ static iso_image draw(const iso_pyramid *p, size_t level, const iso_view *view)
     return image;
 }
 
+static iso_image_bound_input input_of(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *tf)
+{
+    return (iso_image_bound_input){.fine = p->levels,
+                                   .coarse = &p->levels[level],
+                                   .level = level,
+                                   .code = p->options.code,
+                                   .source = ISO_FROM_CODES,
+                                   .view = view,
+                                   .coarse_tf = tf};
+}
+
 static double bound_of(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *tf, int threads)
 {
-    const iso_image_bound_input in = {.fine = p->levels,
-                                      .coarse = &p->levels[level],
-                                      .level = level,
-                                      .code = p->options.code,
-                                      .source = ISO_FROM_CODES,
-                                      .view = view,
-                                      .coarse_tf = tf,
-                                      .threads = threads};
+    iso_image_bound_input in = input_of(p, level, view, tf);
     double rmse = NAN;
+    in.threads = threads;
     assert_ok(iso_image_bound_rmse(&in, &rmse, &err));
+    return rmse;
+}
+
+static double along_rays(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *tf)
+{
+    const iso_image_bound_input in = input_of(p, level, view, tf);
+    double rmse = NAN;
+    assert_ok(iso_image_bound_without_signs(&in, &rmse, &err));
     return rmse;
 }
 
@@ -109,6 +122,9 @@ static void no_image_is_farther_than_its_bound(void **state)
                 assert_more_than(most, measured);
                 assert_more_than(1, most);
                 below += most < 6 * measured;
+                const double rays = along_rays(&p, level, &view, &view.tf); /* in between; its steps are 1/4 voxel */
+                assert_more_than(rays, 0.97 * measured);
+                assert_more_than(most, rays);
                 iso_image_destroy(&image);
             }
             iso_image_destroy(&finest);
@@ -148,9 +164,31 @@ static void a_thin_fog_has_a_tight_bound(void **state)
     const double measured = measured_rmse(&finest, &image);
     assert_more_than(most, measured);
     assert_more_than(2 * measured, most);
+    view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = nothing};
+    assert_within(along_rays(&p, 0, &view, &level_tf) / measured, 1, 0.01); /* one sign: nothing is added up */
     iso_image_destroy(&finest);
     iso_image_destroy(&image);
     view.tf.entries = clear;
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+/* Regions of one voxel instead of two: closer, and no image is above it. */
+static void more_points_make_it_closer(void **state)
+{
+    (void)state;
+    iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
+    iso_view view = view_of(&p, 0.5, 0.5, true, false);
+    view.width = view.height = 2 * PIXELS; /* pixels smaller than a voxel, which blocks cannot be smaller than */
+    iso_image_bound_input in = input_of(&p, 1, &view, &view.tf);
+    iso_image finest = draw(&p, 0, &view), image = draw(&p, 1, &view);
+    double close = NAN;
+    in.points = 4;
+    assert_ok(iso_image_bound_rmse(&in, &close, &err));
+    assert_more_than(close, measured_rmse(&finest, &image));
+    assert_more_than(0.9 * bound_of(&p, 1, &view, &view.tf, 1), close);
+    iso_image_destroy(&finest);
+    iso_image_destroy(&image);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
 }
@@ -165,6 +203,7 @@ static void what_it_does_not_hold_for_is_refused(void **state)
     in.coarse_tf = &view.tf;
     view.clip_count = 1;
     assert_status(iso_image_bound_rmse(&in, &rmse, &err), ISO_E_RANGE);
+    assert_status(iso_image_bound_without_signs(&in, &rmse, &err), ISO_E_RANGE);
     view.clip_count = 0;
     iso_view_destroy(&view);
     iso_pyramid_destroy(&p);
@@ -176,6 +215,7 @@ int main(void)
         cmocka_unit_test(no_image_is_farther_than_its_bound),
         cmocka_unit_test(level_0_against_itself_is_0_and_threads_change_nothing),
         cmocka_unit_test(a_thin_fog_has_a_tight_bound),
+        cmocka_unit_test(more_points_make_it_closer),
         cmocka_unit_test(what_it_does_not_hold_for_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

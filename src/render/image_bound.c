@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/image_bound.h"
+#include "render/image_bound_points.h"
 
 #include <float.h>
 #include <math.h>
@@ -7,9 +7,8 @@
 
 #include "base/parallel.h"
 #include "render/reference_ray.h"
-#include "render/sampler.h"
 
-enum { CHANNELS = 4, FINE = 0, COARSE = 1 };
+enum { CHANNELS = ISO_BOUND_CHANNELS, FINE = ISO_BOUND_FINE, COARSE = ISO_BOUND_COARSE };
 
 /* Points along each axis of a fine voxel, and the fewest along each edge of a region, so that its ranges hold. */
 enum { DENSE_POINTS = 2, REGION_POINTS = 4 };
@@ -32,17 +31,16 @@ typedef struct region {
 typedef struct point {
     size_t region; /* SIZE_MAX: outside the image */
     double weight; /* its share of the integral over a ray, summed over all rays of the image */
-    double sigma[2], g[2][CHANNELS];
+    iso_bound_values at;
 } point;
 
 typedef struct bound {
     const iso_image_bound_input *in;
-    iso_sampler sampler[2];
+    iso_bound_field field;
     size_t block_pixels, blocks[2], slabs, points_an_axis;
     double depth_from, slab_mm, pixel_size; /* pixel_size: mm, or at depth 1 of a perspective camera */
     double longest_mm;                      /* of a ray inside a slab */
-    bool lit;
-    region *regions; /* slab fastest */
+    region *regions;                        /* slab fastest */
 } bound;
 
 /* Column and row of the pixel, which may be fractions, and depth along the camera's axis. */
@@ -66,22 +64,39 @@ static size_t region_at(const bound *b, const double at[3])
     return (y * b->blocks[0] + x) * b->slabs + (size_t)slab;
 }
 
-/* Classified and lit values of both levels. */
-static void look_up(const bound *b, iso_vec3 index, iso_vec3 to_viewer, point *p)
+iso_status iso_bound_field_create(iso_bound_field *field, const iso_image_bound_input *in, iso_error *err)
 {
-    const double scale = ldexp(1, -(int)b->in->level);
-    const iso_vec3 at[2] = {index, iso_scale(index, scale)};
-    const iso_tf_table *tf[2] = {&b->in->view->tf, b->in->coarse_tf};
+    const iso_view *v = in->view;
+    *field = (iso_bound_field){.in = in,
+                               .lit = v->light_count > 0 && (v->shading.diffuse > 0 || v->shading.specular > 0)};
+    if (!iso_image_bound_is_for(v))
+        return iso_fail(err, ISO_E_RANGE, "bound: not for clip planes, 2D transfer functions and regions of interest");
+    const iso_status status = iso_sampler_create(&field->sampler[FINE], in->fine, in->code, in->source, err);
+    return status == ISO_OK ? iso_sampler_create(&field->sampler[COARSE], in->coarse, in->code, in->source, err)
+                            : status;
+}
+
+void iso_bound_field_destroy(iso_bound_field *field)
+{
+    iso_sampler_destroy(&field->sampler[FINE]);
+    iso_sampler_destroy(&field->sampler[COARSE]);
+}
+
+void iso_bound_look_up(const iso_bound_field *field, iso_vec3 index, iso_vec3 to_viewer, iso_bound_values *values)
+{
+    const iso_view *view = field->in->view;
+    const iso_vec3 at[2] = {index, iso_scale(index, ldexp(1, -(int)field->in->level))};
+    const iso_tf_table *tf[2] = {&view->tf, field->in->coarse_tf};
     for (int i = 0; i < 2; ++i) {
         double rgbs[4];
-        iso_tf_lookup(tf[i], iso_sample_scalar(&b->sampler[i], at[i]), rgbs);
-        p->sigma[i] = rgbs[3];
-        const double light = rgbs[3] > 0 && b->lit
-                                 ? iso_shade(b->in->view, iso_sample_normal(&b->sampler[i], at[i]), to_viewer)
-                                 : b->in->view->shading.ambient;
+        iso_tf_lookup(tf[i], iso_sample_scalar(&field->sampler[i], at[i]), rgbs);
+        values->sigma[i] = rgbs[3];
+        const double light = rgbs[3] > 0 && field->lit
+                                 ? iso_shade(view, iso_sample_normal(&field->sampler[i], at[i]), to_viewer)
+                                 : view->shading.ambient;
         for (int c = 0; c < 3; ++c)
-            p->g[i][c] = rgbs[c] * light;
-        p->g[i][3] = 1;
+            values->g[i][c] = rgbs[c] * light;
+        values->g[i][3] = 1;
     }
 }
 
@@ -113,7 +128,7 @@ static point make_point(const bound *b, const size_t voxel[3], size_t n)
     p.weight = fabs(volume) / (double)(a * a * a) / pixel;
     if (!camera->orthographic) /* the cone of a pixel widens with the depth, and leaves the axis by an angle */
         p.weight /= at[2] * at[2] * -iso_dot(to_viewer, camera->forward);
-    look_up(b, place, to_viewer, &p);
+    iso_bound_look_up(&b->field, place, to_viewer, &p.at);
     return p;
 }
 
@@ -121,15 +136,15 @@ static void widen(const point *p, region *r)
 {
     for (int i = 0; i < 2; ++i) {
         side *s = &r->side[i];
-        const float sigma = (float)p->sigma[i];
+        const float sigma = (float)p->at.sigma[i];
         s->sigma_min = r->any ? fminf(s->sigma_min, sigma) : sigma;
         s->sigma_max = r->any ? fmaxf(s->sigma_max, sigma) : sigma;
         for (int c = 0; c < CHANNELS; ++c) {
             s->g_min[c] = r->any ? s->g_min[c] : FLT_MAX;
             s->g_max[c] = r->any ? s->g_max[c] : -FLT_MAX;
             if (sigma > 0) {
-                s->g_min[c] = fminf(s->g_min[c], (float)p->g[i][c]);
-                s->g_max[c] = fmaxf(s->g_max[c], (float)p->g[i][c]);
+                s->g_min[c] = fminf(s->g_min[c], (float)p->at.g[i][c]);
+                s->g_max[c] = fmaxf(s->g_max[c], (float)p->at.g[i][c]);
             }
         }
     }
@@ -144,8 +159,8 @@ static void add_integrand(const point *p, region *r)
             const double l[2] = {r->behind_lo[i][c], r->behind_hi[i][c]};
             double most = 0;
             for (int end = 0; end < 2; ++end)
-                most = fmax(most, fabs(p->sigma[COARSE] * (p->g[COARSE][c] - l[end]) -
-                                       p->sigma[FINE] * (p->g[FINE][c] - l[end])));
+                most = fmax(most, fabs(p->at.sigma[COARSE] * (p->at.g[COARSE][c] - l[end]) -
+                                       p->at.sigma[FINE] * (p->at.g[FINE][c] - l[end])));
             r->sum[i][c] += p->weight * most;
             r->most[i][c] = fmaxf(r->most[i][c], (float)most);
         }
@@ -259,6 +274,13 @@ static bool lies_inside(const bound *b, size_t x, size_t y, size_t slab)
     return true;
 }
 
+static size_t points_an_axis(const iso_image_bound_input *in)
+{
+    if (in->points > 0)
+        return (size_t)in->points;
+    return iso_geometry_voxel_count(&in->fine->geometry) <= DENSE_VOXELS ? DENSE_POINTS : 1;
+}
+
 /* Blocks and slabs of REGION_POINTS points along an edge: smaller ones would not hold the ranges, larger ones would be more
  * unlike within. */
 static iso_status cut_image(bound *b, iso_error *err)
@@ -267,9 +289,8 @@ static iso_status cut_image(bound *b, iso_error *err)
     const iso_geometry *g = &b->in->fine->geometry;
     double spacing[3], nearest = INFINITY, farthest = 0;
     iso_geometry_spacing_mm(g, spacing);
-    b->points_an_axis = iso_geometry_voxel_count(g) <= DENSE_VOXELS ? DENSE_POINTS : 1;
+    b->points_an_axis = points_an_axis(b->in);
     b->pixel_size = 2 * v->camera.half_height / (double)v->height;
-    b->lit = v->light_count > 0 && (v->shading.diffuse > 0 || v->shading.specular > 0);
     for (int corner = 0; corner < 8; ++corner) {
         const iso_vec3 index = iso_v3(corner & 1 ? g->box_index[0] : 0, corner & 2 ? g->box_index[1] : 0,
                                       corner & 4 ? g->box_index[2] : 0);
@@ -338,11 +359,7 @@ iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, i
 {
     bound b = {.in = in};
     double(*ranges)[2][2][CHANNELS] = NULL, squares = 0;
-    if (!iso_image_bound_is_for(in->view))
-        return iso_fail(err, ISO_E_RANGE, "bound: not for clip planes, 2D transfer functions and regions of interest");
-    iso_status status = iso_sampler_create(&b.sampler[FINE], in->fine, in->code, in->source, err);
-    if (status == ISO_OK)
-        status = iso_sampler_create(&b.sampler[COARSE], in->coarse, in->code, in->source, err);
+    iso_status status = iso_bound_field_create(&b.field, in, err);
     if (status == ISO_OK)
         status = cut_image(&b, err);
     if (status == ISO_OK && !(ranges = calloc(b.blocks[0] * b.blocks[1], sizeof *ranges)))
@@ -352,7 +369,6 @@ iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, i
     *rmse = sqrt(squares / (double)(CHANNELS * in->view->width * in->view->height));
     free(ranges);
     free(b.regions);
-    iso_sampler_destroy(&b.sampler[FINE]);
-    iso_sampler_destroy(&b.sampler[COARSE]);
+    iso_bound_field_destroy(&b.field);
     return status;
 }

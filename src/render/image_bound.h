@@ -25,6 +25,8 @@ typedef struct iso_image_bound_input {
     iso_direction_source source;
     const iso_view *view;          /* its TF is level 0's */
     const iso_tf_table *coarse_tf; /* the level's */
+    int points; /* along each axis of a voxel, 1 to 8; 0: 2, or 1 in volumes of more than 2^21 voxels. A region has four: more
+                   of them make the bound closer, and take longer by their cube */
     int threads;
 } iso_image_bound_input;
 
@@ -34,5 +36,10 @@ bool iso_image_bound_is_for(const iso_view *view);
 size_t iso_image_bound_points(double voxels);
 /* ISO_E_RANGE: a view with clip planes, a 2D transfer function or a region of interest; ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
+
+/* What makes it wider: the same integral along the rays themselves, of absolute values as in the bound, but of the T and
+ * L that are there. It lies between the RMSE and the bound: what it is above the one is signs, what it is below the other
+ * is that regions stand for their rays. It costs as much as the images. */
+iso_status iso_image_bound_without_signs(const iso_image_bound_input *in, double *rmse, iso_error *err);
 
 #endif
