@@ -7,6 +7,7 @@
  *  - it is not worse than the simple way, gradients on the fly under the original TF, beyond the scatter over the views
  *    (paired.h) and a margin below which nobody sees a difference;
  *  - what is stored is what level 0 makes;
+ *  - its directions are not farther from level 0's than gradients on the fly are, whatever the TF makes of the pictures;
  *  - its RMSE is not above its bound in any view, beyond the margin, which is for the renderer's steps: the bound is of
  *    images without any.
  * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
@@ -64,6 +65,9 @@ typedef struct iso_report_level {
     /* Against what level 0 makes: the scalar's largest difference as a part of the range, the mean angle between
      * directions, and what is allowed of them. */
     double scalar_off, scalar_limit, direction_off_deg, direction_limit_deg;
+    /* The mean angle to level 0's directions where the scene's TF shows anything, of the default and of the simple way, and
+     * how much larger the first may be; NaN where nothing has a direction. */
+    double angle_deg, simple_angle_deg, angle_margin_deg;
     iso_report_bound bound;
 } iso_report_level;
 

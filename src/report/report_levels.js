@@ -35,6 +35,8 @@ function levelVerdicts() {
     if (bounded.length) $('levels').append(el('p', {class: 'bounds'}, 'RMSE, and its bound, which is known before anything is drawn: ' +
         bounded.map(r => `level ${r.level} ${plain(r.bound.rmse)} of at most ${plain(r.bound.bound)}${r.bound.held ? '' : ` (above it by ${plain(r.bound.above)} in a view: one of the two is wrong)`}`).join(', ') +
         `. Means over the first ${bounded[0].bound.views === 1 ? 'view' : `${bounded[0].bound.views} views`}.`));
+    const turned = rows.filter(r => r.directions && !r.directions.held);
+    if (turned.length) $('levels').append(el('p', {class: 'turned'}, turned.map(r => `Level ${r.level}: its directions are ${plain(r.directions.angle_deg)} degrees from level 0's on average, gradients on the fly ${plain(r.directions.simple_deg)}. `)));
     const wrong = rows.filter(r => !r.stored.held);
     $('levels').append(el('p', {}, wrong.length === 0 ? 'Every level was made again from level 0 and is the one that is stored.' :
         wrong.map(r => `Level ${r.level} is not what level 0 makes: its values are off by up to ${plain(r.stored.scalar)} of their range, its directions by ${plain(r.stored.direction_deg)} degrees on average. `)));

@@ -168,7 +168,7 @@ static iso_status measure_level(iso_validation *v, levels_run *run, const iso_py
     iso_status status = measure_images(v, run, p, m, &row, &views, err);
     if (status == ISO_OK)
         status = iso_validate_angles(v, p, level, m->source, &angles, err);
-    row.gradient_angle_mean_deg = angles.mean;
+    row.gradient_angle_mean_deg = views.angle_deg = angles.mean;
     row.gradient_angle_p95_deg = angles.p95;
     if (status == ISO_OK)
         status = keep(v, run, &row, &views, err);

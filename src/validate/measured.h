@@ -13,6 +13,7 @@ typedef struct iso_measured_level {
     const iso_method *method;
     bool adapted;
     double figures[ISO_LEVEL_FIGURE_COUNT][ISO_FACE_VIEWS];
+    double angle_deg; /* of its directions to level 0's, mean; NaN where none is seen */
 } iso_measured_level;
 
 enum { ISO_MEASURED_MOST = 16 }; /* ways to show a level */
