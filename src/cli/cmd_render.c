@@ -13,6 +13,8 @@
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
 
 /* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
 static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
@@ -180,6 +182,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     char version[320] = "";
     double seconds = 0;
     bool warned = false;
+    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
     iso_status status = iso_render_take_options(a, cli->threads, &opt, err);
     if (status == ISO_OK)
@@ -192,13 +195,15 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
     if (status == ISO_OK)
+        status = iso_subject_check_look(&look, err);
+    if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = recode(a, &pyramid, err);
     if (status == ISO_OK)
         status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
-        status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
+        status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK)
         visible = iso_cli_warn_of_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
     if (status == ISO_OK)
@@ -279,11 +284,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
         {"shading-from", 0, POPT_ARG_STRING, &a.source, 0,
          of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
@@ -353,12 +357,15 @@ const iso_command iso_command_render = {
     .summary = "render a level with any of the renderers",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o IMAGE [options]",
+    .usage = "VOLUME|PYRAMID.iso -o IMAGE [options]",
     .details =
+        "Without --scene it is a first picture: the camera frames the box, and the transfer function is suggested (tf suggest).\n"
         "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"
         "on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
+        "  isoshade render ml.nrrd -o first.png\n"
+        "  isoshade render ml.nrrd --tf simulation --view 30,20 --zoom 1.5 -o zoomed.png\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json -o ml.exr --png ml.png\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with reference --level 1 --size 96 -o ml1.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --isosurface 32768 -o surface.exr\n"
@@ -367,6 +374,6 @@ const iso_command iso_command_render = {
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
     .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names,
-                                        &iso_code_names, NULL},
+                                        &iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

@@ -10,6 +10,7 @@
 #include "cli/tf_adapt.h"
 #include "cli/tf_bound.h"
 #include "cli/tf_convert.h"
+#include "cli/tf_suggest.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "options/adapted.h"
@@ -18,6 +19,7 @@
 #include "scene/subject.h"
 #include "report/gnuplot.h"
 #include "tf/format.h"
+#include "tf/presets.h"
 #include "tf/color_space.h"
 
 /* ---- show -------------------------------------------------------------------------- */
@@ -258,7 +260,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0", "FILE.tf.json"},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0; suggest: a preset (auto)",
+         "FILE.tf.json|PRESET"},
         {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
@@ -280,16 +283,19 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--levels", a.level_count, 2, 30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         const char *what = cli.arguments[0];
-        status = strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
-                 : strcmp(what, "convert") == 0 ? iso_cli_tf_convert(&a, err)
-                 : strcmp(what, "names") == 0   ? iso_cli_tf_names(&a, err)
-                 : strcmp(what, "show") == 0    ? show(&a, err)
-                 : strcmp(what, "bound") == 0   ? bound(&a, err)
-                 : strcmp(what, "triangle") == 0
-                     ? triangle(&a, err)
-                     : iso_fail(err, ISO_E_USAGE,
-                                "unknown action \"%s\", must be one of: adapt, bound, convert, names, show, triangle",
-                                what);
+        status =
+            strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
+            : strcmp(what, "convert") == 0 ? iso_cli_tf_convert(&a, err)
+            : strcmp(what, "names") == 0   ? iso_cli_tf_names(&a, err)
+            : strcmp(what, "show") == 0    ? show(&a, err)
+            : strcmp(what, "bound") == 0   ? bound(&a, err)
+            : strcmp(what, "suggest") == 0 ? iso_cli_tf_suggest(&a, err)
+            : strcmp(what, "triangle") == 0
+                ? triangle(&a, err)
+                : iso_fail(
+                      err, ISO_E_USAGE,
+                      "unknown action \"%s\", must be one of: adapt, bound, convert, names, show, suggest, triangle",
+                      what);
     }
     iso_cli_end(&cli);
     return status;
@@ -297,11 +303,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_tf = {
     .name = "tf",
-    .summary = "adapt transfer functions to levels, bound their error, convert and show them",
+    .summary = "suggest transfer functions, adapt them to levels, bound their error, convert and show them",
     .min_arguments = 1,
     .max_arguments = 16,
     .usage =
-        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE OUT | names FILE | show FILE.tf.json... -o PICTURE | triangle VOLUME --tf FILE.tf.json --level K",
+        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE OUT | names FILE | show FILE.tf.json... -o PICTURE | suggest VOLUME|PYRAMID.iso [--tf PRESET] -o FILE.tf.json | triangle VOLUME --tf FILE.tf.json --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
@@ -312,9 +318,13 @@ const iso_command iso_command_tf = {
         "         what the other program shows. Lengths and opacities that a file does not say have to be given.\n"
         "names    the transfer functions of a file with several, a line each, for --name.\n"
         "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
+        "suggest  finds materials in the volume's joint histogram of value and gradient magnitude and writes a transfer function\n"
+        "         of at most 8 points to begin with; with --tf a preset of the list below, on the volume's values.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+        "  isoshade tf suggest shells.nrrd -o first.tf.json\n"
+        "  isoshade tf suggest shells.nrrd --tf simulation -o simulation.tf.json\n"
         "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
         "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48 --level 1\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
@@ -324,6 +334,6 @@ const iso_command iso_command_tf = {
         "  isoshade tf convert refscenes/shells.tf.json -o shells.paraview.json\n"
         "  isoshade tf names shells.paraview.json\n"
         "  isoshade tf convert shells.paraview.json --unit-distance 2 -o ramp.png\n",
-    .lists = (const iso_names *const[]){&iso_tf_format_names, NULL},
+    .lists = (const iso_names *const[]){&iso_tf_format_names, &iso_tf_preset_names, NULL},
     .run = run,
 };

@@ -5,6 +5,7 @@
 
 #include "options/adapted.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "options/roi.h"
 #include "renderers/renderers.h"
 
@@ -13,8 +14,9 @@ typedef struct iso_render_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
     iso_cli_roi roi;
+    iso_cli_look look;
     const char *with;
-    char *scene, *output, *png, *size, *source, *quadrature, *isosurface, *palette;
+    char *output, *png, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;
     double step, cache_bytes;

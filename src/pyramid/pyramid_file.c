@@ -168,6 +168,7 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
                          &(iso_json_list){&g->index_to_world.m[0][0], 9, -DBL_MAX, DBL_MAX});
     iso_json_get_numbers(r, object, "origin_mm", true, &(iso_json_list){&g->origin_mm.x, 3, -DBL_MAX, DBL_MAX});
     iso_json_get_numbers(r, object, "box_index", true, &(iso_json_list){g->box_index, 3, 0, 1u << 24});
+    iso_json_get_bool(r, object, "is_patient", false, &g->is_patient);
     for (int a = 0; a < 3 && r->status == ISO_OK; ++a)
         g->size[a] = (size_t)size[a];
     if (r->status == ISO_OK)

@@ -58,9 +58,13 @@ char *iso_layout_header(const iso_geometry *g, const level_file *f)
 
 json_t *iso_layout_geometry(const iso_geometry *g)
 {
-    return json_pack("{s:[I,I,I], s:o, s:o, s:o}", "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
-                     (json_int_t)g->size[2], "index_to_world", iso_json_numbers(&g->index_to_world.m[0][0], 9),
-                     "origin_mm", iso_json_numbers(&g->origin_mm.x, 3), "box_index", iso_json_numbers(g->box_index, 3));
+    json_t *object = json_pack("{s:[I,I,I], s:o, s:o, s:o}", "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
+                               (json_int_t)g->size[2], "index_to_world",
+                               iso_json_numbers(&g->index_to_world.m[0][0], 9), "origin_mm",
+                               iso_json_numbers(&g->origin_mm.x, 3), "box_index", iso_json_numbers(g->box_index, 3));
+    if (g->is_patient)
+        json_object_set_new(object, "is_patient", json_true());
+    return object;
 }
 
 json_t *iso_layout_options(const iso_pyramid_options *o)

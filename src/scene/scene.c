@@ -323,6 +323,8 @@ static iso_camera resolve_camera(const iso_scene *s, const iso_geometry *g)
         if (s->orthographic)
             c.half_height = radius;
     }
+    if (s->zoom > 0)
+        c.half_height /= s->zoom;
     return c;
 }
 

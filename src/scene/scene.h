@@ -102,6 +102,7 @@ typedef struct iso_scene {
     bool orthographic;
     iso_vec3 camera_direction, camera_position, camera_look_at, camera_up;
     double fov_y_deg, height_mm, margin;
+    double zoom; /* the picture's middle, enlarged so many times; 0 and 1: all of it */
     size_t light_count;
     iso_light lights[ISO_MAX_LIGHTS];
     size_t clip_count;

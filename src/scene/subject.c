@@ -3,6 +3,9 @@
 
 #include <stdlib.h>
 
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
+
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                     const iso_progress *progress, iso_pyramid *p, iso_error *err)
 {
@@ -35,21 +38,86 @@ iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t 
     return ISO_OK;
 }
 
-iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
-                                 iso_error *err)
+iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
 {
+    iso_scene scene = {0};
+    iso_viewpoint viewpoint;
+    size_t width, height;
+    iso_status status = ISO_OK;
+    if (look->scene)
+        status = iso_scene_load(look->scene, &scene, err);
+    iso_scene_destroy(&scene);
+    if (status == ISO_OK)
+        status = iso_tf_check_name(look->tf, look->request, err);
+    if (status == ISO_OK && look->view)
+        status = iso_viewpoint_parse(look->view, &viewpoint, err);
+    if (status == ISO_OK && !(look->zoom == 0 || (look->zoom >= 0.01 && look->zoom <= 1000)))
+        status = iso_fail(err, ISO_E_USAGE, "--zoom is %g, must be .01 to 1000", look->zoom);
+    if (status == ISO_OK && look->size)
+        status = iso_subject_parse_image_size(look->size, &width, &height, err);
+    return status;
+}
+
+static iso_status first_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
+{
+    size_t width = ISO_SUBJECT_PIXELS, height = ISO_SUBJECT_PIXELS;
+    iso_viewpoint viewpoint;
+    iso_status status = iso_viewpoint_parse(look->view ? look->view : iso_viewpoint_usual(g), &viewpoint, err);
+    if (status == ISO_OK && look->size)
+        status = iso_subject_parse_image_size(look->size, &width, &height, err);
+    if (status == ISO_OK)
+        *scene = iso_scene_first(g, &viewpoint, width, height);
+    return status;
+}
+
+/* What stands instead of the scene's own. The size comes first: the camera frames the box in it. */
+static iso_status change_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
+{
+    iso_viewpoint viewpoint;
+    iso_status status = ISO_OK;
+    if (look->size)
+        status = iso_subject_parse_image_size(look->size, &scene->width, &scene->height, err);
+    if (status == ISO_OK && look->view && (status = iso_viewpoint_parse(look->view, &viewpoint, err)) == ISO_OK)
+        iso_scene_look_from(scene, g, &viewpoint);
+    return status;
+}
+
+iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    *scene = (iso_scene){0};
+    iso_status status = look->scene ? iso_scene_load(look->scene, scene, err)
+                                    : first_scene(look, &level0->geometry, scene, err);
+    if (status == ISO_OK && look->scene)
+        status = change_scene(look, &level0->geometry, scene, err);
+    if (look->zoom > 0)
+        scene->zoom = look->zoom;
+    if (status == ISO_OK && (look->tf || !look->scene)) {
+        iso_tf_destroy(&scene->tf);
+        status = iso_tf_of_level(look->tf, look->request, level0, look->threads, &scene->tf, err);
+    }
+    if (status != ISO_OK)
+        iso_scene_destroy(scene);
+    return status;
+}
+
+iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
     iso_scene scene;
     *view = (iso_view){0};
-    if (!scene_path)
-        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    iso_status status = iso_scene_load(scene_path, &scene, err);
-    if (status != ISO_OK)
-        return status;
-    if (size)
-        status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
-    const iso_level *level0 = &p->levels[0];
+    iso_status status = iso_subject_make_scene(look, p, &scene, err);
     if (status == ISO_OK)
         status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
     iso_scene_destroy(&scene);
     return status;
+}
+
+iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
+                                 iso_error *err)
+{
+    *view = (iso_view){0};
+    if (!scene_path)
+        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
+    return iso_subject_make_view(&(iso_subject_look){.scene = scene_path, .size = size}, p, view, err);
 }

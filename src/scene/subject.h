@@ -8,6 +8,9 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
+/* Of a first picture, along each side. */
+enum { ISO_SUBJECT_PIXELS = 512 };
+
 /* path: NAME.iso, or any volume that iso_volume_input_load() reads. A volume is
  * built with `opt`; a pyramid keeps what it was built with. */
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
@@ -16,6 +19,21 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
 /* Loads a scene and resolves it for the pyramid; size "WxH" or "N" replaces the scene's when not NULL. */
 iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
                                  iso_error *err);
+
+/* How a picture is asked for, each part of it or none. Without a scene file it is a first picture (viewpoint.h) with a
+ * transfer function that is suggested; tf, view, zoom and size stand instead of the scene's own. */
+typedef struct iso_subject_look {
+    const char *scene, *tf, *view, *size;
+    double zoom;                   /* 0: not given */
+    const iso_tf_request *request; /* what the file that tf names leaves open; or NULL */
+    int threads;
+} iso_subject_look;
+
+/* What can be found wrong before the volume is read: files that are missing or damaged, names, numbers. */
+iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
+/* The scene for a pyramid whose level 0 has its scalar. */
+iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
+iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
 
 /* "320x200", or one number for both, as --size has it. */
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err);

@@ -224,8 +224,10 @@ static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_
         status = open_by_content(*source, err);
     if (status == ISO_OK)
         status = finish_choice(*source, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK) {
         apply_spacing(*source);
+        (*source)->header.geometry.is_patient = (*source)->header.notes.world_is_ras;
+    }
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+/* tf_suggest.h - `isoshade tf suggest`: a transfer function for a volume, to be edited. */
+#ifndef ISO_CLI_TF_SUGGEST_H
+#define ISO_CLI_TF_SUGGEST_H
+
+#include "cli/tf_adapt.h"
+
+iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err);
+
+#endif

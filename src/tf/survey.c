@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: MIT */
+#include "tf/survey.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+
+enum { BINS = ISO_SURVEY_BINS, SLOPES = ISO_SURVEY_SLOPES, SAMPLES = 1 << 20 };
+
+double iso_survey_quantile(const iso_survey *s, double part)
+{
+    const double x = fmin(fmax(part, 0), 1) * ISO_SURVEY_QUANTILES, i = fmin(floor(x), ISO_SURVEY_QUANTILES - 1);
+    return s->quantile[(size_t)i] + (x - i) * (s->quantile[(size_t)i + 1] - s->quantile[(size_t)i]);
+}
+
+double iso_survey_value(const iso_survey *s, double bin)
+{
+    return s->lo + (s->hi - s->lo) * (bin + 0.5) / BINS;
+}
+
+int iso_survey_bin(const iso_survey *s, double value)
+{
+    const double x = s->hi > s->lo ? (value - s->lo) / (s->hi - s->lo) * BINS : 0;
+    return x >= BINS ? BINS - 1 : x > 0 ? (int)x : 0;
+}
+
+/* Square roots: of smooth volumes all magnitudes are small. A central difference is at most half the range an axis. */
+double iso_survey_slope(const iso_survey *s, double slope)
+{
+    const double root = (slope + 0.5) / SLOPES;
+    return root * root * 0.5 * (s->hi - s->lo);
+}
+
+static int slope_bin(double magnitude, double largest)
+{
+    const double x = magnitude < largest ? SLOPES * sqrt(magnitude / largest) : SLOPES;
+    return x >= SLOPES ? SLOPES - 1 : (int)x;
+}
+
+/* ---- quantiles, padding, labels ------------------------------------------------------------------------------------ */
+
+static int ascending(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Voxels at a fixed stride that meets every column and row, sorted. */
+static float *sorted_samples(const iso_level *l, size_t *count)
+{
+    const size_t n = iso_geometry_voxel_count(&l->geometry);
+    size_t stride = n / SAMPLES + 1;
+    while (stride > 1 && (l->geometry.size[0] % stride == 0 || stride % 2 == 0))
+        ++stride;
+    float *samples = malloc((n / stride + 1) * sizeof *samples);
+    *count = 0;
+    for (size_t i = 0; samples && i < n; i += stride)
+        samples[(*count)++] = l->scalar[i];
+    if (samples)
+        qsort(samples, *count, sizeof *samples, ascending);
+    return samples;
+}
+
+static bool is_on_face(const size_t n[3], size_t x, size_t y, size_t z)
+{
+    return x == 0 || y == 0 || z == 0 || x + 1 == n[0] || y + 1 == n[1] || z + 1 == n[2];
+}
+
+/* Voxels of the box's faces that have the value. */
+static uint64_t count_on_faces(const iso_level *l, float value)
+{
+    const size_t *n = l->geometry.size;
+    uint64_t count = 0;
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y) {
+            const float *row = l->scalar + (z * n[1] + y) * n[0];
+            const bool whole = z == 0 || y == 0 || z + 1 == n[2] || y + 1 == n[1];
+            for (size_t x = 0; x < n[0]; x += whole || n[0] == 1 ? 1 : n[0] - 1)
+                count += row[x] == value;
+        }
+    return count;
+}
+
+/* One value at the low end, apart from all others by a tenth of what they span, that stands on the faces. */
+static size_t find_padding(const iso_level *l, const float *sample, size_t count, iso_survey *s)
+{
+    size_t run = 1;
+    while (run < count && sample[run] == sample[0])
+        ++run;
+    if (run == count || (double)run < 0.001 * (double)count)
+        return 0;
+    const size_t rest = count - run;
+    const double gap = (double)sample[run] - sample[0];
+    const double span = (double)sample[run + rest - 1 - rest / 1000] - sample[run + rest / 1000];
+    if (gap <= 0.1 * span || (double)sample[run] == 0 || (s->face_padding = count_on_faces(l, sample[0])) == 0)
+        return 0;
+    s->has_padding = true;
+    s->padding = sample[0];
+    return run;
+}
+
+/* Whole numbers, few of them, and each with many voxels. */
+static void find_labels(const float *sample, size_t count, iso_survey *s)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < count;) {
+        size_t run = i;
+        while (run < count && sample[run] == sample[i])
+            ++run;
+        if (found == ISO_SURVEY_LABELS || sample[i] != floorf(sample[i]))
+            return;
+        s->labels[found++] = sample[i];
+        i = run;
+    }
+    s->label_count = found;
+}
+
+static double part_between(const float *sample, size_t count, double lo, double hi)
+{
+    size_t inside = 0;
+    for (size_t i = 0; i < count; ++i)
+        inside += sample[i] >= lo && sample[i] <= hi;
+    return (double)inside / (double)count;
+}
+
+static void summarize(const float *sample, size_t count, iso_survey *s)
+{
+    for (size_t i = 0; i <= ISO_SURVEY_QUANTILES; ++i)
+        s->quantile[i] = sample[(size_t)((double)(count - 1) * (double)i / ISO_SURVEY_QUANTILES)];
+    s->lo = sample[(size_t)(0.0005 * (double)(count - 1))];
+    s->hi = sample[(size_t)(0.9995 * (double)(count - 1))];
+    if (!(s->hi > s->lo)) { /* next to all voxels have one value */
+        s->lo = sample[0];
+        s->hi = sample[count - 1];
+    }
+    s->is_hounsfield = part_between(sample, count, -1100, -850) > 0.01 &&
+                       part_between(sample, count, -200, 300) > 0.01 &&
+                       part_between(sample, count, -1100, 32767) > 0.98 && s->hi > 100 && s->hi < 20000;
+    find_labels(sample, count, s);
+}
+
+/* ---- histograms ---------------------------------------------------------------------------------------------------- */
+
+/* The squared gradient of a voxel in values a voxel of the mean spacing; 1 / (2 h) each axis in `scale`. */
+static double squared_slope(const iso_level *l, const size_t at[3], const double scale[3])
+{
+    const size_t *n = l->geometry.size, step[3] = {1, n[0], n[0] * n[1]};
+    const float *p = l->scalar + at[0] + at[1] * step[1] + at[2] * step[2];
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const float below = at[a] > 0 ? p[-(ptrdiff_t)step[a]] : *p, above = at[a] + 1 < n[a] ? p[step[a]] : *p;
+        const double d = ((double)above - below) * scale[a];
+        sum += d * d;
+    }
+    return sum;
+}
+
+static void count_row(const iso_level *l, size_t y, size_t z, const double scale[3], double largest, iso_survey *s)
+{
+    const size_t *n = l->geometry.size;
+    const float *row = l->scalar + (z * n[1] + y) * n[0];
+    for (size_t x = 0; x < n[0]; ++x) {
+        const bool face = is_on_face(n, x, y, z);
+        s->face_count += face;
+        if (s->has_padding && (double)row[x] == s->padding)
+            continue;
+        const int bin = iso_survey_bin(s, row[x]);
+        ++s->voxel_count;
+        ++s->count[bin];
+        s->face[bin] += face;
+        ++s->joint[bin][slope_bin(sqrt(squared_slope(l, (const size_t[3]){x, y, z}, scale)), largest)];
+    }
+}
+
+static void add_counts(iso_survey *sum, const iso_survey *part)
+{
+    sum->voxel_count += part->voxel_count;
+    sum->face_count += part->face_count;
+    for (int i = 0; i < BINS; ++i) {
+        sum->count[i] += part->count[i];
+        sum->face[i] += part->face[i];
+        for (int k = 0; k < SLOPES; ++k)
+            sum->joint[i][k] += part->joint[i][k];
+    }
+}
+
+static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_error *err)
+{
+    const size_t *n = l->geometry.size;
+    double spacing[3], scale[3];
+    iso_geometry_spacing_mm(&l->geometry, spacing);
+    const double mean = cbrt(spacing[0] * spacing[1] * spacing[2]), largest = 0.5 * (s->hi - s->lo);
+    for (int a = 0; a < 3; ++a)
+        scale[a] = 0.5 * mean / spacing[a];
+    bool complete = true;
+#pragma omp parallel num_threads(iso_threads(threads))
+    {
+        iso_survey *mine = calloc(1, sizeof *mine);
+        if (mine) {
+            mine->lo = s->lo, mine->hi = s->hi;
+            mine->has_padding = s->has_padding, mine->padding = s->padding;
+        }
+#pragma omp for schedule(static)
+        for (size_t z = 0; z < n[2]; ++z)
+            for (size_t y = 0; mine && y < n[1]; ++y)
+                count_row(l, y, z, scale, largest, mine);
+#pragma omp critical
+        {
+            complete = complete && mine;
+            if (mine)
+                add_counts(s, mine);
+        }
+        free(mine);
+    }
+    return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a histogram of value and gradient");
+}
+
+/* A Gaussian of so many bins; what lies outside repeats the end. */
+static void smooth(const double *in, double sigma, double *out)
+{
+    const int reach = (int)ceil(3 * sigma);
+    for (int i = 0; i < BINS; ++i) {
+        double sum = 0, weight = 0;
+        for (int k = -reach; k <= reach; ++k) {
+            if (i + k < 0 || i + k >= BINS)
+                continue;
+            const double w = exp(-0.5 * k * k / (sigma * sigma));
+            sum += w * in[i + k];
+            weight += w;
+        }
+        out[i] = sum / weight;
+    }
+}
+
+/* Flat: below a quarter of the steepest mean. Sums of g and of g^2 are smoothed each, so that bins with few voxels take
+ * after those beside them. */
+static void profile(iso_survey *s)
+{
+    double sum[BINS] = {0}, squares[BINS] = {0}, flat[BINS] = {0}, steepest = 0;
+    for (int i = 0; i < BINS; ++i)
+        for (int k = 0; k < SLOPES; ++k) {
+            const double g = iso_survey_slope(s, k), n = (double)s->joint[i][k];
+            sum[i] += n * g;
+            squares[i] += n * g * g;
+        }
+    smooth(sum, 2, s->slope);
+    smooth(squares, 2, s->flat);
+    for (int i = 0; i < BINS; ++i) {
+        s->slope[i] = s->slope[i] > 0 ? s->flat[i] / s->slope[i] : 0;
+        steepest = fmax(steepest, s->slope[i]);
+    }
+    for (int i = 0; i < BINS; ++i)
+        for (int k = 0; k < SLOPES && iso_survey_slope(s, k) < 0.25 * steepest; ++k)
+            flat[i] += (double)s->joint[i][k];
+    smooth(flat, 3, s->flat);
+}
+
+/* ---- the background ------------------------------------------------------------------------------------------------ */
+
+/* From the peak outwards: the first bin that has less than 3 % of the peak, or after which it rises again by half. */
+static int walk(const double *density, int peak, int way)
+{
+    double least = density[peak];
+    int at = peak, lowest = peak;
+    for (at = peak; at + way >= 0 && at + way < BINS; at += way) {
+        const double next = density[at + way];
+        if (next < least) {
+            least = next;
+            lowest = at + way;
+        }
+        if (next < 0.03 * density[peak])
+            return at + way;
+        if (least < 0.5 * density[peak] && next > 1.5 * least)
+            return lowest;
+    }
+    return at;
+}
+
+/* Half of the faces, padding counted, in at most half of the range. */
+static void find_background(iso_survey *s)
+{
+    double face[BINS], density[BINS], part = (double)s->face_padding;
+    int peak = 0;
+    for (int i = 0; i < BINS; ++i)
+        face[i] = (double)s->face[i];
+    smooth(face, 1, density);
+    for (int i = 0; i < BINS; ++i)
+        peak = density[i] > density[peak] ? i : peak;
+    const int first = walk(density, peak, -1), last = walk(density, peak, 1);
+    for (int i = first; i <= last; ++i)
+        part += face[i];
+    s->has_background = s->face_count > 0 && part >= 0.5 * (double)s->face_count && last - first < BINS / 2;
+    /* Where padding has most of the faces, what else they show is the background only if it is as dark: else it is the
+     * object, which was cut out or is cut off. */
+    if (s->face_padding * 10 > s->face_count * 9 || (s->face_padding * 2 > s->face_count && peak > BINS / 4)) {
+        s->has_background = true;
+        s->background = s->background_lo = s->background_hi = fmax(s->padding, s->lo);
+        return;
+    }
+    s->background = iso_survey_value(s, peak);
+    s->background_lo = iso_survey_value(s, first);
+    s->background_hi = iso_survey_value(s, last);
+}
+
+iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **survey, iso_error *err)
+{
+    *survey = NULL;
+    if (!level0->scalar)
+        return iso_fail(err, ISO_E_RANGE, "a level without its values cannot be surveyed");
+    size_t count = 0;
+    iso_survey *s = calloc(1, sizeof *s);
+    float *sample = sorted_samples(level0, &count);
+    iso_status status = s && sample ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory to survey a volume's values");
+    if (status == ISO_OK) {
+        s->min = level0->min;
+        s->max = level0->max;
+        const size_t padding = find_padding(level0, sample, count, s);
+        summarize(sample + padding, count - padding, s);
+        status = count_all(level0, threads, s, err);
+    }
+    if (status == ISO_OK) {
+        profile(s);
+        find_background(s);
+        *survey = s;
+    } else {
+        free(s);
+    }
+    free(sample);
+    return status;
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: MIT */
+/* Each volume is made from a formula, so it is known what part of it is the object: that has to be shown, and the box's
+ * faces have not to be a wall. */
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
+#include "tf/suggest.h"
+
+static const size_t size[3] = {40, 48, 36};
+
+typedef struct sample_at {
+    double x, y, z, r, noise; /* -1 to 1 along each axis; the distance from the center; a normal deviate */
+} sample_at;
+typedef double formula(const sample_at *p);
+
+static double ball(const sample_at *p)
+{
+    return (p->r < 0.6 ? 180 : 20) + 6 * p->noise;
+}
+
+static double dark_ball(const sample_at *p)
+{
+    return 255 - ball(p);
+}
+
+/* Air, soft tissue with a shell of bone in it, and a padding round the field of view. */
+static double head(const sample_at *p, double padding)
+{
+    if (p->x * p->x + p->y * p->y > 0.96)
+        return padding;
+    const bool bone = p->r > 0.5 && p->r < 0.65;
+    return round((p->r > 0.8 ? -1000 : bone ? 900 : 40) + 12 * p->noise);
+}
+
+static double padded_head(const sample_at *p)
+{
+    return head(p, -2000);
+}
+
+static double far_padded_head(const sample_at *p)
+{
+    return head(p, -32768);
+}
+
+/* Two lobes, as a p orbital has them. */
+static double orbital(const sample_at *p)
+{
+    return 1e-3 * p->z * exp(-40 * p->r * p->r);
+}
+
+/* Nearly all of it lies far below its largest values. */
+static double stars(const sample_at *p)
+{
+    const double dx = p->x - 0.3, e = p->x + 0.4;
+    return 1 / (1e-4 + pow(dx * dx + p->y * p->y + p->z * p->z, 1.5)) +
+           1 / (1e-3 + pow(e * e + p->y * p->y + p->z * p->z, 1.5));
+}
+
+/* Dim and bright spots on a dark current, counts, and a few hot pixels. */
+static double spots(const sample_at *p)
+{
+    double v = 100 + 4 * p->noise;
+    for (int i = 0; i < 6; ++i) {
+        const double x = p->x - 0.6 * cos(1.0 * i), y = p->y - 0.6 * sin(1.0 * i), z = p->z - 0.2 * (i - 2.5);
+        v += (i % 2 ? 90 : 400) * exp(-(x * x + y * y + z * z) / 0.02);
+    }
+    return round(p->noise > 4 ? 65535 : v);
+}
+
+static double waves(const sample_at *p)
+{
+    return sin(5 * p->x) + sin(6 * p->y + 1) + sin(4 * p->z - 1);
+}
+
+static double three_labels(const sample_at *p)
+{
+    return p->r > 0.7 ? 0 : p->x > 0.2 ? 7 : p->z > 0 ? 5 : 1;
+}
+
+static double mask(const sample_at *p)
+{
+    return p->r < 0.6 ? 255 : 0;
+}
+
+/* Sides of the box are cut: the object reaches two faces. */
+static double trunk(const sample_at *p)
+{
+    return (p->x * p->x + p->y * p->y < 0.3 ? 120 : 10) + 3 * p->noise;
+}
+
+static const struct {
+    const char *name;
+    formula *value;
+    iso_suggest_kind kind;
+    bool hounsfield;
+    double solid_lo, solid_hi; /* bounds of the part of the voxels that is nearly opaque; from the formula's volumes */
+    double faces_hi;           /* the same of the voxels at the faces */
+} cases[] = {
+    {"ball", ball, ISO_SUGGEST_OBJECT, false, 0.09, 0.14, 0},
+    {"dark ball", dark_ball, ISO_SUGGEST_DARK, false, 0.09, 0.14, 0},
+    {"head, padding -2000", padded_head, ISO_SUGGEST_OBJECT, true, 0.05, 0.12, 0},
+    {"head, padding -32768", far_padded_head, ISO_SUGGEST_OBJECT, true, 0.05, 0.12, 0},
+    {"orbital", orbital, ISO_SUGGEST_SIGNED, false, 0.002, 0.1, 0},
+    {"stars", stars, ISO_SUGGEST_OBJECT, false, 0.0005, 0.2, 0.02},
+    {"spots", spots, ISO_SUGGEST_OBJECT, false, 0.005, 0.08, 0.01},
+    {"waves", waves, ISO_SUGGEST_SHELL, false, 0.005, 0.15, 0.15},
+    {"labels", three_labels, ISO_SUGGEST_LABELS, false, 0.15, 0.2, 0},
+    {"mask", mask, ISO_SUGGEST_LABELS, false, 0.09, 0.14, 0},
+    {"trunk", trunk, ISO_SUGGEST_OBJECT, false, 0.2, 0.26, 0.1},
+};
+
+static iso_level make_level(formula *value)
+{
+    iso_level l = {.geometry = iso_geometry_axis_aligned(size, (double[]){1, 0.8, 1.2}),
+                   .min = INFINITY,
+                   .max = -INFINITY};
+    iso_random random = {9};
+    l.scalar = malloc(iso_geometry_voxel_count(&l.geometry) * sizeof *l.scalar);
+    assert_non_null(l.scalar);
+    for (size_t z = 0, i = 0; z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y)
+            for (size_t x = 0; x < size[0]; ++x, ++i) {
+                sample_at p = {2 * (x + 0.5) / (double)size[0] - 1, 2 * (y + 0.5) / (double)size[1] - 1,
+                               2 * (z + 0.5) / (double)size[2] - 1, 0, 0};
+                p.r = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+                for (int k = 0; k < 12; ++k)
+                    p.noise += iso_random_unit(&random);
+                p.noise -= 6;
+                l.scalar[i] = (float)value(&p);
+                l.min = fmin(l.min, (double)l.scalar[i]);
+                l.max = fmax(l.max, (double)l.scalar[i]);
+            }
+    return l;
+}
+
+/* Parts of all voxels and of those at the faces of which two hide more than 30 %. */
+static void measure(const iso_level *l, const iso_tf *tf, double *solid, double *faces)
+{
+    iso_tf_table table;
+    size_t n[2] = {0, 0}, opaque[2] = {0, 0};
+    const double two_voxels = 2 * iso_geometry_mean_spacing_mm(&l->geometry);
+    assert_ok(iso_tf_tabulate(tf, l->min, l->max, &l->geometry, &table, &err));
+    for (size_t z = 0, i = 0; z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y)
+            for (size_t x = 0; x < size[0]; ++x, ++i) {
+                double rgbs[4];
+                iso_tf_lookup(&table, l->scalar[i], rgbs);
+                const bool face = x == 0 || y == 0 || z == 0 || x + 1 == size[0] || y + 1 == size[1] ||
+                                  z + 1 == size[2];
+                for (int f = 0; f <= face; ++f) {
+                    ++n[f];
+                    opaque[f] += -expm1(-rgbs[3] * two_voxels) > 0.3;
+                }
+            }
+    *solid = (double)opaque[0] / (double)n[0];
+    *faces = (double)opaque[1] / (double)n[1];
+    iso_tf_table_destroy(&table);
+}
+
+static void the_object_is_shown_and_the_faces_are_no_wall(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_level l = make_level(cases[i].value);
+        iso_survey *survey;
+        iso_suggestion s;
+        double solid, faces;
+        assert_ok(iso_survey_make(&l, 1, &survey, &err));
+        assert_ok(iso_suggest(survey, &l.geometry, &s, &err));
+        measure(&l, &s.tf, &solid, &faces);
+        if (s.kind != cases[i].kind || survey->is_hounsfield != cases[i].hounsfield || !(solid >= cases[i].solid_lo) ||
+            !(solid <= cases[i].solid_hi) || !(faces <= cases[i].faces_hi))
+            fail_msg("%s: %s, solid %.4f, faces %.4f", cases[i].name, iso_suggest_kind_text(s.kind), solid, faces);
+        assert_in_range(s.tf.point_count, 2, ISO_SUGGEST_POINTS);
+        for (size_t k = 1; k < s.tf.point_count; ++k)
+            assert_true(s.tf.points[k].value >= s.tf.points[k - 1].value);
+        iso_suggestion_destroy(&s);
+        free(survey);
+        free(l.scalar);
+    }
+}
+
+/* The check itself: a transfer function that begins in the background makes a wall, one beyond all values shows nothing. */
+static void a_wall_and_nothing_are_told(void **state)
+{
+    (void)state;
+    iso_level l = make_level(ball);
+    iso_tf_point points[2] = {{.value = 0, .opacity = 0.75}, {.value = 1, .opacity = 0.75}};
+    const iso_tf tf = {.point_count = 2, .points = points, .range = {0, 255}, .unit_distance = 2, .table_size = 64};
+    iso_tf_point beyond[2] = {{.value = 300, .opacity = 0}, {.value = 301, .opacity = 0.75}};
+    const iso_tf nothing = {
+        .point_count = 2, .points = beyond, .range = {0, 400}, .unit_distance = 2, .table_size = 64};
+    double solid, faces;
+    measure(&l, &tf, &solid, &faces);
+    assert_true(faces > 0.9);
+    measure(&l, &nothing, &solid, &faces);
+    assert_true(solid == 0);
+    free(l.scalar);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void)state;
+    iso_level l = make_level(spots);
+    iso_survey *one, *three;
+    assert_ok(iso_survey_make(&l, 1, &one, &err));
+    assert_ok(iso_survey_make(&l, 3, &three, &err));
+    assert_memory_equal(one->joint, three->joint, sizeof one->joint);
+    assert_memory_equal(one->slope, three->slope, sizeof one->slope);
+    assert_true(one->background_hi == three->background_hi && one->face_count == three->face_count);
+    free(one);
+    free(three);
+    free(l.scalar);
+}
+
+static double constant(const sample_at *p)
+{
+    return 5 + 0 * p->x;
+}
+
+static double ramp(const sample_at *p)
+{
+    return p->x;
+}
+
+static double only_noise(const sample_at *p)
+{
+    return p->noise;
+}
+
+static double huge(const sample_at *p)
+{
+    return 1e30 * ball(p);
+}
+
+static void any_volume_gets_a_transfer_function(void **state)
+{
+    (void)state;
+    formula *const odd[] = {constant, ramp, only_noise, huge};
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; ++i) {
+        iso_level l = make_level(odd[i]);
+        for (size_t row = 0; row < iso_tf_preset_names.count; ++row) {
+            iso_tf tf;
+            iso_tf_table table;
+            assert_ok(iso_tf_of_level(iso_names_name(&iso_tf_preset_names, row), NULL, &l, 1, &tf, &err));
+            assert_ok(iso_tf_tabulate(&tf, l.min, l.max, &l.geometry, &table, &err));
+            for (size_t e = 0; e < 4 * table.count; ++e)
+                assert_true(isfinite(table.entries[e]));
+            iso_tf_table_destroy(&table);
+            iso_tf_destroy(&tf);
+        }
+        free(l.scalar);
+    }
+}
+
+/* From the front a patient's left side is on the right of the picture. */
+static void views_have_their_sides(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        iso_vec3 at, right; /* where the camera stands, and what is to the right of it */
+    } views[] = {
+        {"front", {0, 1, 0}, {-1, 0, 0}}, {"back", {0, -1, 0}, {1, 0, 0}},  {"left", {-1, 0, 0}, {0, -1, 0}},
+        {"right", {1, 0, 0}, {0, 1, 0}},  {"top", {0, 0, 1}, {1, 0, 0}},    {"bottom", {0, 0, -1}, {-1, 0, 0}},
+        {"0,0", {0, 1, 0}, {-1, 0, 0}},   {"90,0", {-1, 0, 0}, {0, -1, 0}}, {"0,90", {0, 0, 1}, {1, 0, 0}},
+    };
+    const iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 0.8, 1.2});
+    for (size_t i = 0; i < sizeof views / sizeof *views; ++i) {
+        iso_viewpoint v;
+        assert_ok(iso_viewpoint_parse(views[i].name, &v, &err));
+        const iso_vec3 right = iso_normalize(iso_cross(v.direction, v.up));
+        assert_true(iso_norm(iso_add(v.direction, views[i].at)) < 1e-12);
+        assert_true(iso_norm(iso_sub(right, views[i].right)) < 1e-12);
+        /* the box's corners lie inside the picture, and one of them at its twentieth */
+        const iso_scene scene = iso_scene_first(&g, &v, 300, 200);
+        iso_scene shown = scene;
+        iso_tf_point points[2] = {{.value = 0}, {.value = 1}};
+        shown.tf = (iso_tf){.point_count = 2, .points = points, .range = {0, 1}, .unit_distance = 1, .table_size = 2};
+        iso_view view;
+        assert_ok(iso_scene_resolve(&shown, &g, 0, 1, &view, &err));
+        double farthest = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            const iso_vec3 p = iso_sub(iso_geometry_to_world(&g, iso_v3((corner & 1) * g.box_index[0],
+                                                                        (corner >> 1 & 1) * g.box_index[1],
+                                                                        (corner >> 2 & 1) * g.box_index[2])),
+                                       view.camera.position);
+            const double depth = iso_dot(p, view.camera.forward), high = view.camera.half_height * depth;
+            farthest = fmax(farthest, fmax(fabs(iso_dot(p, view.camera.up)) / high,
+                                           fabs(iso_dot(p, view.camera.right)) / (1.5 * high)));
+        }
+        assert_true(fabs(farthest - 0.95) < 1e-9);
+        iso_view_destroy(&view);
+    }
+}
+
+static void bad_views_name_what_is_wanted(void **state)
+{
+    (void)state;
+    const char *const bad[] = {"frnt", "1", "1,2,3", "10,91", ",", "", "nan,0"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        iso_viewpoint v;
+        iso_error err = {""};
+        assert_int_equal(iso_viewpoint_parse(bad[i], &v, &err), ISO_E_USAGE);
+        assert_non_null(strstr(err.text, "iso, front, back, left, right, top, bottom, or AZ,EL"));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_object_is_shown_and_the_faces_are_no_wall),
+        cmocka_unit_test(a_wall_and_nothing_are_told),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(any_volume_gets_a_transfer_function),
+        cmocka_unit_test(views_have_their_sides),
+        cmocka_unit_test(bad_views_name_what_is_wanted),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
