@@ -33,7 +33,7 @@ const char *iso_suggest_kind_text(iso_suggest_kind kind)
 typedef struct side {
     const iso_survey *survey;
     bool down;
-    int first; /* the first bin that is no background */
+    int first; /* the first bin that is no background; BINS: there is none */
     double count[BINS], flat[BINS], slope[BINS];
     double above; /* voxels from `first` on */
 } side;
@@ -58,7 +58,7 @@ static void take_side(side *p, const iso_survey *s, bool down)
         p->slope[i] = s->slope[bin];
     }
     const int end = bin_of(p, iso_survey_bin(s, down ? s->background_lo : s->background_hi));
-    p->first = end + 1 < BINS ? end + 1 : BINS - 1;
+    p->first = end + 1;
     for (int i = p->first; i < BINS; ++i)
         p->above += p->count[i];
 }
@@ -114,18 +114,23 @@ static int find_peaks(const side *p, material found[ISO_SUGGEST_MATERIALS])
     return count;
 }
 
-/* From where the arch that ends at `to` has .7 of its height. */
-static int arch_begins(const side *p, int from, int to)
+/* From where the arch that ends at `to` has that part of its height. Between two materials RISEN of it is enough; where no
+ * peak ends the arch it is that of the steepest structures, and dimmer ones have lower arches: LOW keeps them. */
+#define RISEN 0.7
+#define LOW 0.5
+
+static int arch_begins(const side *p, int from, int to, double part)
 {
     const double height = p->slope[steepest(p, from, to)];
     int i = from;
-    while (i + 1 < to && p->slope[i] < 0.7 * height)
+    while (i + 1 < to && p->slope[i] < part * height)
         ++i;
     return i;
 }
 
 /* What is brighter than the last peak and has no peak of its own, such as bone in a CT: at least 1/200 of the object, as
- * far from the peak as half of the peak's way from the background. */
+ * far from the peak as half of the peak's way from the background, and apart from the peak's foot by the foot's width: the
+ * tail of an uneven MRI is its peak's own. */
 static bool find_tail(const side *p, const material *last, int background, material *tail)
 {
     int end = last->peak;
@@ -133,9 +138,9 @@ static bool find_tail(const side *p, const material *last, int background, mater
         ++end;
     if (sum_of(p->count, end, BINS) < 0.005 * p->above || BINS - 1 - last->peak < (last->peak - background) / 2)
         return false;
-    tail->begins = arch_begins(p, end, BINS);
+    tail->begins = arch_begins(p, end, BINS, RISEN);
     tail->peak = (tail->begins + BINS) / 2;
-    return tail->begins + 4 < BINS;
+    return tail->begins + 4 < BINS && tail->begins - last->peak > 2 * (end - last->peak);
 }
 
 /* Where the magnitudes grow with the value to the very end, as in a simulation with a heavy tail, an arch has no foot: at
@@ -153,13 +158,13 @@ static int find_materials(const side *p, material found[ISO_SUGGEST_MATERIALS])
     const int background = bin_of(p, iso_survey_bin(p->survey, p->survey->background));
     int count = find_peaks(p, found);
     if (count == 0) {
-        found[0].begins = bounded(p, arch_begins(p, p->first, BINS));
+        found[0].begins = bounded(p, arch_begins(p, p->first, BINS, LOW));
         found[0].peak = (found[0].begins + BINS) / 2;
         return 1;
     }
-    found[0].begins = arch_begins(p, p->first, found[0].peak + 1);
+    found[0].begins = arch_begins(p, p->first, found[0].peak + 1, RISEN);
     for (int k = 1; k < count; ++k)
-        found[k].begins = arch_begins(p, (found[k - 1].peak + found[k].peak) / 2, found[k].peak + 1);
+        found[k].begins = arch_begins(p, (found[k - 1].peak + found[k].peak) / 2, found[k].peak + 1, RISEN);
     material tail;
     if (count < ISO_SUGGEST_MATERIALS && find_tail(p, &found[count - 1], background, &tail))
         found[count++] = tail;
@@ -197,10 +202,23 @@ static iso_status create_tf(const iso_survey *s, const iso_geometry *g, iso_tf *
     return tf->points ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
 }
 
-/* A veil hides VEIL of what is behind as much of it as there would be in a ball. */
-static double veil_opacity(double voxels)
+/* Voxels of the isosurface at a bin: by the coarea formula the sum of magnitudes over the values' width. */
+static double area_of(const side *p, int begins)
 {
-    const double across = fmax(UNIT_VOXELS, cbrt(voxels));
+    double sum = 0;
+    const int from = begins > 1 ? begins - 1 : 0, to = begins + 2 < BINS ? begins + 2 : BINS;
+    for (int i = from; i < to; ++i)
+        for (int k = 0; k < ISO_SURVEY_SLOPES; ++k)
+            sum += (double)p->survey->joint[bin_of(p, i)][k] * iso_survey_slope(p->survey, k);
+    return sum / ((to - from) * (p->survey->hi - p->survey->lo) / BINS);
+}
+
+/* A veil hides VEIL of what is behind. A ray may cross as much of it as there would be in a ball, or as little as a mean
+ * chord, 4 V / A of a body of any shape: between the two. */
+static double veil_opacity(const side *p, int begins, double voxels)
+{
+    const double ball = cbrt(voxels), chord = fmin(ball, 4 * voxels / fmax(area_of(p, begins), 1));
+    const double across = fmax(UNIT_VOXELS, sqrt(ball * fmax(chord, UNIT_VOXELS)));
     return fmin(SOLID, 1 - pow(1 - VEIL, UNIT_VOXELS / across));
 }
 
@@ -217,7 +235,7 @@ static void add_object(const side *p, iso_suggestion *out)
     for (int k = 0; k < count; ++k) {
         const int to = k + 1 < count ? m[k + 1].begins : BINS;
         const double voxels = sum_of(p->count, m[k].begins, to);
-        const double opacity = k + 1 < count ? fmax(before, veil_opacity(voxels)) : SOLID;
+        const double opacity = k + 1 < count ? fmax(before, veil_opacity(p, m[k].begins, voxels)) : SOLID;
         const double *color = colors[count == 1 ? 0 : k + ISO_SUGGEST_MATERIALS - count];
         const double half = fmax(1, fmin(0.5 * (m[k].begins - from), 0.5 * (m[k].peak - m[k].begins)));
         add_point(&out->tf, value_of(p, m[k].begins - half), color, before);
@@ -238,7 +256,7 @@ static void add_signed(const side sides[2], iso_suggestion *out)
     out->material_count = 2;
     for (int k = 0; k < 2; ++k) {
         const side *p = &sides[k];
-        const int begins = bounded(p, arch_begins(p, p->first, BINS));
+        const int begins = bounded(p, arch_begins(p, p->first, BINS, LOW));
         const double half = fmax(1, 0.5 * (begins - p->first));
         add_point(&out->tf, value_of(p, begins - half), hue[k][0], 0);
         add_point(&out->tf, value_of(p, fmin(begins + half, BINS - 1)), hue[k][0], SOLID);
@@ -309,7 +327,10 @@ static void add_by_background(const iso_survey *s, iso_suggestion *out)
     const double up = weight_of(&sides[0]), down = weight_of(&sides[1]);
     const int reach[2] = {BINS - sides[0].first, BINS - sides[1].first};
     const double less = fmin(up, down) / fmax(fmax(up, down), 1);
-    if (less > 0.15 && 4 * reach[0] > reach[1] && 4 * reach[1] > reach[0]) {
+    if (up + down == 0) {
+        out->kind = ISO_SUGGEST_SHELL;
+        add_shell(s, out);
+    } else if (less > 0.15 && 4 * reach[0] > reach[1] && 4 * reach[1] > reach[0]) {
         out->kind = ISO_SUGGEST_SIGNED;
         add_signed(sides, out);
     } else {
