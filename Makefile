@@ -13,9 +13,10 @@ build := build/$(config)
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
 	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libboost-dev libcmocka-dev \
-	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
+	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9
+	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9 \
+	python3-h5py python3-netcdf4 python3-zarr minc-tools
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -64,7 +65,11 @@ mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/iso
 itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
 itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF
-beside := $(mpi_library) $(itk_program)
+# Started for HDF5, netCDF, MINC and OME-Zarr.
+array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
+arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(build)/isoshade-arrays)
+vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
+beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* \
@@ -120,7 +125,8 @@ mutants: $(needs_setup) ## are mistakes planted in the verdict's code noticed by
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
-installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
+installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
+	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE
 
@@ -128,7 +134,7 @@ install: all ## install program, library, manual page and completions under PREF
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
 	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
-	$(if $(itk_program),install -m 755 $(itk_program) $(to)/lib/isoshade/)
+	install -m 755 $(itk_program) $(arrays_program) $(vdb_program) $(to)/lib/isoshade/
 	install -m 644 src/isoshade.h $(to)/include/
 	install -m 644 $(lib) $(to)/lib/
 	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
@@ -179,11 +185,20 @@ $(build)/$(soname): $(lib_o) $(build)/exports.map
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
-$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) src/volume/itk_stream.h src/volume/type.h src/isoshade.h
+child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 -g -Isrc
+$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h)
 	@mkdir -p $(@D)
-	$(call say,ITK)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) -O2 -g -Isrc -isystem /usr/include/$(itk) \
+	$(call say,ITK)$(CXX) $(child_flags) -isystem /usr/include/$(itk) \
 		$(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*))) -o $@ $(filter %.cc,$^) \
 		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmCommon
+$(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h)
+	@mkdir -p $(@D)
+	$(call say,HDF)$(CXX) $(child_flags) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs))) -o $@ \
+		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) -lhdf5_hl
+$(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h)
+	@mkdir -p $(@D)
+	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) -lopenvdb $(shell pkg-config --libs tbb Imath)
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects follow the flags that they were compiled with.

@@ -7,11 +7,11 @@ python=python3
 "$python" -c 'import numpy, vtk' 2>/dev/null || python=/usr/bin/python3 # Debian's, where another one comes first
 "$python" "$top/tests/phantom.py" "$ISOSHADE" || failed=1
 
-tests_of() { grep -E '^\|.*\| `[a-z_]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }
+tests_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }
 each_test_is_named() { diff <(tests_of "$1") <("$python" "$top/tests/phantom.py" --list | sort -u); }
 check the_page_names_all_tests each_test_is_named "$page"
 "$ISOSHADE" list --json >list.json
-formats_of() { grep -E '^\|.*\| `[a-z_]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }
+formats_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }
 formats() { python3 -c '
 import json
 for table in json.load(open("list.json"))["lists"]:
@@ -29,4 +29,7 @@ notice a_wrong_test_is_found each_test_is_named other.md
 cp "$ISOSHADE" alone
 printf '\211PNG\r\n\032\n' >picture.png
 refuse without_itk 7 'isoshade-itk, which is missing' ./alone info picture.png
+printf '\211HDF\r\n\032\n' >file.h5
+refuse without_hdf5 7 'isoshade-arrays, which is missing' ./alone info file.h5:a
+refuse a_part_of_one_volume 2 'names none of several' ./alone info "$top/tests/formats/phantom.gipl:a"
 exit $failed

@@ -211,6 +211,38 @@ def dicom_damaged():
     refused("one/1.2.3.4.0.dcm", 4, "is one slice; a volume is the folder of its slices")
 
 
+@case
+def dicom_multiframe():
+    """One file of all slices, each with its place: GDCM's place is that of the first, its step that of the first two."""
+    import pydicom
+    from pydicom.dataset import Dataset
+    values = phantom(np.uint16)
+    dicom_slice("multi.dcm", values[0], FIRST, "1.2.3.7", 1)
+    d = pydicom.dcmread("multi.dcm")
+    d.SOPClassUID = d.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
+    d.NumberOfFrames, d.PixelData = len(values), values.tobytes()
+    shared, orientation, measures = Dataset(), Dataset(), Dataset()
+    orientation.ImageOrientationPatient, measures.PixelSpacing = d.ImageOrientationPatient, d.PixelSpacing
+    measures.SliceThickness = measures.SpacingBetweenSlices = str(SPACING[2])
+    shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [orientation], [measures]
+    rescale = Dataset()
+    rescale.RescaleIntercept, rescale.RescaleSlope, rescale.RescaleType = "-1024", "1", "HU"
+    shared.PixelValueTransformationSequence = [rescale]
+    d.SharedFunctionalGroupsSequence, frames = [shared], []
+    for k in range(len(values)):
+        frame, position = Dataset(), Dataset()
+        position.ImagePositionPatient = [f"{c:.11f}" for c in LPS @ (FIRST + STEPS[:, 2] * k)]
+        frame.PlanePositionSequence = [position]
+        frames.append(frame)
+    d.PerFrameFunctionalGroupsSequence = frames
+    for word in "ImageOrientationPatient", "ImagePositionPatient", "PixelSpacing", "SliceThickness", "RescaleSlope", "RescaleIntercept":
+        delattr(d, word)
+    d.save_as("multi.dcm", write_like_original=False)
+    same("multi.dcm", values.astype(np.int16) - 1024, unit="mm")
+    cut("multi.dcm", "cut.dcm", 0.9)
+    refused("cut.dcm", 4, "cut.dcm: ")
+
+
 # ---- pictures, by VTK ----
 
 def vtk_image(values, steps=None, first=None):
@@ -249,6 +281,35 @@ def png_stack():
     refused("png", 4, "slice10.png", ["--spacing", "1"])
     vtk_write(vtk.vtkPNGWriter(), vtk_image(values[:1, 1:].copy()), "png/slice10.png")
     refused("png", 4, "slices of different sizes", ["--spacing", "1"])
+
+
+@case
+def tiff_and_jpeg_stacks():
+    import tifffile
+    import vtk
+    from vtk.util import numpy_support
+    values = phantom(np.uint8)
+    for folder in "tiffs", "jpegs":
+        os.makedirs(folder, exist_ok=True)
+    decoded = []
+    for k, pixels in enumerate(values):
+        tifffile.imwrite(f"tiffs/slice{9 + k}.tif", pixels, photometric="minisblack", resolution=(72, 72))
+        writer = vtk.vtkJPEGWriter()
+        writer.SetQuality(90)
+        vtk_write(writer, vtk_image(pixels[None, ::-1].copy()), f"jpegs/slice{9 + k}.jpg")
+        reader = vtk.vtkJPEGReader()  # lossy: what VTK reads back
+        reader.SetFileName(f"jpegs/slice{9 + k}.jpg")
+        reader.Update()
+        decoded.append(numpy_support.vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(pixels.shape)[::-1])
+    for folder, wanted, last in ("tiffs", values, "slice15.tif"), ("jpegs", np.stack(decoded), "slice15.jpg"):
+        refused(folder, 4, "does not say the spacing of its voxels, as pictures do not")
+        same(folder, wanted, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+        cut(f"{folder}/{last}", "short", 0.5)
+        os.replace("short", f"{folder}/{last}")
+        refused(folder, 4, last, ["--spacing", "1"])
+        with open(f"{folder}/{last}", "wb") as file:
+            file.write(b"nothing of the kind")
+        refused(folder, 4, last, ["--spacing", "1"])
 
 
 # ---- MetaImage by VTK ----
@@ -434,6 +495,28 @@ def mrc():
     refused("short.mrc", 4, "an MRC header has 1024")
 
 
+# ---- GIPL by ITK (formats/make_gipl.cc) ----
+
+@case
+def gipl():
+    import gzip
+    formats = os.path.join(os.path.dirname(os.path.abspath(__file__)), "formats")
+    with open(f"{formats}/phantom.gipl", "rb") as file:
+        data = file.read()
+    for suffix, pack in ("gipl", bytes), ("gipl.gz", gzip.compress):
+        with open(f"phantom.{suffix}", "wb") as file:
+            file.write(pack(data))
+        same(f"phantom.{suffix}", phantom(), LPS @ np.diag(SPACING), LPS @ [1, 2, 3], unit="mm")
+        cut(f"phantom.{suffix}", f"cut.{suffix}")
+        refused(f"cut.{suffix}", 4, "truncated")
+    with open("colors.gipl", "wb") as file:
+        file.write(data[:8] + b"\0\x90" + data[10:])
+    refused("colors.gipl", 4, "type 144, must be an integer of 8, 16 or 32 bits")
+    with open("times.gipl", "wb") as file:
+        file.write(data[:6] + b"\0\2" + data[8:])
+    refused("times.gipl", 4, "2 time steps")
+
+
 # ---- Gaussian cube and XSF by ASE (formats/make.py) ----
 
 def small():
@@ -478,6 +561,175 @@ def xsf():
     with open("two.xsf", "wb") as file:
         file.write(data + data)
     refused("two.xsf", 4, "has several grids")
+
+
+# ---- HDF5 by h5py, netCDF by netCDF4, MINC by its own tools, OME-Zarr by zarr ----
+
+def h5_scale(file, dataset, axis, name, values, unit):
+    file[name] = values
+    file[name].attrs["units"] = unit
+    file[name].make_scale(name)
+    dataset.dims[axis].attach_scale(file[name])
+
+
+@case
+def hdf5():
+    import h5py
+    values = phantom()
+    for more in {}, {"chunks": (3, 5, 4), "compression": "gzip", "shuffle": True}, {"chunks": (2, 13, 11)}:
+        with h5py.File("phantom.h5", "w") as file:
+            data = file.create_dataset("a/volume", data=values, **more)
+            data.attrs["element_size_um"] = SPACING[::-1]
+        same("phantom.h5", values, np.diag(SPACING) / 1000, None, False, unit="um")
+        same("phantom.h5:a/volume", values, np.diag(SPACING) / 1000, None, False, unit="um")
+        cut("phantom.h5", "cut.h5", 0.7)
+        refused("cut.h5", 4, "cut.h5: ")
+    refused("phantom.h5:b", 2, 'has no dataset "b" of three axes, FILE:DATASET must name one of: a/volume (11 x 13 x 7)')
+    for dtype in np.uint8, np.uint16, np.float32, ">i2", np.float16, bool:
+        stored = phantom(np.uint8) > 100 if dtype == bool else phantom(np.int16).astype(dtype)
+        with h5py.File("types.h5", "w") as file:
+            data = file.create_dataset("v", data=stored)
+            for axis, name in enumerate("zyx"):
+                at = FIRST["xyz".index(name)] + np.arange(stored.shape[axis]) * SPACING["xyz".index(name)]
+                h5_scale(file, data, axis, name, at, "nm")
+        wanted = stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, stored.dtype.newbyteorder("=")))
+        same("types.h5:v", wanted, np.diag(SPACING) * 1e-6, FIRST * 1e-6, False, unit="nm", tolerance=1e-12)
+    with h5py.File("two.h5", "w") as file:
+        file["plain"], file["other"], file["wide"] = values, values + 1, values.astype(np.int64)
+        file.create_dataset("lzf", data=values, compression="lzf")
+        file["list"], file["frames"] = np.arange(9), np.stack([values, values])
+    refused("two.h5", 2, "holds 5 datasets of three axes or more, FILE:DATASET must name one of: frames (11 x 13 x 7 x 2), ")
+    refused("two.h5:plain", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
+    same("two.h5:/other", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    refused("two.h5:wide", 4, "integers of 64 bits")
+    refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: which are a volume's three is not said")
+    refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
+    values.tofile("plain.raw")
+    with open("plain.h5", "wb") as file:
+        file.write(b"\x89HDF\r\n\x1a\n" + values.tobytes())
+    refused("plain.h5", 4, "plain.h5: HDF5: ")
+
+
+@case
+def netcdf():
+    import netCDF4
+    for kind in "NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA", "NETCDF4":
+        values = phantom(np.float32)
+        with netCDF4.Dataset("phantom.nc", "w", format=kind) as file:
+            for axis, name in enumerate("zyx"):
+                i = "xyz".index(name)
+                file.createDimension(name, SIZE[i])
+                at = file.createVariable(name, "f4", (name,))
+                at[:] = FIRST[i] + np.arange(SIZE[i]) * SPACING[i] * (-1 if name == "y" else 1)
+                at.units = "m" if name == "z" else "micron"
+            v = file.createVariable("density", "f4", ("z", "y", "x"), **({"zlib": True} if kind == "NETCDF4" else {}))
+            v[:] = values
+        unit = np.array([1e-3, 1e-3, 1e3])
+        # coordinates are floats
+        same("phantom.nc", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, unit="um", tolerance=1e-3)
+        same("phantom.nc:density", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, tolerance=1e-3)
+        refused("phantom.nc:x", 2, 'has no dataset "x" of three axes, FILE:DATASET must name one of: density (11 x 13 x 7)')
+        cut("phantom.nc", "cut.nc", 0.7)
+        refused("cut.nc", 4, "cut.nc: ")
+    # Axes in another order, packed values, and levels that are not equally far apart.
+    stored = phantom(np.int16)
+    with netCDF4.Dataset("packed.nc", "w", format="NETCDF3_CLASSIC") as file:
+        for name, n, step in ("time", 1, 1), ("lon", 7, 2.5), ("lat", 13, 0.5), ("lev", 11, 0.75):
+            file.createDimension(name, n)
+            at = file.createVariable(name, "f8", (name,))
+            at[:], at.units = np.arange(n) * step, "cm"
+        v = file.createVariable("t", "i2", ("time", "lon", "lat", "lev"))
+        v.set_auto_maskandscale(False)
+        v[0], v.scale_factor, v.add_offset = stored, 0.5, 3.0
+    turned = np.zeros((3, 3))
+    turned[2, 0], turned[1, 1], turned[0, 2] = SPACING * 10
+    same("packed.nc", (stored * 0.5 + 3).astype(np.float32), turned, np.zeros(3), False, unit="cm")
+    same("packed.nc", stored, turned, np.zeros(3), False, ["--stored"])
+    with netCDF4.Dataset("packed.nc", "r+") as file:
+        file["lev"][:] = file["lev"][:] ** 2
+    refused("packed.nc", 4, "does not say the spacing evenly: the steps of lev are")
+    with netCDF4.Dataset("packed.nc", "r+") as file:
+        file["lat"].units = "degrees_north"
+    refused("packed.nc", 4, 'its unit is "degrees_north"', ["--spacing", "1"])
+
+
+@case
+def minc():
+    values = phantom()
+    steps = [word for axis, r in zip("xyz", range(3)) for word in
+             (f"-{axis}step", str(SPACING[r]), f"-{axis}start", str(np.linalg.solve(STEPS / SPACING, FIRST)[r]),
+              f"-{axis}dircos", *(str(c) for c in STEPS[:, r] / SPACING[r]))]
+    values.tofile("minc.raw")
+    for version in [], ["-2"]:
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-range", "-32768", "32767",
+                        "-real_range", "-32768", "32767", *steps, "-input", "minc.raw", "phantom.mnc", "7", "13", "11"],
+                       check=True, stdout=subprocess.DEVNULL)
+        same("phantom.mnc", values, unit="mm", tolerance=1e-4)
+        cut("phantom.mnc", "cut.mnc")
+        refused("cut.mnc", 4, "cut.mnc: ")
+        # A scale of each slice.
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-scan_range",
+                        *steps, "-input", "minc.raw", "scaled.mnc", "7", "13", "11"], check=True, stdout=subprocess.DEVNULL)
+        got = load("scaled.mnc")[0]
+        expect(np.abs(got - values).max() < 0.1 and got.dtype == np.float32, f"values off by {np.abs(got - values).max()}")
+
+
+@case
+def ome_zarr():
+    import numcodecs
+    import zarr
+    values = phantom(np.uint16)
+    scale = [{"type": "scale", "scale": [1, *SPACING[::-1]]}, {"type": "translation", "translation": [0, *FIRST[::-1]]}]
+    axes = [{"name": "c", "type": "channel"}] + [{"name": n, "type": "space", "unit": "micrometer"} for n in "zyx"]
+    codecs = [None, numcodecs.Zlib(), numcodecs.GZip(), numcodecs.Zstd()] + [
+        numcodecs.Blosc(name, shuffle=shuffle) for name, shuffle in (("lz4", 1), ("zstd", 2), ("blosclz", 0), ("zlib", 1))]
+    for number, codec in enumerate(codecs):
+        shutil.rmtree("phantom.zarr", ignore_errors=True)
+        group = zarr.open_group("phantom.zarr", mode="w")
+        for level in 0, 1:
+            data = values[None, ::2 ** level, ::2 ** level, ::2 ** level]
+            kind = {"dtype": ">u2"} if number == 1 else {"order": "F"} if number == 2 else {}
+            group.create_dataset(str(level), shape=data.shape, chunks=(1, 3, 8, 5), compressor=codec,
+                                 dimension_separator="/" if number % 2 else ".", **{"dtype": data.dtype, **kind})[:] = data
+        group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": [
+            {"path": str(k), "coordinateTransformations": scale} for k in (0, 1)]}]
+        same("phantom.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
+    refused("phantom.zarr:2", 2, 'has no dataset "2" of three axes, FILE:DATASET must name one of: 0 (11 x 13 x 7 x 1), 1 (6 x 7 x 4 x 1)')
+    expect(load("phantom.zarr:1")[0].shape == (4, 7, 6), "the other level is of another size")
+    same("phantom.zarr/0", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    refused("phantom.zarr/0", 4, "does not say the spacing of its voxels")
+    cut("phantom.zarr/0/0/1/0/1", "chunk", 0.6)
+    shutil.copy("chunk", "phantom.zarr/0/0/1/0/1")
+    info = run("build", "phantom.zarr", "-q", "-o", "cut.iso")
+    expect(info.returncode == 4 and "truncated or damaged" in info.stderr, info.stderr)
+    os.remove("phantom.zarr/0/0/1/0/1")  # never written: the fill value
+    expect((load("phantom.zarr")[0] == 0).sum() > 50, "no fill value")
+    with open("phantom.zarr/0/.zarray", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 2, "shape"')
+    refused("phantom.zarr", 4, "phantom.zarr/0/.zarray: line 1: ")
+    group = zarr.open_group("times.zarr", mode="w")
+    group.create_dataset("0", data=np.stack([values, values + 1]))
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes[1:]],
+                                   "datasets": [{"path": "0", "coordinateTransformations": scale}]}]
+    refused("times.zarr", 2, "has 2 frames; --frame K chooses one, from 0 to 1")
+    same("times.zarr", values + 1, np.diag(SPACING) / 1000, FIRST / 1000, False, ["--frame", "1"])
+    group = zarr.open_group("colors.zarr", mode="w")
+    group.create_dataset("0", data=np.stack([np.stack([values + 2 * t + c for c in (0, 1)]) for t in (0, 1, 2)]))
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes],
+                                   "datasets": [{"path": "0", "coordinateTransformations": [
+                                       {"type": "scale", "scale": [1, 1, *SPACING[::-1]]}]}]}]
+    group.attrs["omero"] = {"channels": [{"label": "DAPI"}, {"label": "GFP"}]}
+    refused("colors.zarr", 2, "has 2 channels a voxel; --channel chooses one of them: 0 DAPI, 1 GFP", ["--frame", "2"])
+    same("colors.zarr", values + 5, np.diag(SPACING) / 1000, np.zeros(3), False, ["--frame", "2", "--channel", "gfp"])
+    os.makedirs("new.zarr", exist_ok=True)
+    with open("new.zarr/zarr.json", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 3}')
+    refused("new.zarr", 4, "is of Zarr 3 (OME-Zarr 0.5), which is not read")
+    for dtype in np.float16, np.float32, np.int8, bool:
+        stored = (phantom(np.int16) % 100).astype(dtype)
+        zarr.save("types.zarr", stored)
+        same("types.zarr", stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, dtype)),
+             np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
 
 
 # ---- NRRD by teem, NIfTI by nibabel, raw ----

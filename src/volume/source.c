@@ -112,19 +112,40 @@ static void apply_spacing(iso_volume_source *source)
     g->origin_mm = iso_add(g->origin_mm, iso_sub(center, iso_geometry_box_center_mm(g)));
 }
 
+/* The bytes of what FILE:PART names before a colon; all of them where a file has the whole name, or none has a part. */
+static size_t path_bytes(const char *path)
+{
+    struct stat st;
+    for (const char *at = stat(path, &st) == 0 ? NULL : strchr(path, ':'); at; at = strchr(at + 1, ':')) {
+        char *before = strndup(path, (size_t)(at - path));
+        const bool found = before && *before && stat(before, &st) == 0;
+        free(before);
+        if (found && at[1])
+            return (size_t)(at - path);
+    }
+    return strlen(path);
+}
+
 static iso_status new_source(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
                              iso_error *err)
 {
     struct stat st;
     *source = NULL;
-    if (stat(path, &st) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
-        return iso_fail(err, ISO_E_IO, "%s: is neither a regular file nor a folder", path);
     iso_volume_source *s = calloc(1, sizeof *s);
+    const size_t bytes = path_bytes(path);
     if (s)
-        s->path = strdup(path);
-    if (!s || !s->path) {
+        s->path = strndup(path, bytes);
+    if (s && path[bytes])
+        s->part = strdup(path + bytes + 1);
+    if (s && s->path && stat(s->path, &st) != 0) {
+        iso_source_close(s);
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    }
+    if (s && s->path && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode)) {
+        iso_source_close(s);
+        return iso_fail(err, ISO_E_IO, "%s: is neither a regular file nor a folder", path);
+    }
+    if (!s || !s->path || (path[bytes] && !s->part)) {
         iso_source_close(s);
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     }
@@ -161,6 +182,15 @@ static void list_formats(char *text, size_t size)
                                        f->starts);
 }
 
+static iso_status open_as(const iso_volume_format *f, iso_volume_source *s, iso_error *err)
+{
+    if (s->part && !f->takes_part)
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s:%s: a file of this kind (%s) is one volume, \":%s\" names none of several", s->path,
+                        s->part, f->title, s->part);
+    return f->open(s, err);
+}
+
 /* The file or folder that no format's first bytes name. */
 static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err)
 {
@@ -168,7 +198,7 @@ static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err
     *found = false;
     for (size_t i = 0; (f = iso_volume_format_at(i)) && !*found; ++i)
         if (f->probe_path && (*found = f->probe_path(s->path)))
-            return f->open(s, err);
+            return open_as(f, s, err);
     return ISO_OK;
 }
 
@@ -189,14 +219,14 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     const iso_volume_format *f;
     for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
         if (f->probe && f->probe(head, size))
-            return f->open(s, err);
+            return open_as(f, s, err);
     status = open_by_path(s, &found, err);
     if (found)
         return status;
     char shown[9] = "";
     for (size_t i = 0; i < 8 && i < size; ++i)
         shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
-    char known[512];
+    char known[768];
     list_formats(known, sizeof known);
     return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s",
                     s->path, shown, known);

@@ -232,5 +232,6 @@ void iso_source_close(iso_volume_source *s)
         s->close_reader(s);
     free(s->preloaded);
     free(s->path);
+    free(s->part);
     free(s);
 }

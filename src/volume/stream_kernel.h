@@ -11,6 +11,7 @@
 
 struct iso_volume_source {
     char *path; /* a file, or a folder */
+    char *part; /* which of the volumes that it holds, of FILE:PART; NULL: the only one */
     iso_volume_hints hints;
     iso_volume header;
     FILE *file; /* plain samples, or */

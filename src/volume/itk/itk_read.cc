@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* itk_read.cc - the program isoshade-itk: volumes by ITK's readers (itk_stream.h). A file that holds a volume is read
+/* itk_read.cc - the program isoshade-itk: volumes by ITK's readers (child_stream.h). A file that holds a volume is read
  * at once; slices in files of their own are read one after the other. */
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
 #include <itkMetaDataObject.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -114,10 +113,8 @@ const Series &choose(const std::vector<Series> &all, const char *wanted, const s
 
 /* ---- a volume ---- */
 
-class Reader {
+class Reader : public PlaneReader {
 public:
-    iso_itk_header header{};
-
     Reader(const std::string &path, const char *series)
     {
         if (!std::filesystem::is_directory(path))
@@ -128,11 +125,10 @@ public:
             open_pictures(path);
     }
 
-    void read(size_t plane_count, char *out)
+    void read_plane(char *out, size_t plane) override
     {
-        const size_t plane = header.size[0] * header.size[1] * bytes_of(header.type);
-        for (size_t i = 0; i < plane_count; ++i, ++next_)
-            read_plane(out + i * plane, plane);
+        take_plane(out, plane);
+        ++next_;
     }
 
 private:
@@ -146,11 +142,19 @@ private:
         header.size[1] = s.size[1];
         header.size[2] = planes;
         header.type = s.type;
+        header.world = ISO_CHILD_CENTERED;
         for (int a = 0; a < 3; ++a) {
-            header.first_mm[a] = s.first[a];
+            header.first[a] = s.first[a];
             for (int r = 0; r < 3; ++r)
-                header.step_mm[a][r] = s.step[a][r];
+                header.step[a][r] = s.step[a][r];
         }
+    }
+
+    void set_patient()
+    {
+        header.world = ISO_CHILD_LPS;
+        for (auto &unit : header.unit)
+            snprintf(unit, sizeof unit, "mm");
     }
 
     void open_file(const std::string &path)
@@ -159,8 +163,9 @@ private:
         if (s.size[2] < 2)
             fail(ISO_E_FORMAT, path + ": is one slice; a volume is the folder of its slices");
         take_header(s, s.size[2]);
-        header.is_patient = is_dicom(s);
-        if (!header.is_patient && s.io->GetSpacing(2) <= 0)
+        if (is_patient(s))
+            set_patient();
+        if (!is_patient(s) && s.io->GetSpacing(2) <= 0)
             snprintf(header.unspaced, sizeof header.unspaced, "of its voxels");
         slices_.push_back(s);
     }
@@ -183,16 +188,16 @@ private:
         std::sort(slices_.begin(), slices_.end(), [&](const Slice &a, const Slice &b) { return along(a) < along(b); });
         take_header(slices_[0], slices_.size());
         for (int r = 0; r < 3; ++r)
-            header.step_mm[2][r] = (slices_.back().first[r] - slices_[0].first[r]) /
-                                   static_cast<double>(slices_.size() - 1);
+            header.step[2][r] = (slices_.back().first[r] - slices_[0].first[r]) /
+                                static_cast<double>(slices_.size() - 1);
         check_steps(folder);
-        header.is_patient = true;
+        set_patient();
     }
 
     /* A missing slice, time steps, or echoes of one place. */
     void check_steps(const std::string &folder) const
     {
-        const double *mean = header.step_mm[2], length = std::hypot(mean[0], mean[1], mean[2]);
+        const double *mean = header.step[2], length = std::hypot(mean[0], mean[1], mean[2]);
         double widest = 0, off_by = 0;
         std::string behind;
         for (size_t i = 1; i < slices_.size(); ++i) {
@@ -244,7 +249,7 @@ private:
         take_header(slices_[0], slices_.size());
         for (int a = 0; a < 3; ++a)
             for (int r = 0; r < 3; ++r)
-                header.step_mm[a][r] = a == r;
+                header.step[a][r] = a == r;
         snprintf(header.unspaced, sizeof header.unspaced, "of its voxels, as pictures do not");
     }
 
@@ -271,7 +276,7 @@ private:
         }
     }
 
-    void read_plane(char *out, size_t plane)
+    void take_plane(char *out, size_t plane)
     {
         if (slices_.size() == 1) {
             if (whole_.empty()) {
@@ -302,72 +307,15 @@ void be_silent()
     gdcm::Trace::DebugOff();
 }
 
-/* ITK's text has lines of where it was thrown, and its own words before the cause. */
-std::string cause_of(const itk::ExceptionObject &e)
+std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &wanted)
 {
-    std::string text = e.GetDescription();
-    for (size_t at; (at = text.find('\n')) != std::string::npos;)
-        text.replace(at, 1, " ");
-    const size_t at = text.find("): ");
-    return text.compare(0, 4, "ITK ") == 0 && at != std::string::npos ? text.substr(at + 3) : text;
-}
-
-/* Runs what may throw. */
-template <typename Work> iso_itk_answer guarded(const std::string &path, Work work)
-{
-    iso_itk_answer answer{};
-    std::string text;
-    try {
-        work();
-    } catch (const Failure &f) {
-        answer.status = f.status, text = f.text;
-    } catch (const itk::ExceptionObject &e) {
-        answer.status = ISO_E_FORMAT, text = path + ": ITK: " + cause_of(e);
-    } catch (const std::bad_alloc &) {
-        answer.status = ISO_E_MEMORY, text = path + ": out of memory";
-    } catch (const std::exception &e) {
-        answer.status = ISO_E_FORMAT, text = path + ": " + e.what();
-    }
-    snprintf(answer.error.text, sizeof answer.error.text, "%s", text.c_str());
-    return answer;
-}
-
-/* False when nobody reads any more. */
-bool put(FILE *out, const void *data, size_t bytes)
-{
-    return fwrite(data, 1, bytes, out) == bytes;
-}
-
-int write_volume(const char *path, const char *series, FILE *out)
-{
-    std::unique_ptr<Reader> reader;
-    iso_itk_header header{};
-    const iso_itk_answer opened = guarded(path, [&] {
-        reader = std::make_unique<Reader>(path, series);
-        header = reader->header;
-    });
-    header.answer = opened;
-    snprintf(header.version, sizeof header.version, "%s", ISO_VERSION);
-    if (!put(out, &header, sizeof header) || fflush(out) != 0 || opened.status != ISO_OK)
-        return opened.status;
-    std::vector<char> plane(header.size[0] * header.size[1] * bytes_of(header.type));
-    iso_itk_answer answer{};
-    for (size_t z = 0; z < header.size[2] && answer.status == ISO_OK; ++z) {
-        answer = guarded(path, [&] { reader->read(1, plane.data()); });
-        if (!put(out, &answer, sizeof answer) || (answer.status == ISO_OK && !put(out, plane.data(), plane.size())))
-            return ISO_E_IO;
-    }
-    return fflush(out) == 0 ? answer.status : ISO_E_IO;
+    return std::make_unique<Reader>(path, wanted.part.empty() ? nullptr : wanted.part.c_str());
 }
 
 } // namespace
 
-/* isoshade-itk PATH [SERIES]: only isoshade starts it. Its output is ours alone: libraries that print do so elsewhere. */
 int main(int argc, char **argv)
 {
-    FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
-    if (argc < 2 || !out || !freopen("/dev/null", "w", stdout))
-        return ISO_E_USAGE;
     be_silent();
-    return write_volume(argv[1], argc > 2 ? argv[2] : nullptr, out);
+    return run_child({open_reader, cause_of}, argc, argv);
 }

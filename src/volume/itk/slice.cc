@@ -30,8 +30,8 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 {
     using Type = itk::IOComponentEnum;
     if (io.GetNumberOfComponents() != 1)
-        fail(ISO_E_FORMAT,
-             path + ": " + std::to_string(io.GetNumberOfComponents()) + " components a voxel, which is not read of this format");
+        fail(ISO_E_FORMAT, path + ": " + std::to_string(io.GetNumberOfComponents()) +
+                               " components a voxel, which is not read of this format");
     switch (io.GetComponentType()) {
     case Type::UCHAR: return ISO_U8;
     case Type::CHAR: return ISO_I8;
@@ -49,6 +49,17 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 
 } // namespace
 
+/* ITK's text has lines of where it was thrown, and its own words before the cause. */
+std::string cause_of(const std::exception &e)
+{
+    const auto *itk = dynamic_cast<const itk::ExceptionObject *>(&e);
+    if (!itk)
+        return e.what();
+    const std::string text = itk->GetDescription();
+    const size_t at = text.find("): ");
+    return "ITK: " + (text.compare(0, 4, "ITK ") == 0 && at != std::string::npos ? text.substr(at + 3) : text);
+}
+
 Slice open_slice(const std::string &path)
 {
     Slice s;
@@ -57,7 +68,11 @@ Slice open_slice(const std::string &path)
     if (!s.io)
         fail(ISO_E_FORMAT, path + ": not a file that ITK reads");
     s.io->SetFileName(path);
-    s.io->ReadImageInformation();
+    try {
+        s.io->ReadImageInformation();
+    } catch (const itk::ExceptionObject &e) {
+        fail(ISO_E_FORMAT, path + ": " + cause_of(e));
+    }
     const unsigned axes = s.io->GetNumberOfDimensions();
     for (unsigned a = 3; a < axes; ++a)
         if (s.io->GetDimensions(a) != 1)
@@ -102,6 +117,18 @@ void check_samples_are_there(const Slice &s)
     }
 }
 
+/* The decoder draws gray for what a truncated file lacks; a whole one has its end marker, and padding at most behind it. */
+void check_jpeg_end(const Slice &s)
+{
+    const size_t size = std::filesystem::file_size(s.path), look = std::min<size_t>(size, 4096);
+    std::string end(look, 0);
+    std::ifstream file(s.path, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(size - look));
+    file.read(&end[0], static_cast<std::streamsize>(look));
+    if (dynamic_cast<const itk::JPEGImageIO *>(s.io.GetPointer()) && end.find("\xff\xd9") == std::string::npos)
+        fail(ISO_E_FORMAT, s.path + ": truncated: a JPEG file without its end marker");
+}
+
 } // namespace
 
 void read_samples(const Slice &s, char *out, size_t bytes)
@@ -116,22 +143,15 @@ void read_samples(const Slice &s, char *out, size_t bytes)
         fail(ISO_E_FORMAT, s.path + ": holds " + std::to_string(s.io->GetImageSizeInBytes()) +
                                " bytes of samples, not " + std::to_string(bytes));
     check_samples_are_there(s);
-    s.io->Read(out);
+    check_jpeg_end(s);
+    try {
+        s.io->Read(out);
+    } catch (const itk::ExceptionObject &e) { /* of a folder, the file is to be named */
+        fail(ISO_E_FORMAT, s.path + ": " + cause_of(e));
+    }
 }
 
-bool is_dicom(const Slice &s)
+bool is_patient(const Slice &s)
 {
     return dynamic_cast<const itk::GDCMImageIO *>(s.io.GetPointer()) != nullptr;
-}
-
-size_t bytes_of(iso_type type)
-{
-    switch (type) {
-    case ISO_U8:
-    case ISO_I8: return 1;
-    case ISO_U16:
-    case ISO_I16: return 2;
-    case ISO_F64: return 8;
-    default: return 4;
-    }
 }

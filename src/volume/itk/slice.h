@@ -8,20 +8,9 @@
 #include <array>
 #include <string>
 
-#include "volume/itk_stream.h"
+#include "volume/child_writer.h"
 
 using Vector = std::array<double, 3>;
-
-/* What is wrong, for the one line that a person reads. */
-struct Failure {
-    iso_status status;
-    std::string text;
-};
-
-[[noreturn]] inline void fail(iso_status status, const std::string &text)
-{
-    throw Failure{status, text};
-}
 
 /* A file's header. */
 struct Slice {
@@ -35,10 +24,12 @@ struct Slice {
 
 /* Its header; throws Failure, or ITK's own. */
 Slice open_slice(const std::string &path);
-bool is_dicom(const Slice &s);
-
-size_t bytes_of(iso_type type);
+/* Whether it has a place in a patient: DICOM. */
+bool is_patient(const Slice &s);
 /* All samples of the file; `bytes` is what the header says they take. */
 void read_samples(const Slice &s, char *out, size_t bytes);
+
+/* What an exception says. */
+std::string cause_of(const std::exception &e);
 
 #endif

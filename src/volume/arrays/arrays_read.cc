@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+/* arrays_read.cc - the program isoshade-arrays: one array of an HDF5, netCDF, MINC or Zarr file as a volume. */
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "volume/arrays/placement.h"
+#include "volume/arrays/store.h"
+
+namespace {
+
+constexpr size_t SLAB_BYTES = 256 << 20;
+
+std::unique_ptr<Store> open_store(const std::string &path)
+{
+    char head[4] = "";
+    if (std::filesystem::is_directory(path))
+        return open_zarr(path);
+    std::ifstream(path, std::ios::binary).read(head, 4);
+    return memcmp(head, "CDF", 3) == 0 ? open_netcdf(path) : open_hdf5(path);
+}
+
+std::string sizes_of(const Array &array)
+{
+    std::string text;
+    for (size_t a = array.size.size(); a-- > 0;)
+        text += std::to_string(array.size[a]) + (a ? " x " : "");
+    return text;
+}
+
+bool is_grid(const Array &array)
+{
+    return array.size.size() >= 3;
+}
+
+/* For messages: the first dozen. */
+std::string list_of(const std::vector<Array> &all)
+{
+    std::string text;
+    size_t count = 0;
+    for (const auto &array : all)
+        if (is_grid(array) && ++count <= 12)
+            text += (text.empty() ? "" : ", ") + array.name + " (" + sizes_of(array) + ")";
+    return count > 12 ? text + " and " + std::to_string(count - 12) + " more" : text;
+}
+
+const Array &choose(const std::vector<Array> &all, std::string wanted, const std::string &path)
+{
+    const size_t grids = static_cast<size_t>(std::count_if(all.begin(), all.end(), is_grid));
+    while (!wanted.empty() && wanted[0] == '/')
+        wanted.erase(0, 1);
+    for (const auto &array : all)
+        if (array.name == wanted && is_grid(array))
+            return array;
+    if (wanted.empty() && grids == 1)
+        return *std::find_if(all.begin(), all.end(), is_grid);
+    if (grids == 0)
+        fail(ISO_E_FORMAT, path + ": holds no dataset of three axes");
+    fail(ISO_E_USAGE, path +
+                          (wanted.empty() ? ": holds " + std::to_string(grids) + " datasets of three axes or more"
+                                          : ": has no dataset \"" + wanted + "\" of three axes") +
+                          ", FILE:DATASET must name one of: " + list_of(all));
+}
+
+/* An array's axes: those of the grid, the fastest first, and what others it has. */
+struct Axes {
+    size_t space[3] = {};
+    long frame = -1, channel = -1;
+};
+
+[[noreturn]] void refuse_axes(const Array &array, const std::string &path)
+{
+    std::string names;
+    for (const auto &name : array.axes)
+        names += name.empty() ? "" : (names.empty() ? " (" : ", ") + name;
+    fail(ISO_E_FORMAT, path + ": " + sizes_of(array) + " samples along " + std::to_string(array.size.size()) + " axes" +
+                           (names.empty() ? " without names" : names + ", the last the fastest)") +
+                           ": which are a volume's three is not said");
+}
+
+bool is_channel(const std::string &name)
+{
+    return name == "c" || name == "channel" || name == "channels" || name == "band" || name == "component";
+}
+
+/* Axes of one sample are left out until three are there; else x, y and z have to be known by their names. */
+Axes axes_of(const Array &array, const std::string &path)
+{
+    Axes axes;
+    std::vector<size_t> left(array.size.size()), space;
+    for (size_t a = 0; a < left.size(); ++a)
+        left[a] = a;
+    for (size_t i = 0; left.size() > 3 && i < left.size();)
+        if (array.size[left[i]] == 1 && world_axis_of(array.axes[left[i]], "") < 0)
+            left.erase(left.begin() + static_cast<long>(i));
+        else
+            ++i;
+    int seen = 0;
+    for (const size_t a : left) {
+        const int world = world_axis_of(array.axes[a], "");
+        const bool is_space = left.size() == 3 || world >= 0;
+        if (is_space)
+            space.push_back(a), seen |= world < 0 ? 0 : 1 << world;
+        else if (is_channel(array.axes[a]) && axes.channel < 0)
+            axes.channel = static_cast<long>(a);
+        else if (axes.frame < 0)
+            axes.frame = static_cast<long>(a);
+        else
+            refuse_axes(array, path);
+    }
+    if (space.size() != 3 || (left.size() > 3 && seen != 7))
+        refuse_axes(array, path);
+    for (size_t a = 0; a < 3; ++a)
+        axes.space[a] = space[2 - a];
+    return axes;
+}
+
+class ArrayReader : public PlaneReader {
+public:
+    ArrayReader(const std::string &path, const Wanted &wanted) : store_(open_store(path)), wanted_(wanted)
+    {
+        const std::string main = wanted.part.empty() ? store_->main_array() : wanted.part;
+        array_ = choose(store_->arrays(), main, path);
+        shown_ = array_.name.empty() ? path : path + ":" + array_.name;
+        if (!array_.refused.empty())
+            fail(ISO_E_FORMAT, shown_ + ": " + array_.refused);
+        axes_ = axes_of(array_, shown_);
+        for (int a = 0; a < 3; ++a)
+            header.size[a] = array_.size[axes_.space[a]];
+        take_choices();
+        if (std::count(header.size, header.size + 3, 0))
+            fail(ISO_E_FORMAT, shown_ + ": has no samples: " + sizes_of(array_));
+        header.type = array_.type;
+        place(*store_, array_, axes_.space, shown_, header);
+        scales_ = take_scale(*store_, array_, header.size[2], shown_, header);
+        if (!scales_.slope.empty())
+            header.type = ISO_F32;
+    }
+
+    void read_plane(char *out, size_t) override
+    {
+        const size_t count = header.size[0] * header.size[1], plane = count * bytes_of(array_.type);
+        if (next_ >= slab_first_ + slab_planes_)
+            load_slab(plane);
+        const char *from = slab_.data() + (next_ - slab_first_) * plane;
+        if (scales_.slope.empty())
+            memcpy(out, from, plane);
+        else
+            scale(from, count, scales_.slope[next_], scales_.intercept[next_], reinterpret_cast<float *>(out));
+        ++next_;
+    }
+
+private:
+    std::unique_ptr<Store> store_;
+    Array array_;
+    std::string shown_;
+    Wanted wanted_;
+    Axes axes_;
+    SliceScales scales_;
+    std::vector<char> slab_; /* planes that chunks hold together */
+    size_t slab_first_ = 0, slab_planes_ = 0, next_ = 0;
+
+    void take_choices()
+    {
+        header.frames = axes_.frame < 0 ? 1 : array_.size[static_cast<size_t>(axes_.frame)];
+        header.channels = axes_.channel < 0 ? 1 : array_.size[static_cast<size_t>(axes_.channel)];
+        const auto names = store_->channel_names(array_);
+        for (size_t c = 0; c < names.size() && c < sizeof header.channel_name / sizeof *header.channel_name; ++c)
+            snprintf(header.channel_name[c], sizeof header.channel_name[c], "%s", names[c].c_str());
+        if (wanted_.frame >= header.frames || wanted_.channel >= header.channels)
+            fail(ISO_E_RANGE, shown_ + ": has no such frame or channel");
+    }
+
+    void load_slab(size_t plane)
+    {
+        const size_t fits = std::max<size_t>(SLAB_BYTES / plane, 1);
+        const size_t axis = axes_.space[2],
+                     chunk = axis < array_.chunk.size() ? std::max<size_t>(array_.chunk[axis], 1) : 1;
+        slab_first_ = next_;
+        slab_planes_ = std::min({chunk, fits, header.size[2] - next_});
+        slab_.resize(slab_planes_ * plane);
+        std::vector<size_t> start(array_.size.size(), 0), count(array_.size.size(), 1);
+        for (const size_t a : axes_.space)
+            count[a] = array_.size[a];
+        start[axis] = slab_first_;
+        count[axis] = slab_planes_;
+        if (axes_.frame >= 0)
+            start[static_cast<size_t>(axes_.frame)] = wanted_.frame;
+        if (axes_.channel >= 0)
+            start[static_cast<size_t>(axes_.channel)] = wanted_.channel;
+        store_->read(array_, start, count, slab_.data());
+    }
+
+    template <typename T>
+    static void scale_as(const char *from, size_t count, double slope, double intercept, float *out)
+    {
+        for (size_t i = 0; i < count; ++i) {
+            T value;
+            memcpy(&value, from + i * sizeof value, sizeof value);
+            out[i] = static_cast<float>(slope * static_cast<double>(value) + intercept);
+        }
+    }
+
+    void scale(const char *from, size_t count, double slope, double intercept, float *out) const
+    {
+        switch (array_.type) {
+        case ISO_U8: return scale_as<uint8_t>(from, count, slope, intercept, out);
+        case ISO_I8: return scale_as<int8_t>(from, count, slope, intercept, out);
+        case ISO_U16: return scale_as<uint16_t>(from, count, slope, intercept, out);
+        case ISO_I16: return scale_as<int16_t>(from, count, slope, intercept, out);
+        case ISO_U32: return scale_as<uint32_t>(from, count, slope, intercept, out);
+        case ISO_I32: return scale_as<int32_t>(from, count, slope, intercept, out);
+        case ISO_F32: return scale_as<float>(from, count, slope, intercept, out);
+        case ISO_F64: return scale_as<double>(from, count, slope, intercept, out);
+        }
+    }
+};
+
+std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &wanted)
+{
+    return std::make_unique<ArrayReader>(path, wanted);
+}
+
+std::string cause_of(const std::exception &e)
+{
+    return e.what();
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    return run_child({open_reader, cause_of}, argc, argv);
+}

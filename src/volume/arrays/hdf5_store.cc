@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/* hdf5_store.cc - HDF5, and what is HDF5: netCDF-4, MINC 2. */
+#include <hdf5.h>
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <map>
+
+#include "volume/arrays/store.h"
+
+namespace {
+
+/* Closes what HDF5 opened. */
+class Handle {
+public:
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+    Handle(const Handle &) = delete;
+    Handle &operator=(const Handle &) = delete;
+    ~Handle()
+    {
+        if (id_ >= 0)
+            close_(id_);
+    }
+    operator hid_t() const
+    {
+        return id_;
+    }
+
+private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/* HDF5 has a text for each step that failed; the innermost says why. */
+std::string why()
+{
+    std::string text = "cannot be read";
+    H5Ewalk2(
+        H5E_DEFAULT, H5E_WALK_UPWARD,
+        [](unsigned n, const H5E_error2_t *e, void *out) -> herr_t {
+            if (n == 0 && e->desc)
+                *static_cast<std::string *>(out) = e->desc;
+            return 0;
+        },
+        &text);
+    return text;
+}
+
+/* Half floats, and what else a float holds, are given as float. */
+bool type_of(hid_t stored, iso_type &type, std::string &refused)
+{
+    const H5T_class_t kind = H5Tget_class(stored);
+    const size_t bytes = H5Tget_size(stored);
+    if (kind == H5T_FLOAT && bytes <= 8) {
+        type = bytes <= 4 ? ISO_F32 : ISO_F64;
+        return true;
+    }
+    if (kind == H5T_ENUM && bytes == 1) { /* Booleans, as h5py writes them */
+        type = ISO_U8;
+        return true;
+    }
+    if (kind == H5T_INTEGER && (bytes == 1 || bytes == 2 || bytes == 4)) {
+        const bool is_signed = H5Tget_sign(stored) == H5T_SGN_2;
+        type = bytes == 1   ? is_signed ? ISO_I8 : ISO_U8
+               : bytes == 2 ? is_signed ? ISO_I16 : ISO_U16
+               : is_signed  ? ISO_I32
+                            : ISO_U32;
+        return true;
+    }
+    refused = kind == H5T_INTEGER    ? "integers of " + std::to_string(8 * bytes) + " bits"
+              : kind == H5T_FLOAT    ? "floats of " + std::to_string(8 * bytes) + " bits"
+              : kind == H5T_STRING   ? "text"
+              : kind == H5T_COMPOUND ? "several components a voxel"
+                                     : "a type that is no number";
+    return false;
+}
+
+hid_t memory_type(iso_type type)
+{
+    switch (type) {
+    case ISO_U8: return H5T_NATIVE_UINT8;
+    case ISO_I8: return H5T_NATIVE_INT8;
+    case ISO_U16: return H5T_NATIVE_UINT16;
+    case ISO_I16: return H5T_NATIVE_INT16;
+    case ISO_U32: return H5T_NATIVE_UINT32;
+    case ISO_I32: return H5T_NATIVE_INT32;
+    case ISO_F32: return H5T_NATIVE_FLOAT;
+    case ISO_F64: return H5T_NATIVE_DOUBLE;
+    }
+    return H5T_NATIVE_DOUBLE;
+}
+
+class Hdf5 : public Store {
+public:
+    explicit Hdf5(const std::string &path) : path_(path), file_(open(path), H5Fclose)
+    {
+        if (file_ < 0)
+            fail(ISO_E_FORMAT, path + ": HDF5: " + why());
+    }
+
+    std::vector<Array> arrays() override
+    {
+        names_.clear();
+        const herr_t done = H5Lvisit_by_name(
+            file_, "/", H5_INDEX_NAME, H5_ITER_INC,
+            [](hid_t group, const char *name, const H5L_info_t *, void *self) -> herr_t {
+                static_cast<Hdf5 *>(self)->note(group, name);
+                return 0;
+            },
+            this, H5P_DEFAULT);
+        if (done < 0)
+            fail(ISO_E_FORMAT, path_ + ": HDF5: " + why());
+        std::vector<Array> all;
+        for (const auto &name : names_)
+            all.push_back(describe(name));
+        return all;
+    }
+
+    std::vector<double> numbers(const std::string &array, const std::string &attribute) override
+    {
+        const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
+        const Handle a(object >= 0 && H5Aexists(object, attribute.c_str()) > 0
+                           ? H5Aopen(object, attribute.c_str(), H5P_DEFAULT)
+                           : -1,
+                       H5Aclose);
+        if (a < 0)
+            return {};
+        const Handle type(H5Aget_type(a), H5Tclose), space(H5Aget_space(a), H5Sclose);
+        const hssize_t n = H5Sget_simple_extent_npoints(space);
+        if ((H5Tget_class(type) != H5T_FLOAT && H5Tget_class(type) != H5T_INTEGER) || n < 1 || n > 1 << 16)
+            return {};
+        std::vector<double> values(static_cast<size_t>(n));
+        return H5Aread(a, H5T_NATIVE_DOUBLE, values.data()) < 0 ? std::vector<double>{} : values;
+    }
+
+    std::string text(const std::string &array, const std::string &attribute) override
+    {
+        const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
+        const Handle a(object >= 0 && H5Aexists(object, attribute.c_str()) > 0
+                           ? H5Aopen(object, attribute.c_str(), H5P_DEFAULT)
+                           : -1,
+                       H5Aclose);
+        if (a < 0)
+            return "";
+        const Handle type(H5Aget_type(a), H5Tclose), space(H5Aget_space(a), H5Sclose);
+        if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+            return "";
+        if (H5Tis_variable_str(type) > 0) {
+            char *read = nullptr;
+            const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+            H5Tset_size(memory, H5T_VARIABLE);
+            H5Tset_cset(memory, H5Tget_cset(type));
+            std::string result = H5Aread(a, memory, &read) >= 0 && read ? read : "";
+            if (read)
+                H5free_memory(read);
+            return result;
+        }
+        const size_t bytes = H5Tget_size(type);
+        if (bytes == 0 || bytes > 1 << 16)
+            return "";
+        std::string result(bytes, 0);
+        if (H5Aread(a, type, &result[0]) < 0)
+            return "";
+        result.resize(strnlen(result.c_str(), bytes));
+        return result;
+    }
+
+    std::string coordinate(const Array &array, size_t axis) override
+    {
+        const Handle set(H5Dopen2(file_, array.name.c_str(), H5P_DEFAULT), H5Dclose);
+        std::string name = scale(set, static_cast<unsigned>(axis));
+        /* netCDF has dimensions without coordinates, too. */
+        return name.empty() || text(name, "NAME").rfind("This is a netCDF dimension but not", 0) == 0 ? "" : name;
+    }
+
+    std::vector<double> values(const std::string &array) override
+    {
+        const Handle set(H5Dopen2(file_, array.c_str(), H5P_DEFAULT), H5Dclose);
+        const Handle space(set >= 0 ? H5Dget_space(set) : -1, H5Sclose);
+        const hssize_t n = space >= 0 ? H5Sget_simple_extent_npoints(space) : 0;
+        if (n < 1 || n > 1 << 24)
+            return {};
+        std::vector<double> all(static_cast<size_t>(n));
+        if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+            return {};
+        return all;
+    }
+
+    void read(const Array &array, const std::vector<size_t> &start, const std::vector<size_t> &count,
+              void *out) override
+    {
+        if (set_name_ != array.name) {
+            set_ = std::make_unique<Handle>(H5Dopen2(file_, array.name.c_str(), H5P_DEFAULT), H5Dclose);
+            set_name_ = array.name;
+        }
+        const Handle space(H5Dget_space(*set_), H5Sclose), type(H5Dget_type(*set_), H5Tclose);
+        const std::vector<hsize_t> from(start.begin(), start.end()), n(count.begin(), count.end());
+        const Handle memory(H5Screate_simple(static_cast<int>(n.size()), n.data(), nullptr), H5Sclose);
+        const hid_t as = H5Tget_class(type) == H5T_ENUM ? static_cast<hid_t>(type) : memory_type(array.type);
+        if (H5Sselect_hyperslab(space, H5S_SELECT_SET, from.data(), nullptr, n.data(), nullptr) < 0 ||
+            H5Dread(*set_, as, memory, space, H5P_DEFAULT, out) < 0)
+            fail(ISO_E_FORMAT, path_ + ": dataset " + array.name + ": damaged or truncated: HDF5: " + why());
+    }
+
+private:
+    std::string path_;
+    Handle file_;
+    std::vector<std::string> names_;
+    std::unique_ptr<Handle> set_;
+    std::string set_name_;
+
+    void note(hid_t group, const char *name)
+    {
+        const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
+        if (object >= 0 && H5Iget_type(object) == H5I_DATASET)
+            names_.push_back(name);
+    }
+
+    static hid_t open(const std::string &path)
+    {
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+        return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    }
+
+    /* The path of the scale that is attached to an axis. */
+    static std::string scale(hid_t set, unsigned axis)
+    {
+        std::string name;
+        if (set >= 0 && H5DSget_num_scales(set, axis) > 0)
+            H5DSiterate_scales(
+                set, axis, nullptr,
+                [](hid_t, unsigned, hid_t found, void *out) -> herr_t {
+                    char path[256] = "";
+                    if (H5Iget_name(found, path, sizeof path) > 0)
+                        *static_cast<std::string *>(out) = path[0] == '/' ? path + 1 : path;
+                    return 1;
+                },
+                &name);
+        return name;
+    }
+
+    static std::string axis_name(hid_t set, unsigned axis)
+    {
+        char label[64] = "";
+        if (H5DSget_label(set, axis, label, sizeof label) > 0 && label[0])
+            return label;
+        const std::string name = scale(set, axis);
+        return name.substr(name.find_last_of('/') + 1);
+    }
+
+    static std::string missing_filter(hid_t list)
+    {
+        for (int i = 0; i < H5Pget_nfilters(list); ++i) {
+            unsigned flags = 0, config = 0;
+            size_t count = 0;
+            char name[64] = "";
+            const H5Z_filter_t id = H5Pget_filter2(list, static_cast<unsigned>(i), &flags, &count, nullptr, sizeof name,
+                                                   name, &config);
+            if (id >= 0 && H5Zfilter_avail(id) <= 0)
+                return "packed by filter " + std::to_string(id) + (name[0] ? " (" + std::string(name) + ")" : "") +
+                       ", which HDF5 has no plugin for";
+        }
+        return "";
+    }
+
+    Array describe(const std::string &name)
+    {
+        Array array;
+        array.name = name;
+        const Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+        const Handle space(set >= 0 ? H5Dget_space(set) : -1, H5Sclose),
+            type(set >= 0 ? H5Dget_type(set) : -1, H5Tclose);
+        const Handle list(set >= 0 ? H5Dget_create_plist(set) : -1, H5Pclose);
+        hsize_t size[H5S_MAX_RANK], chunk[H5S_MAX_RANK];
+        const int rank = space >= 0 ? H5Sget_simple_extent_dims(space, size, nullptr) : -1;
+        if (rank < 0 || type < 0 || list < 0) {
+            array.refused = "damaged: HDF5: " + why();
+            return array;
+        }
+        array.size.assign(size, size + rank);
+        for (int a = 0; a < rank; ++a)
+            array.axes.push_back(axis_name(set, static_cast<unsigned>(a)));
+        take_minc_axes(array);
+        if (type_of(type, array.type, array.refused))
+            array.refused = missing_filter(list);
+        if (H5Pget_layout(list) == H5D_CHUNKED && H5Pget_chunk(list, rank, chunk) == rank)
+            array.chunk.assign(chunk, chunk + rank);
+        else if (array.refused.empty())
+            check_storage(set, type, size, rank, array);
+        return array;
+    }
+
+    /* MINC 2 names them in an attribute: "zspace,yspace,xspace". */
+    void take_minc_axes(Array &array)
+    {
+        std::string names = text(array.name, "dimorder") + ",";
+        if (std::count(names.begin(), names.end(), ',') == static_cast<long>(array.axes.size()))
+            for (auto &axis : array.axes) {
+                axis = names.substr(0, names.find(','));
+                names.erase(0, names.find(',') + 1);
+            }
+    }
+
+    /* Samples that were never written, or that a truncated file lacks. */
+    static void check_storage(hid_t set, hid_t type, const hsize_t *size, int rank, Array &array)
+    {
+        double need = static_cast<double>(H5Tget_size(type));
+        for (int a = 0; a < rank; ++a)
+            need *= static_cast<double>(size[a]);
+        const double there = static_cast<double>(H5Dget_storage_size(set));
+        if (there < need)
+            array.refused = "truncated: holds " + std::to_string(static_cast<unsigned long long>(there)) +
+                            " bytes of samples, needs " + std::to_string(static_cast<unsigned long long>(need));
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Store> open_hdf5(const std::string &path)
+{
+    return std::make_unique<Hdf5>(path);
+}

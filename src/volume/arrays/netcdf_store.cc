@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/* netcdf_store.cc - netCDF's classic files, and MINC 1, which is of these. netCDF-4 is HDF5. */
+#include <netcdf.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "volume/arrays/store.h"
+
+namespace {
+
+class NetCdf : public Store {
+public:
+    explicit NetCdf(const std::string &path) : path_(path)
+    {
+        const int code = nc_open(path.c_str(), NC_NOWRITE, &file_);
+        if (code != NC_NOERR)
+            fail(ISO_E_FORMAT, path + ": netCDF: " + nc_strerror(code));
+        check_bytes();
+    }
+    ~NetCdf() override
+    {
+        nc_close(file_);
+    }
+
+    std::vector<Array> arrays() override
+    {
+        int count = 0;
+        check(nc_inq_nvars(file_, &count), "its header");
+        std::vector<Array> all;
+        for (int v = 0; v < count; ++v)
+            all.push_back(describe(v));
+        return all;
+    }
+
+    std::vector<double> numbers(const std::string &array, const std::string &attribute) override
+    {
+        const int v = find(array);
+        nc_type type;
+        size_t n = 0;
+        if (v < 0 || nc_inq_att(file_, v, attribute.c_str(), &type, &n) != NC_NOERR || type == NC_CHAR || n > 1 << 16)
+            return {};
+        std::vector<double> values(n);
+        return nc_get_att_double(file_, v, attribute.c_str(), values.data()) == NC_NOERR ? values
+                                                                                         : std::vector<double>{};
+    }
+
+    std::string text(const std::string &array, const std::string &attribute) override
+    {
+        const int v = find(array);
+        nc_type type;
+        size_t n = 0;
+        if (v < 0 || nc_inq_att(file_, v, attribute.c_str(), &type, &n) != NC_NOERR || type != NC_CHAR || n > 1 << 16)
+            return "";
+        std::string text(n, 0);
+        if (nc_get_att_text(file_, v, attribute.c_str(), &text[0]) != NC_NOERR)
+            return "";
+        text.resize(strnlen(text.c_str(), n));
+        return text;
+    }
+
+    std::string coordinate(const Array &array, size_t axis) override
+    {
+        const int v = find(array.axes[axis]);
+        int rank = 0, of = -1, dimension = -1;
+        return v >= 0 && nc_inq_varndims(file_, v, &rank) == NC_NOERR && rank == 1 &&
+                       nc_inq_vardimid(file_, v, &of) == NC_NOERR &&
+                       nc_inq_dimid(file_, array.axes[axis].c_str(), &dimension) == NC_NOERR && of == dimension
+                   ? array.axes[axis]
+                   : "";
+    }
+
+    std::vector<double> values(const std::string &array) override
+    {
+        const int v = find(array);
+        if (v < 0)
+            return {};
+        size_t n = 1;
+        for (const size_t size : describe(v).size)
+            n = n > 1 << 24 ? n : n * size;
+        if (n < 1 || n > 1 << 24)
+            return {};
+        std::vector<double> all(n);
+        return nc_get_var_double(file_, v, all.data()) == NC_NOERR ? all : std::vector<double>{};
+    }
+
+    void read(const Array &array, const std::vector<size_t> &start, const std::vector<size_t> &count,
+              void *out) override
+    {
+        check(nc_get_vara(file_, find(array.name), start.data(), count.data(), out), "variable " + array.name);
+    }
+
+private:
+    std::string path_;
+    int file_ = -1;
+
+    void check(int code, const std::string &what) const
+    {
+        if (code != NC_NOERR)
+            fail(ISO_E_FORMAT, path_ + ": " + what + ": damaged or truncated: netCDF: " + nc_strerror(code));
+    }
+
+    static double padded(double bytes)
+    {
+        return 4 * std::ceil(bytes / 4);
+    }
+
+    /* What a list of attributes takes in the header: names, types, counts and values. */
+    double attribute_bytes(int v, int count) const
+    {
+        double bytes = 8;
+        for (int i = 0; i < count; ++i) {
+            char name[NC_MAX_NAME + 1] = "";
+            nc_type type = NC_NAT;
+            size_t n = 0, size = 1;
+            check(nc_inq_attname(file_, v, i, name), "its header");
+            check(nc_inq_att(file_, v, name, &type, &n), "its header");
+            nc_inq_type(file_, type, nullptr, &size);
+            bytes += 12 + padded(static_cast<double>(strlen(name))) + padded(static_cast<double>(n * size));
+        }
+        return bytes;
+    }
+
+    /* The library gives zeros for what a truncated file lacks. The classic format's header and variables take this, and
+     * more in its later versions. */
+    void check_bytes()
+    {
+        int dimensions = 0, count = 0, attributes = 0, of_variable = 0;
+        check(nc_inq(file_, &dimensions, &count, &attributes, nullptr), "its header");
+        double need = 24 + attribute_bytes(NC_GLOBAL, attributes);
+        for (int d = 0; d < dimensions; ++d) {
+            char name[NC_MAX_NAME + 1] = "";
+            check(nc_inq_dimname(file_, d, name), "its header");
+            need += 8 + padded(static_cast<double>(strlen(name)));
+        }
+        for (int v = 0; v < count; ++v) {
+            const Array array = describe(v);
+            double bytes = array.refused.empty() ? static_cast<double>(bytes_of(array.type)) : 1;
+            for (const size_t n : array.size)
+                bytes *= static_cast<double>(n);
+            check(nc_inq_varnatts(file_, v, &of_variable), "its header");
+            need += bytes + 20 + padded(static_cast<double>(array.name.size())) +
+                    4 * static_cast<double>(array.size.size()) + attribute_bytes(v, of_variable);
+        }
+        const double there = static_cast<double>(std::filesystem::file_size(path_));
+        if (there < need)
+            fail(ISO_E_FORMAT, path_ + ": truncated: holds " + std::to_string(static_cast<long long>(there)) +
+                                   " bytes, its variables need " + std::to_string(static_cast<long long>(need)));
+    }
+
+    int find(const std::string &array) const
+    {
+        int v = -1;
+        return nc_inq_varid(file_, array.c_str(), &v) == NC_NOERR ? v : -1;
+    }
+
+    Array describe(int v)
+    {
+        char name[NC_MAX_NAME + 1] = "";
+        int rank = 0, dimensions[NC_MAX_VAR_DIMS];
+        nc_type type = NC_NAT;
+        check(nc_inq_var(file_, v, name, &type, &rank, dimensions, nullptr), "its header");
+        Array array;
+        array.name = name;
+        for (int a = 0; a < rank; ++a) {
+            char axis[NC_MAX_NAME + 1] = "";
+            size_t size = 0;
+            check(nc_inq_dim(file_, dimensions[a], axis, &size), "its header");
+            array.size.push_back(size);
+            array.axes.push_back(axis);
+        }
+        take_type(type, array);
+        return array;
+    }
+
+    void take_type(nc_type type, Array &array)
+    {
+        switch (type) {
+        case NC_BYTE: array.type = bytes_are_unsigned(array.name) ? ISO_U8 : ISO_I8; break;
+        case NC_UBYTE: array.type = ISO_U8; break;
+        case NC_SHORT: array.type = text(array.name, "signtype") == "unsigned" ? ISO_U16 : ISO_I16; break;
+        case NC_USHORT: array.type = ISO_U16; break;
+        case NC_INT: array.type = ISO_I32; break;
+        case NC_UINT: array.type = ISO_U32; break;
+        case NC_FLOAT: array.type = ISO_F32; break;
+        case NC_DOUBLE: array.type = ISO_F64; break;
+        case NC_CHAR: array.refused = "text"; break;
+        default: array.refused = "integers of 64 bits"; break;
+        }
+    }
+
+    /* The classic format has no such type: a convention and MINC say it so; MINC's default is unsigned. */
+    bool bytes_are_unsigned(const std::string &name)
+    {
+        const std::string is_minc = text(name, "vartype"), sign = text(name, "signtype");
+        return text(name, "_Unsigned") == "true" || sign == "unsigned" || (is_minc == "group________" && sign.empty());
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Store> open_netcdf(const std::string &path)
+{
+    return std::make_unique<NetCdf>(path);
+}

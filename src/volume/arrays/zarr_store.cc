@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: MIT */
+/* zarr_store.cc - Zarr 2: a folder an array, whose `.zarray` says how its chunks are packed, a file each; attributes stand
+ * in `.zattrs`. OME-Zarr 0.4 is this with axes and scales in the attributes of the folder above [moore-2023]. */
+#include <blosc.h>
+#include <jansson.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+
+#include "volume/arrays/store.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/* A JSON file, freed with it; null where there is none. */
+class Json {
+public:
+    explicit Json(const std::string &path)
+    {
+        json_error_t error;
+        if (!fs::exists(path))
+            return;
+        root_ = json_load_file(path.c_str(), 0, &error);
+        if (!root_)
+            fail(ISO_E_FORMAT, path + ": line " + std::to_string(error.line) + ": " + error.text);
+    }
+    Json(Json &&other) noexcept : root_(other.root_)
+    {
+        other.root_ = nullptr;
+    }
+    ~Json()
+    {
+        json_decref(root_);
+    }
+    operator const json_t *() const
+    {
+        return root_;
+    }
+
+private:
+    json_t *root_ = nullptr;
+};
+
+std::string word(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+/* How an array's chunks are stored. */
+struct Layout {
+    std::vector<size_t> size, chunk;
+    std::string kind; /* of numpy: "<u2" without its byte order */
+    size_t bytes = 0; /* of a sample */
+    bool swapped = false, fortran = false;
+    std::string codec, separator = ".";
+    double fill = 0;
+};
+
+template <typename T> void put_number(double value, char *out)
+{
+    const T number = static_cast<T>(value);
+    memcpy(out, &number, sizeof number);
+}
+
+float from_half(uint16_t half)
+{
+    const int exponent = half >> 10 & 31, mantissa = half & 1023;
+    const float size = exponent == 0 ? std::ldexp(static_cast<float>(mantissa), -24)
+                       : exponent == 31
+                           ? mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity()
+                           : std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
+    return half & 0x8000 ? -size : size;
+}
+
+class Zarr : public Store {
+public:
+    explicit Zarr(std::string folder) : folder_(std::move(folder))
+    {
+        while (folder_.size() > 1 && folder_.back() == '/')
+            folder_.pop_back();
+        if (fs::exists(folder_ + "/zarr.json"))
+            fail(ISO_E_FORMAT, folder_ + ": is of Zarr 3 (OME-Zarr 0.5), which is not read; Zarr 2 (OME-Zarr 0.4) is");
+    }
+
+    std::vector<Array> arrays() override
+    {
+        std::vector<Array> all;
+        collect("", 0, all);
+        std::sort(all.begin(), all.end(), [](const Array &a, const Array &b) { return a.name < b.name; });
+        return all;
+    }
+
+    std::vector<double> numbers(const std::string &array, const std::string &attribute) override
+    {
+        const Json attributes(path_of(array) + "/.zattrs");
+        return numbers_of(json_object_get(attributes, attribute.c_str()));
+    }
+
+    std::string text(const std::string &array, const std::string &attribute) override
+    {
+        const Json attributes(path_of(array) + "/.zattrs");
+        return word(attributes, attribute.c_str());
+    }
+
+    std::string coordinate(const Array &array, size_t axis) override
+    {
+        const size_t at = array.name.find_last_of('/');
+        const std::string name = (at == std::string::npos ? "" : array.name.substr(0, at + 1)) + array.axes[axis];
+        return !array.axes[axis].empty() && fs::exists(path_of(name) + "/.zarray") ? name : "";
+    }
+
+    std::vector<double> values(const std::string &name) override
+    {
+        const Array array = describe(name);
+        if (!array.refused.empty() || array.size.size() != 1 || array.size[0] > 1 << 24)
+            return {};
+        std::vector<char> raw(array.size[0] * bytes_of(array.type));
+        read(array, {0}, array.size, raw.data());
+        std::vector<double> all(array.size[0]);
+        for (size_t i = 0; i < all.size(); ++i)
+            all[i] = value_at(raw.data() + i * bytes_of(array.type), array.type);
+        return all;
+    }
+
+    void read(const Array &array, const std::vector<size_t> &start, const std::vector<size_t> &count,
+              void *out) override
+    {
+        const Layout &l = layout(array.name);
+        const size_t rank = l.size.size();
+        std::vector<size_t> first(rank), last(rank);
+        for (size_t a = 0; a < rank; ++a) {
+            first[a] = start[a] / l.chunk[a];
+            last[a] = (start[a] + count[a] - 1) / l.chunk[a];
+        }
+        for_each(first, last, [&](const std::vector<size_t> &at) {
+            copy_chunk(array, l, at, start, count, static_cast<char *>(out));
+        });
+    }
+
+    std::string main_array() override
+    {
+        const Json attributes(folder_ + "/.zattrs");
+        const json_t *all = json_object_get(attributes, "multiscales");
+        if (json_array_size(all) > 1)
+            fail(ISO_E_FORMAT,
+                 folder_ + ": holds " + std::to_string(json_array_size(all)) + " multiscale images, must be one");
+        return word(json_array_get(json_object_get(json_array_get(all, 0), "datasets"), 0), "path");
+    }
+
+    std::vector<std::string> channel_names(const Array &array) override
+    {
+        const Image image = image_of(array.name);
+        std::vector<std::string> names;
+        if (!image.attributes)
+            return names;
+        const json_t *channels = json_object_get(json_object_get(*image.attributes, "omero"), "channels");
+        for (size_t c = 0; c < json_array_size(channels); ++c)
+            names.push_back(word(json_array_get(channels, c), "label"));
+        return names;
+    }
+
+    bool place(const Array &array, const size_t (&space)[3], iso_child_header &header) override
+    {
+        const Image image = image_of(array.name);
+        const size_t rank = array.size.size();
+        if (!image.level)
+            return false;
+        std::vector<double> scale(rank, 1), shift(rank, 0);
+        const bool scaled = transform(json_object_get(image.level, "coordinateTransformations"), scale, shift);
+        const bool whole = transform(json_object_get(image.image, "coordinateTransformations"), scale, shift);
+        if (!scaled && !whole)
+            snprintf(header.unspaced, sizeof header.unspaced, "of its voxels");
+        const json_t *axes = json_object_get(image.image, "axes");
+        header.world = scaled || whole ? ISO_CHILD_OWN : ISO_CHILD_CENTERED;
+        for (int a = 0; a < 3; ++a) {
+            const int world = world_axis(array, space, a);
+            header.step[a][world] = scale[space[a]];
+            header.first[world] = shift[space[a]];
+            snprintf(header.unit[world], sizeof header.unit[world], "%s",
+                     word(json_array_get(axes, space[a]), "unit").c_str());
+        }
+        return true;
+    }
+
+private:
+    /* Of a multiscale image: all of it, and the level that an array is. */
+    struct Image {
+        std::shared_ptr<Json> attributes;
+        const json_t *image = nullptr, *level = nullptr;
+    };
+
+    std::string folder_;
+    std::map<std::string, Layout> layouts_;
+
+    std::string path_of(const std::string &array) const
+    {
+        return array.empty() ? folder_ : folder_ + "/" + array;
+    }
+    std::string shown(const std::string &array) const
+    {
+        return array.empty() ? folder_ : folder_ + ":" + array;
+    }
+
+    static std::vector<double> numbers_of(const json_t *value)
+    {
+        std::vector<double> all;
+        if (json_is_number(value))
+            all.push_back(json_number_value(value));
+        for (size_t i = 0; i < json_array_size(value); ++i)
+            all.push_back(json_number_value(json_array_get(value, i)));
+        return all;
+    }
+
+    /* x, y and z by their names, or by their order where these are others. */
+    static int world_axis(const Array &array, const size_t (&space)[3], int a)
+    {
+        int seen = 0, of[3];
+        for (int b = 0; b < 3; ++b) {
+            const std::string &name = array.axes[space[b]];
+            of[b] = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : -1;
+            seen |= of[b] < 0 ? 0 : 1 << of[b];
+        }
+        return seen == 7 ? of[a] : a;
+    }
+
+    Image image_of(const std::string &array) const
+    {
+        Image image;
+        const size_t at = array.find_last_of('/');
+        const std::string group = at == std::string::npos ? "" : array.substr(0, at);
+        if (array.empty())
+            return image;
+        image.attributes = std::make_shared<Json>(path_of(group) + "/.zattrs");
+        const json_t *all = json_object_get(*image.attributes, "multiscales");
+        for (size_t i = 0; i < json_array_size(all); ++i) {
+            const json_t *datasets = json_object_get(json_array_get(all, i), "datasets");
+            for (size_t k = 0; k < json_array_size(datasets); ++k)
+                if (word(json_array_get(datasets, k), "path") == array.substr(at == std::string::npos ? 0 : at + 1)) {
+                    image.image = json_array_get(all, i);
+                    image.level = json_array_get(datasets, k);
+                }
+        }
+        return image;
+    }
+
+    /* Scales and translations, in their order; false where there are none. */
+    bool transform(const json_t *steps, std::vector<double> &scale, std::vector<double> &shift) const
+    {
+        for (size_t i = 0; i < json_array_size(steps); ++i) {
+            const json_t *step = json_array_get(steps, i);
+            const std::string type = word(step, "type");
+            const auto by = numbers_of(json_object_get(step, type.c_str()));
+            if ((type != "scale" && type != "translation") || by.size() != scale.size())
+                fail(ISO_E_FORMAT, folder_ + ": coordinateTransformations: a \"" + type + "\" of " +
+                                       std::to_string(by.size()) + " numbers, must be a scale or translation of " +
+                                       std::to_string(scale.size()));
+            for (size_t a = 0; a < by.size(); ++a) {
+                if (type == "scale")
+                    scale[a] *= by[a], shift[a] *= by[a];
+                else
+                    shift[a] += by[a];
+            }
+        }
+        return json_array_size(steps) > 0;
+    }
+
+    /* Folders that have an array; those of its chunks are not looked through. */
+    void collect(const std::string &name, int depth, std::vector<Array> &all)
+    {
+        if (fs::exists(path_of(name) + "/.zarray")) {
+            all.push_back(describe(name));
+            return;
+        }
+        if (depth == 6)
+            return;
+        for (const auto &entry : fs::directory_iterator(path_of(name)))
+            if (entry.is_directory())
+                collect((name.empty() ? "" : name + "/") + entry.path().filename().string(), depth + 1, all);
+    }
+
+    static bool take_codec(const json_t *meta, Layout &l, std::string &refused)
+    {
+        static const char *const known[] = {"", "zlib", "gzip", "zstd", "blosc"};
+        const json_t *compressor = json_object_get(meta, "compressor"), *filters = json_object_get(meta, "filters");
+        l.codec = word(compressor, "id");
+        if (json_array_size(filters) > 0)
+            refused = "filtered by \"" + word(json_array_get(filters, 0), "id") + "\", which is not read";
+        else if (std::find(std::begin(known), std::end(known), l.codec) == std::end(known))
+            refused = "packed by \"" + l.codec + "\", must be blosc, gzip, zlib, zstd or nothing";
+        return refused.empty();
+    }
+
+    static bool take_type(const std::string &dtype, Layout &l, iso_type &type, std::string &refused)
+    {
+        static const struct {
+            const char *kind;
+            iso_type type;
+            size_t bytes;
+        } types[] = {{"b1", ISO_U8, 1},  {"u1", ISO_U8, 1},  {"i1", ISO_I8, 1},  {"u2", ISO_U16, 2},
+                     {"i2", ISO_I16, 2}, {"u4", ISO_U32, 4}, {"i4", ISO_I32, 4}, {"f2", ISO_F32, 2},
+                     {"f4", ISO_F32, 4}, {"f8", ISO_F64, 8}};
+        for (const auto &t : types)
+            if (dtype.size() == 3 && dtype.substr(1) == t.kind) {
+                l.kind = t.kind;
+                l.bytes = t.bytes;
+                l.swapped = dtype[0] == '>' && t.bytes > 1;
+                type = t.type;
+                return true;
+            }
+        refused = "type \"" + dtype + "\", must be an integer of 8, 16 or 32 bits or a float";
+        return false;
+    }
+
+    static bool take_sizes(const json_t *meta, Layout &l, std::string &refused)
+    {
+        double bytes = static_cast<double>(l.bytes);
+        for (const double n : numbers_of(json_object_get(meta, "shape")))
+            l.size.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
+        for (const double n : numbers_of(json_object_get(meta, "chunks"))) {
+            l.chunk.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
+            bytes *= n;
+        }
+        if (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0))
+            refused = "\"shape\" and \"chunks\" of .zarray do not fit";
+        else if (bytes > 2147483647.)
+            refused = "chunks of more than 2 GB";
+        return refused.empty();
+    }
+
+    Array describe(const std::string &name)
+    {
+        const std::string path = path_of(name) + "/.zarray";
+        const Json meta(path), attributes(path_of(name) + "/.zattrs");
+        Array array;
+        Layout l;
+        array.name = name;
+        if (json_integer_value(json_object_get(meta, "zarr_format")) != 2)
+            array.refused = "\"zarr_format\" of .zarray must be 2";
+        const json_t *fill = json_object_get(meta, "fill_value");
+        const std::string special = json_is_string(fill) ? json_string_value(fill) : "";
+        l.fill = special == "NaN"         ? std::numeric_limits<double>::quiet_NaN()
+                 : special == "Infinity"  ? std::numeric_limits<double>::infinity()
+                 : special == "-Infinity" ? -std::numeric_limits<double>::infinity()
+                 : json_is_true(fill)     ? 1
+                                          : json_number_value(fill);
+        l.fortran = word(meta, "order") == "F";
+        if (!word(meta, "dimension_separator").empty())
+            l.separator = word(meta, "dimension_separator");
+        if (array.refused.empty() && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
+            take_codec(meta, l, array.refused))
+            take_sizes(meta, l, array.refused);
+        array.size = l.size;
+        for (size_t a = 0; a < l.size.size(); ++a)
+            array.axes.push_back(axis_name(name, attributes, a));
+        array.chunk = l.chunk;
+        layouts_[name] = l;
+        return array;
+    }
+
+    std::string axis_name(const std::string &name, const json_t *attributes, size_t axis) const
+    {
+        const char *text = json_string_value(json_array_get(json_object_get(attributes, "_ARRAY_DIMENSIONS"), axis));
+        if (text)
+            return text;
+        const Image image = image_of(name);
+        const json_t *of = json_array_get(json_object_get(image.image, "axes"), axis);
+        return json_is_string(of) ? json_string_value(of) : word(of, "name"); /* OME-Zarr 0.3: the name alone */
+    }
+
+    const Layout &layout(const std::string &name)
+    {
+        if (!layouts_.count(name))
+            describe(name);
+        return layouts_.at(name);
+    }
+
+    /* All index vectors from first to last, the last axis fastest. */
+    template <typename Work>
+    static void for_each(const std::vector<size_t> &first, const std::vector<size_t> &last, Work work)
+    {
+        std::vector<size_t> at = first;
+        for (size_t a = at.size(); a != SIZE_MAX;) {
+            work(at);
+            for (a = at.size() - 1; a != SIZE_MAX && at[a] == last[a]; --a)
+                at[a] = first[a];
+            if (a != SIZE_MAX)
+                ++at[a];
+        }
+    }
+
+    static void unpack_zlib(const std::string &packed, std::vector<char> &out, size_t &size)
+    {
+        z_stream z{};
+        z.next_in = reinterpret_cast<Bytef *>(const_cast<char *>(packed.data()));
+        z.avail_in = static_cast<uInt>(packed.size());
+        z.next_out = reinterpret_cast<Bytef *>(out.data());
+        z.avail_out = static_cast<uInt>(out.size());
+        if (inflateInit2(&z, 15 + 32) != Z_OK) /* zlib's own header, or gzip's */
+            return;
+        const int code = inflate(&z, Z_FINISH);
+        size = code == Z_STREAM_END ? z.total_out : 0;
+        inflateEnd(&z);
+    }
+
+    /* A chunk's samples as they are stored; false where the chunk was never written. */
+    bool load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at, std::vector<char> &out) const
+    {
+        std::string name;
+        for (const size_t i : at)
+            name += (name.empty() ? "" : l.separator) + std::to_string(i);
+        const std::string path = path_of(array.name) + "/" + (name.empty() ? "0" : name);
+        if (!fs::exists(path))
+            return false;
+        std::ifstream file(path, std::ios::binary);
+        const std::string packed((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+        size_t size = 0, told = 0;
+        if (l.codec.empty() && packed.size() == out.size()) {
+            memcpy(out.data(), packed.data(), size = packed.size());
+        } else if (l.codec == "zlib" || l.codec == "gzip") {
+            unpack_zlib(packed, out, size);
+        } else if (l.codec == "zstd") {
+            const size_t code = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
+            size = ZSTD_isError(code) ? 0 : code;
+        } else if (l.codec == "blosc" && blosc_cbuffer_validate(packed.data(), packed.size(), &told) == 0 &&
+                   told == out.size()) {
+            const int code = blosc_decompress_ctx(packed.data(), out.data(), out.size(), 1);
+            size = code > 0 ? static_cast<size_t>(code) : 0;
+        }
+        if (size != out.size())
+            fail(ISO_E_FORMAT, path + ": truncated or damaged: a chunk that does not unpack to " +
+                                   std::to_string(out.size()) + " bytes");
+        return true;
+    }
+
+    static double value_at(const char *from, iso_type type)
+    {
+        const auto as = [from](auto value) {
+            memcpy(&value, from, sizeof value);
+            return static_cast<double>(value);
+        };
+        switch (type) {
+        case ISO_U8: return as(uint8_t());
+        case ISO_I8: return as(int8_t());
+        case ISO_U16: return as(uint16_t());
+        case ISO_I16: return as(int16_t());
+        case ISO_U32: return as(uint32_t());
+        case ISO_I32: return as(int32_t());
+        case ISO_F32: return as(float());
+        default: return as(double());
+        }
+    }
+
+    static void store(double value, iso_type type, char *out)
+    {
+        switch (type) {
+        case ISO_U8: return put_number<uint8_t>(value, out);
+        case ISO_I8: return put_number<int8_t>(value, out);
+        case ISO_U16: return put_number<uint16_t>(value, out);
+        case ISO_I16: return put_number<int16_t>(value, out);
+        case ISO_U32: return put_number<uint32_t>(value, out);
+        case ISO_I32: return put_number<int32_t>(value, out);
+        case ISO_F32: return put_number<float>(value, out);
+        default: return put_number<double>(value, out);
+        }
+    }
+
+    /* A stored sample in the machine's byte order, a half float as float. */
+    static void convert(const Layout &l, const char *from, char *out)
+    {
+        char sample[8];
+        memcpy(sample, from, l.bytes);
+        if (l.swapped)
+            std::reverse(sample, sample + l.bytes);
+        if (l.kind == "f2") {
+            uint16_t half;
+            memcpy(&half, sample, 2);
+            put_number<float>(from_half(half), out);
+        } else {
+            memcpy(out, sample, l.bytes);
+        }
+    }
+
+    void copy_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at,
+                    const std::vector<size_t> &start, const std::vector<size_t> &count, char *out) const
+    {
+        const size_t rank = l.size.size(), bytes = bytes_of(array.type);
+        size_t samples = 1;
+        std::vector<size_t> stride(rank), first(rank), last(rank), to(rank, 1);
+        for (size_t i = 0; i < rank; ++i) {
+            const size_t a = l.fortran ? i : rank - 1 - i;
+            stride[a] = samples;
+            samples *= l.chunk[a];
+        }
+        for (size_t a = rank; a-- > 0;) {
+            to[a] = a + 1 < rank ? to[a + 1] * count[a + 1] : 1;
+            first[a] = std::max(at[a] * l.chunk[a], start[a]);
+            last[a] = std::min((at[a] + 1) * l.chunk[a], start[a] + count[a]) - 1;
+        }
+        std::vector<char> stored(samples * l.bytes);
+        const bool there = load_chunk(array, l, at, stored);
+        char fill[8];
+        store(l.fill, array.type, fill);
+        const bool plain = there && !l.swapped && l.kind != "f2" && stride[rank - 1] == 1;
+        std::vector<size_t> row_last = last;
+        row_last[rank - 1] = first[rank - 1];
+        const size_t n = last[rank - 1] - first[rank - 1] + 1;
+        for_each(first, row_last, [&](const std::vector<size_t> &row) {
+            size_t from = 0, into = 0;
+            for (size_t a = 0; a < rank; ++a) {
+                from += (row[a] - at[a] * l.chunk[a]) * stride[a];
+                into += (row[a] - start[a]) * to[a];
+            }
+            if (plain)
+                memcpy(out + into * bytes, stored.data() + from * bytes, n * bytes);
+            for (size_t i = 0; i < n && !plain; ++i)
+                if (there)
+                    convert(l, stored.data() + (from + i * stride[rank - 1]) * l.bytes, out + (into + i) * bytes);
+                else
+                    memcpy(out + (into + i) * bytes, fill, bytes);
+        });
+    }
+};
+
+} // namespace
+
+std::unique_ptr<Store> open_zarr(const std::string &folder)
+{
+    return std::make_unique<Zarr>(folder);
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* arrays_open.c - what the program isoshade-arrays reads: files that hold arrays, of which FILE:DATASET names one. */
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "volume/child.h"
+
+static iso_status open_arrays(iso_volume_source *source, iso_error *err)
+{
+    static const iso_child_program arrays = {"isoshade-arrays", "HDF5 or netCDF",
+                                             "libhdf5-dev, libnetcdf-dev, libblosc-dev and libzstd-dev"};
+    return iso_child_open(source, &arrays, source->part, err);
+}
+
+static bool starts_like_hdf5(const unsigned char *head, size_t size)
+{
+    return size >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
+}
+
+static bool starts_like_netcdf(const unsigned char *head, size_t size)
+{
+    return size >= 4 && memcmp(head, "CDF", 3) == 0 && (head[3] == 1 || head[3] == 2 || head[3] == 5);
+}
+
+/* A Zarr array or group, of version 2 or 3. */
+static bool is_zarr(const char *path)
+{
+    static const char *const files[] = {".zarray", ".zgroup", ".zattrs", "zarr.json"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof files / sizeof files[0] && !found; ++i) {
+        char *file = iso_path_is_dir(path) ? iso_path_join(path, files[i]) : NULL;
+        found = file && iso_path_exists(file);
+        free(file);
+    }
+    return found;
+}
+
+const iso_volume_format iso_volume_format_hdf5 = {
+    .name = "hdf5",
+    .title = "HDF5, netCDF-4 and MINC 2",
+    .summary = "FILE:DATASET, by its coordinates, chunk by chunk; needs HDF5's library",
+    .suffixes = ".h5 .hdf5 .hdf .nc .nc4 .mnc",
+    .starts = "\"\\x89HDF\"",
+    .takes_part = true,
+    .probe = starts_like_hdf5,
+    .open = open_arrays,
+};
+
+const iso_volume_format iso_volume_format_netcdf = {
+    .name = "netcdf",
+    .title = "netCDF and MINC 1",
+    .summary = "classic files, FILE:VARIABLE, by its coordinates, plane by plane; needs netCDF's library",
+    .suffixes = ".nc .cdf .mnc",
+    .starts = "\"CDF\"",
+    .takes_part = true,
+    .probe = starts_like_netcdf,
+    .open = open_arrays,
+};
+
+const iso_volume_format iso_volume_format_zarr = {
+    .name = "zarr",
+    .title = "OME-Zarr 0.4 and Zarr 2",
+    .summary = "a folder, its largest level or FOLDER:ARRAY; blosc, gzip, zlib and zstd, chunk by chunk",
+    .suffixes = ".ome.zarr .zarr",
+    .starts = "a folder with .zattrs or .zarray",
+    .takes_part = true,
+    .probe_path = is_zarr,
+    .open = open_arrays,
+};

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "volume/child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/beside.h"
+#include "volume/child_stream.h"
+
+typedef struct child {
+    pid_t pid;
+    FILE *output;
+    const iso_child_program *program;
+} child;
+
+extern char **environ;
+
+/* Starts the program, whose output is ours to read; what it and its libraries print goes nowhere. */
+static iso_status start(child *r, const char *const words[], iso_error *err)
+{
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", words[1], strerror(errno));
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    const int failed = posix_spawn(&r->pid, words[0], &actions, NULL, (char *const *)words, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    r->output = failed ? NULL : fdopen(ends[0], "rb");
+    if (!r->output)
+        close(ends[0]);
+    return failed ? iso_fail(err, ISO_E_MISSING, "%s: cannot be started: %s", words[0], strerror(failed)) : ISO_OK;
+}
+
+static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_error *err)
+{
+    const child *r = source->reader;
+    if (r && r->output && fread(data, 1, bytes, r->output) == bytes)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path, r->program->library);
+}
+
+static iso_status get_answer(const iso_child_answer *answer, iso_status status, iso_error *err)
+{
+    return status != ISO_OK           ? status
+           : answer->status != ISO_OK ? iso_fail(err, answer->status, "%s", answer->error.text)
+                                      : ISO_OK;
+}
+
+static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
+{
+    const size_t plane = iso_source_plane_bytes(source);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
+        iso_child_answer answer;
+        status = get(source, &answer, sizeof answer, err);
+        status = get_answer(&answer, status, err);
+        if (status == ISO_OK)
+            status = get(source, (char *)out + i * plane, plane, err);
+    }
+    return status;
+}
+
+/* It ends when nobody reads its output. */
+static void close_reader(iso_volume_source *source)
+{
+    child *r = source->reader;
+    if (r && r->output)
+        fclose(r->output);
+    if (r && r->pid > 0)
+        while (waitpid(r->pid, NULL, 0) < 0 && errno == EINTR)
+            ;
+    free(r);
+    source->reader = NULL;
+}
+
+/* Axes that differ in their units are the world's, of which the first is noted. */
+static iso_status take_units(iso_volume_source *source, const iso_child_header *h, double mm[3], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int r = 2; r >= 0 && status == ISO_OK; --r)
+        status = iso_source_unit(source, h->unit[r], "mm", &mm[r], err);
+    return status;
+}
+
+static void take_geometry(const iso_child_header *h, const double mm[3], iso_volume *header)
+{
+    iso_geometry *g = &header->geometry;
+    const double turned = h->world == ISO_CHILD_LPS ? -1 : 1, sign[3] = {turned * mm[0], turned * mm[1], mm[2]};
+    *g = iso_geometry_axis_aligned(h->size, (double[]){1, 1, 1});
+    for (int a = 0; a < 3; ++a) {
+        for (int r = 0; r < 3; ++r)
+            g->index_to_world.m[r][a] = sign[r] * h->step[a][r];
+        if (h->box[a] > 0)
+            g->box_index[a] = h->box[a];
+    }
+    const iso_vec3 half = iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5));
+    const iso_vec3 first = iso_v3(sign[0] * h->first[0], sign[1] * h->first[1], sign[2] * h->first[2]);
+    g->origin_mm = iso_v3(0, 0, 0);
+    g->origin_mm = h->world == ISO_CHILD_CENTERED ? iso_scale(iso_geometry_box_center_mm(g), -1) : iso_sub(first, half);
+    header->type = h->type;
+    header->notes.world_is_ras = h->world == ISO_CHILD_LPS || h->world == ISO_CHILD_RAS;
+    header->notes.scale_slope = h->slope;
+    header->notes.scale_intercept = h->intercept;
+}
+
+static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
+{
+    char *program = iso_beside_find(p->name), frame[24], channel[24];
+    child *r = calloc(1, sizeof *r);
+    source->reader = r;
+    source->read_planes = read_planes;
+    source->close_reader = close_reader;
+    if (r)
+        r->program = p;
+    snprintf(frame, sizeof frame, "%zu", source->choice.frame);
+    snprintf(channel, sizeof channel, "%zu", source->choice.channel);
+    const char *const words[] = {program, source->path, part ? part : "", frame, channel, NULL};
+    iso_status status = !r         ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path)
+                        : !program ? iso_fail(err, ISO_E_MISSING,
+                                              "%s: files of this kind are read by %s, which is missing (built without "
+                                              "%s?)",
+                                              source->path, p->name, p->package)
+                                   : start(r, words, err);
+    free(program);
+    return status;
+}
+
+static iso_status read_header(iso_volume_source *source, const iso_child_program *p, const char *part,
+                              iso_child_header *h, iso_error *err)
+{
+    iso_status status = start_reader(source, p, part, err);
+    if (status == ISO_OK)
+        status = get(source, h, sizeof *h, err);
+    if (status == ISO_OK && strncmp(h->version, ISO_VERSION, sizeof h->version) != 0)
+        return iso_fail(err, ISO_E_MISSING, "%s is of version %.15s, isoshade of " ISO_VERSION, p->name, h->version);
+    return get_answer(&h->answer, status, err);
+}
+
+/* The program gives one frame and channel alone: it is started again where these are not the first ones. */
+static iso_status choose(iso_volume_source *source, const iso_child_program *p, const char *part, iso_child_header *h,
+                         iso_error *err)
+{
+    iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
+    for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
+        snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%.47s", h->channel_name[c]);
+    iso_status status = iso_source_choose(source, &axes, err);
+    source->choice.volume_count = source->choice.inside_count = 1;
+    source->choice.volume_at = source->choice.inside_at = 0;
+    if (status != ISO_OK || (source->choice.frame == 0 && source->choice.channel == 0))
+        return status;
+    close_reader(source);
+    return read_header(source, p, part, h, err);
+}
+
+iso_status iso_child_open(iso_volume_source *source, const iso_child_program *program, const char *part, iso_error *err)
+{
+    iso_child_header h;
+    double mm[3];
+    iso_status status = read_header(source, program, part, &h, err);
+    if (status == ISO_OK)
+        status = choose(source, program, part, &h, err);
+    if (status == ISO_OK && h.unspaced[0])
+        status = iso_source_need_spacing(source, h.unspaced, err);
+    if (status == ISO_OK)
+        status = take_units(source, &h, mm, err);
+    if (status != ISO_OK)
+        return status;
+    take_geometry(&h, mm, &source->header);
+    return iso_geometry_check(&source->header.geometry, source->path, err);
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* child.h - a volume that a program of its own reads (child_stream.h); private to src/volume. */
+#ifndef ISO_VOLUME_CHILD_H
+#define ISO_VOLUME_CHILD_H
+
+#include "volume/stream_kernel.h"
+
+typedef struct iso_child_program {
+    const char *name;    /* "isoshade-itk" */
+    const char *library; /* what it stands on, for messages */
+    const char *package; /* Debian's, that it is built with */
+} iso_child_program;
+
+/* Starts the program for the source's path, reads its header, and leaves it ready to give planes. `part`: of what the path
+ * names, which one; NULL: the only one. ISO_E_MISSING where it was not built. */
+iso_status iso_child_open(iso_volume_source *source, const iso_child_program *program, const char *part,
+                          iso_error *err);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* child_stream.h - what the programs that read volumes for isoshade (isoshade-itk, isoshade-arrays, isoshade-vdb) write to
+ * their output: an iso_child_header, and if all is well for each plane an iso_child_answer, and its samples if that is
+ * well. Programs of their own: libraries for so many formats end by an assertion or worse where a file is damaged, which
+ * then ends no more than that. They are started as
+ * PROGRAM PATH PART FRAME CHANNEL: "" for a part that is not named, and numbers from 0. */
+#ifndef ISO_VOLUME_CHILD_STREAM_H
+#define ISO_VOLUME_CHILD_STREAM_H
+
+#include <stdbool.h>
+
+#include "volume/type.h"
+
+typedef struct iso_child_answer {
+    iso_status status;
+    iso_error error;
+} iso_child_answer;
+
+/* What the axes of the file's world are. */
+typedef enum iso_child_world {
+    ISO_CHILD_LPS,     /* left, posterior, superior */
+    ISO_CHILD_RAS,     /* right, anterior, superior */
+    ISO_CHILD_OWN,     /* its own */
+    ISO_CHILD_CENTERED /* its own, around the box's center: the file gives no place */
+} iso_child_world;
+
+typedef struct iso_child_header {
+    char version[16]; /* ISO_VERSION */
+    iso_child_answer answer;
+    size_t size[3];
+    iso_type type;
+    iso_child_world world;
+    double first[3];         /* where the center of the first sample stands */
+    double step[3][3];       /* step[a]: from a sample to the next along axis a */
+    char unit[3][32];        /* of the world's axes; "" where the file has none, which is mm */
+    double slope, intercept; /* physical value = slope * sample + intercept */
+    double box[3];           /* the box in index coordinates, where it is smaller than the grid; 0: as the grid */
+    size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
+    char channel_name[32][48];
+    char unspaced[160]; /* "", or which spacing the file does not say: "between its slices" */
+} iso_child_header;
+
+#endif

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/* child_writer.h - what the programs that read volumes for isoshade have in common (child_stream.h), in C++. */
+#ifndef ISO_VOLUME_CHILD_WRITER_H
+#define ISO_VOLUME_CHILD_WRITER_H
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "volume/child_stream.h"
+
+/* What is wrong, for the one line that a person reads. */
+struct Failure {
+    iso_status status;
+    std::string text;
+};
+
+[[noreturn]] inline void fail(iso_status status, const std::string &text)
+{
+    throw Failure{status, text};
+}
+
+inline size_t bytes_of(iso_type type)
+{
+    switch (type) {
+    case ISO_U8:
+    case ISO_I8: return 1;
+    case ISO_U16:
+    case ISO_I16: return 2;
+    case ISO_F64: return 8;
+    default: return 4;
+    }
+}
+
+/* A header, and the planes in their order. Both throw Failure, or what their library throws. */
+class PlaneReader {
+public:
+    iso_child_header header{};
+    PlaneReader()
+    {
+        header.slope = 1;
+    }
+    virtual ~PlaneReader() = default;
+    virtual void read_plane(char *out, size_t bytes) = 0;
+};
+
+/* What of a file is read. */
+struct Wanted {
+    std::string part; /* "": the only one */
+    size_t frame = 0, channel = 0;
+};
+
+struct ChildProgram {
+    std::unique_ptr<PlaneReader> (*open)(const std::string &path, const Wanted &wanted);
+    /* What an exception of the library says. */
+    std::string (*cause)(const std::exception &e);
+};
+
+/* Runs what may throw. */
+template <typename Work> iso_child_answer guarded(const ChildProgram &program, const std::string &path, Work work)
+{
+    iso_child_answer answer{};
+    std::string text;
+    try {
+        work();
+    } catch (const Failure &f) {
+        answer.status = f.status, text = f.text;
+    } catch (const std::bad_alloc &) {
+        answer.status = ISO_E_MEMORY, text = path + ": out of memory";
+    } catch (const std::exception &e) {
+        answer.status = ISO_E_FORMAT, text = path + ": " + program.cause(e);
+    }
+    for (char &c : text)
+        c = c == '\n' ? ' ' : c;
+    snprintf(answer.error.text, sizeof answer.error.text, "%s", text.c_str());
+    return answer;
+}
+
+/* False when nobody reads any more. */
+inline bool put(FILE *out, const void *data, size_t bytes)
+{
+    return fwrite(data, 1, bytes, out) == bytes;
+}
+
+inline int write_volume(const ChildProgram &program, const char *path, const Wanted &wanted, FILE *out)
+{
+    std::unique_ptr<PlaneReader> reader;
+    iso_child_header header{};
+    std::vector<char> plane;
+    const iso_child_answer opened = guarded(program, path, [&] {
+        reader = program.open(path, wanted);
+        header = reader->header;
+        plane.resize(header.size[0] * header.size[1] * bytes_of(header.type));
+    });
+    header.answer = opened;
+    snprintf(header.version, sizeof header.version, "%s", ISO_VERSION);
+    if (!put(out, &header, sizeof header) || fflush(out) != 0 || opened.status != ISO_OK)
+        return opened.status;
+    iso_child_answer answer{};
+    for (size_t z = 0; z < header.size[2] && answer.status == ISO_OK; ++z) {
+        answer = guarded(program, path, [&] { reader->read_plane(plane.data(), plane.size()); });
+        if (!put(out, &answer, sizeof answer) || (answer.status == ISO_OK && !put(out, plane.data(), plane.size())))
+            return ISO_E_IO;
+    }
+    return fflush(out) == 0 ? answer.status : ISO_E_IO;
+}
+
+/* A damaged header may ask for any amount: more than the machine has is refused at once. */
+inline void limit_memory()
+{
+    const rlim_t memory = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+    const rlimit limit{memory, memory};
+    setrlimit(RLIMIT_AS, &limit);
+}
+
+/* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so elsewhere. */
+inline int run_child(const ChildProgram &program, int argc, char **argv)
+{
+    FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
+    if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
+        return ISO_E_USAGE;
+    limit_memory();
+    return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
+}
+
+#endif
