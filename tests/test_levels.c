@@ -489,6 +489,30 @@ static void angles_are_those_of_the_place_and_in_degrees(void **state)
     iso_volume_destroy(&volume);
 }
 
+/* ---- more views where these leave a level open ---- */
+
+/* The interval of two views is 12.7 standard errors to each side: turned directions are behind by the mean, and not beyond
+ * that. Twenty views tell. */
+static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
+{
+    (void)state;
+    subject s;
+    for (int may = 0; may < 2; ++may) {
+        open_subject(&s, ISO_FIELD_BALLS, may ? "judged" : "open");
+        turn_directions(&s.pyramid, 1);
+        s.validation.consistency_views = 2;
+        s.validation.may_add_views = may;
+        const iso_levels_summary summary = judge(&s);
+        const json_t *row = row_of(&s, 1);
+        assert_int_equal(json_integer_value(json_object_get(row, "views")), may ? ISO_FACE_VIEWS : 2);
+        assert_int_equal(json_integer_value(json_object_get(row, "views_before")), 2);
+        assert_true(json_is_true(json_object_get(row, "simple_held")) == !may);
+        assert_true((strstr(summary.sentence, "2 views left level 1 open: it is judged by 20.") != NULL) == may);
+        assert_int_equal(s.validation.consistency_views, 2);
+        close_subject(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -503,6 +527,7 @@ int main(void)
         cmocka_unit_test(a_level_with_turned_directions_fails),
         cmocka_unit_test(a_level_with_a_shifted_scalar_fails),
         cmocka_unit_test(what_a_scene_asks_is_held_in_the_run),
+        cmocka_unit_test(a_level_that_few_views_leave_open_is_judged_by_twenty),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

@@ -109,6 +109,7 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                           "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
                           "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
                           "rivals", rivals);
+    json_object_set_new(o, "views_before", json_integer((json_int_t)row->views_before));
     if (row->bound.views > 0)
         json_object_set_new(o, "bound",
                             json_pack("{s:I, s:o, s:o, s:o, s:b}", "views", (json_int_t)row->bound.views, "rmse",
@@ -299,6 +300,20 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
             all);
 }
 
+/* "Six views left level 2 open: it is judged by 20." */
+static void add_added_views(iso_levels_summary *s, const json_t *rows)
+{
+    json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row)
+    {
+        const double views = iso_row_number(row, "views"), before = iso_row_number(row, "views_before");
+        if (views > before)
+            iso_words_append(s->sentence, sizeof s->sentence, " %.0f views left level %lld open: it is judged by %.0f.",
+                             before, (long long)json_integer_value(json_object_get(row, "level")), views);
+    }
+}
+
 static bool is_anything_asked(const json_t *rows)
 {
     size_t i, k;
@@ -332,6 +347,7 @@ static void tell(iso_levels_summary *s, const json_t *rows)
         if (choice && choice != best)
             add_rival(s, row, choice);
     }
+    add_added_views(s, rows);
     add_near_ones(s, rows);
     add_bounds(s, rows);
     if (views < 6)

@@ -53,8 +53,9 @@ typedef struct iso_report_bound {
 typedef struct iso_report_level {
     bool shown; /* level 0 shows something; else its pictures are alike whatever is wrong, and nothing is compared */
     size_t level, views;
-    const char *method; /* the default */
-    const char *chosen; /* the direction filter that `build --direction-filter auto` chose for this level; or NULL */
+    size_t views_before; /* of its rivals, and of itself where these views did not leave it open */
+    const char *method;  /* the default */
+    const char *chosen;  /* the direction filter that `build --direction-filter auto` chose for this level; or NULL */
     bool adapted;
     double confidence, margin;
     double value[ISO_LEVEL_FIGURE_COUNT];

@@ -26,7 +26,7 @@ function levelVerdicts() {
             cell(`${simple.text}, ${simple.word}`, true, simple.word === 'behind' ? 'differ' : ''),
             cell(rival ? `${wayOf(best)}: ${rival.text}, ${rival.word}` : '–', false, rival && rival.word === 'behind' ? 'named' : '')));
     });
-    $('levels').append(table(`Levels. Differences are the default's figure less the other's, means over ${rows[0].views} views with half of the ${plain(100 * rows[0].confidence)} % interval; ` +
+    $('levels').append(table(`Levels. Differences are the default's figure less the other's, means over ${[...new Set(rows.map(r => r.views))].join(' or ')} views with half of the ${plain(100 * rows[0].confidence)} % interval; ` +
         `below a margin of ${plain(rows[0].margin)} nobody sees one.${rows[0].views < 6 ? ' So few views have wide intervals.' : ''}`,
         [['level', 1], ['verdict'], ['default'], ['figure'], ['value', 1], ['at most', 1], ['to the simple way', 1], ['to the nearest of the others']], lines));
     const options = rows.flatMap(r => r.rivals.filter(x => x.better).map(x => el('li', {}, `Level ${r.level}: ${wayOf(x)}, by ${x.figures.filter(f => f.better).map(f => `${f.name} (${plain(f.value)} against ${plain(f.value + f.difference)})`).join(' and ')}: `, el('code', {}, x.option))));

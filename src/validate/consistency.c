@@ -96,7 +96,7 @@ static iso_status measure_images(iso_validation *v, const levels_run *run, const
         status = render_view(v, &(level_shown){p, row->level, m->source, row->adapted}, i, &image, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&run->finest[i], &image, &metrics, err);
-        if (status == ISO_OK && i == 0)
+        if (status == ISO_OK && i == 0 && row->image)
             status = add_picture(v, row->image, &image, row->adapted ? "adapted TF" : m->name, err);
         if (status == ISO_OK) {
             row->ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
@@ -236,6 +236,76 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
     return status;
 }
 
+/* ---- levels that the views leave open ---- */
+
+/* The default and the simple way again, in twenty views. */
+static iso_status measure_more(iso_validation *v, levels_run *run, size_t level, iso_error *err)
+{
+    iso_measured *all = &run->measured;
+    const bool adapted = !v->level_tfs[level].judgment.use_original;
+    const iso_method *methods[2] = {all->own, all->on_the_fly};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+        iso_measured_level *views = &all->more[all->more_count + (size_t)i];
+        iso_report_consistency row = {.level = level, .adapted = i == 0 && adapted};
+        *views = (iso_measured_level){.level = level, .method = methods[i], .adapted = row.adapted};
+        status = measure_images(v, run, i == 0 ? v->pyramid : run->rebuilt, methods[i], &row, views, err);
+    }
+    all->more_count += 2;
+    return status;
+}
+
+static bool is_open(const iso_validation *v, const iso_measured *all, size_t level)
+{
+    const bool adapted = !v->level_tfs[level].judgment.use_original;
+    return all->shown &&
+           iso_measured_is_open(iso_measured_find(all, level, all->own, adapted),
+                                iso_measured_find(all, level, all->on_the_fly, false), v->consistency_views);
+}
+
+static iso_status render_finest(iso_validation *v, iso_image *finest, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
+        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &finest[i], err);
+    return status;
+}
+
+static void forget_finest(iso_image *finest)
+{
+    for (size_t i = 0; i < max_views; ++i)
+        iso_image_destroy(&finest[i]);
+}
+
+static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_error *err)
+{
+    const size_t views = v->consistency_views, levels = v->pyramid->level_count;
+    iso_measured *all = &run->measured;
+    iso_status status = ISO_OK;
+    bool *open = calloc(levels, sizeof *open), any = false;
+    all->more = calloc(2 * levels, sizeof *all->more);
+    if (!open || !all->more)
+        status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu levels", levels);
+    for (size_t level = 1; level < levels && status == ISO_OK; ++level)
+        any |= open[level] = is_open(v, all, level);
+    if (any) {
+        forget_finest(run->finest);
+        v->consistency_views = ISO_FACE_VIEWS;
+        status = render_finest(v, run->finest, err);
+    }
+    for (size_t level = 1; level < levels && status == ISO_OK; ++level) {
+        char stage[64];
+        snprintf(stage, sizeof stage, "consistency: more views, level %zu", level);
+        if (open[level])
+            iso_progress_report(v->progress, stage, 0);
+        if (open[level])
+            status = measure_more(v, run, level, err);
+    }
+    v->consistency_views = views;
+    free(open);
+    return status;
+}
+
 /* All views are of one renderer. */
 static bool is_possible(const iso_validation *v)
 {
@@ -261,8 +331,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     iso_status status = ISO_OK;
     if (!is_possible(v))
         return not_possible(v, err);
-    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &run.finest[i], err);
+    status = render_finest(v, run.finest, err);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         run.measured.shown = run.measured.shown || shows_something(&run.finest[i]);
     if (status == ISO_OK)
@@ -272,11 +341,13 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         status = iso_validate_build_with(v, filter, &run.made, err);
     if (status == ISO_OK)
         status = measure_methods(v, &run, &own, err);
+    if (status == ISO_OK && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
+        status = measure_open_levels(v, &run, err);
     if (status == ISO_OK)
         status = iso_validate_judge_levels(v, &run.measured, run.rebuilt, err);
-    for (size_t i = 0; i < max_views; ++i)
-        iso_image_destroy(&run.finest[i]);
+    forget_finest(run.finest);
     iso_pyramid_destroy(&run.made);
+    free(run.measured.more);
     free(run.measured.levels);
     return status;
 }

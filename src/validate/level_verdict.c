@@ -101,11 +101,31 @@ static iso_report_rival rival_of(const iso_measured_level *own, const iso_measur
     return r;
 }
 
-static const iso_measured_level *find(const iso_measured *all, size_t level, const iso_method *method, bool adapted)
+const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
+                                            bool adapted)
 {
     for (size_t i = 0; i < all->count; ++i)
         if (all->levels[i].level == level && all->levels[i].method == method && all->levels[i].adapted == adapted)
             return &all->levels[i];
+    return NULL;
+}
+
+bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views)
+{
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
+        const iso_paired behind = iso_paired_compare(own->figures[k], simple->figures[k], views, confidence);
+        if (behind.difference > margin && !iso_paired_is_larger(behind, margin))
+            return true;
+    }
+    return false;
+}
+
+/* In twenty views, where the others left the level open; two in a row, or NULL. */
+static const iso_measured_level *find_more(const iso_measured *all, size_t level)
+{
+    for (size_t i = 0; i < all->more_count; i += 2)
+        if (all->more[i].level == level)
+            return &all->more[i];
     return NULL;
 }
 
@@ -115,15 +135,19 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
     char options[ISO_MEASURED_MOST][OPTION_BYTES], simple[OPTION_BYTES];
     iso_report_rival rivals[ISO_MEASURED_MOST];
     const bool adapted = !v->level_tfs[level].judgment.use_original;
-    const iso_measured_level *own = find(all, level, all->own, adapted),
-                             *fly = find(all, level, all->on_the_fly, false);
+    const iso_measured_level *own = iso_measured_find(all, level, all->own, adapted),
+                             *fly = iso_measured_find(all, level, all->on_the_fly, false),
+                             *more = find_more(all, level);
+    const iso_measured_level *judged = more ? &more[0] : own, *simple_way = more ? &more[1] : fly;
+    const size_t views = more ? ISO_FACE_VIEWS : v->consistency_views;
     const struct iso_scene_asked *asked = &v->scene->levels;
     const iso_scene_level_limits *limits[] = {&asked->ssim_dissimilarity, &asked->flip, &asked->rmse};
     const bool is_chosen = all->own->filter == ISO_DIRECTION_AUTO && v->pyramid->options.choice.is_made;
     const iso_direction_filter chosen = iso_direction_filter_of(&v->pyramid->options, level);
     iso_report_level row = {.shown = all->shown,
                             .level = level,
-                            .views = v->consistency_views,
+                            .views = views,
+                            .views_before = v->consistency_views,
                             .method = all->own->name,
                             .chosen = is_chosen ? iso_direction_filter_name(chosen) : NULL,
                             .adapted = adapted,
@@ -133,9 +157,9 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
                             .angle_deg = own->angle_deg,
                             .simple_angle_deg = fly->angle_deg,
                             .angle_margin_deg = angle_margin_deg,
-                            .simple = rival_of(own, fly, v->consistency_views, simple)};
+                            .simple = rival_of(judged, simple_way, views, simple)};
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
-        row.value[k] = mean(own->figures[k], row.views);
+        row.value[k] = mean(judged->figures[k], views);
         row.asked[k] = iso_scene_level_limit(limits[k], level);
     }
     for (size_t i = 0; i < all->count && row.rival_count < ISO_MEASURED_MOST; ++i) {
@@ -145,7 +169,7 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
             continue;
         if (is_chosen && m->method->source == ISO_FROM_CODES && m->method->filter == chosen && m->adapted == adapted)
             continue; /* the same pictures */
-        rivals[row.rival_count] = rival_of(own, m, row.views, options[row.rival_count]);
+        rivals[row.rival_count] = rival_of(own, m, v->consistency_views, options[row.rival_count]);
         ++row.rival_count;
     }
     compare_with_rebuilt(v, rebuilt, &row);

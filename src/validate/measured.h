@@ -22,7 +22,15 @@ typedef struct iso_measured {
     bool shown;                         /* level 0 shows something */
     size_t count, room;
     iso_measured_level *levels;
+    /* Of levels that the views left open: the default and the simple way in twenty views; two a level. */
+    size_t more_count;
+    iso_measured_level *more;
 } iso_measured;
+
+const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
+                                            bool adapted);
+/* By its mean the default is behind the simple way in a figure, and the scatter over the views is larger than that. */
+bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
 /* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);

@@ -54,6 +54,7 @@ typedef struct iso_validation {
     bool wanted[ISO_MAX_RENDERERS];
     iso_refusal refused[ISO_MAX_RENDERERS];
     size_t consistency_size, consistency_views;
+    bool may_add_views;      /* twenty, of a level that these leave open */
     iso_level_tf *level_tfs; /* one a level; by iso_validate_adapt() */
     int threads;
     iso_renderers renderers;
