@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/json.h"
+#include "cli/histogram_picture.h"
 #include "fit/level_scalar.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -107,9 +109,9 @@ static void print_frames(const iso_volume_notes *n)
 static json_t *frames_to_json(const iso_volume_notes *n)
 {
     return json_pack("{s:I, s:I, s:f, s:s, s:I, s:I, s:s}", "frames", (json_int_t)(n->frame_count ? n->frame_count : 1),
-                     "frame", (json_int_t)n->frame, "frame_step", n->frame_step, "frame_unit", n->frame_unit, "channels",
-                     (json_int_t)(n->channel_count ? n->channel_count : 1), "channel", (json_int_t)n->channel,
-                     "channel_name", n->channel_name);
+                     "frame", (json_int_t)n->frame, "frame_step", n->frame_step, "frame_unit", n->frame_unit,
+                     "channels", (json_int_t)(n->channel_count ? n->channel_count : 1), "channel",
+                     (json_int_t)n->channel, "channel_name", n->channel_name);
 }
 
 static void print_scale(const iso_volume_notes *n)
@@ -122,7 +124,7 @@ static void print_scale(const iso_volume_notes *n)
                n->scale_intercept);
 }
 
-static void print_text(const char *path, const iso_volume *v, const volume_facts *f)
+static void print_text(const char *path, const iso_volume *v, const volume_facts *f, const iso_value_histogram *shown)
 {
     const iso_geometry *g = &v->geometry;
     double spacing[3];
@@ -142,14 +144,8 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     printf("  percentiles");
     for (int p = 0; p < 5; ++p)
         printf("  %g %%: %.5g", percents[p], f->percentile[p]);
-    static const char shades[] = " .:-=+*#%@";
-    size_t most = 1;
-    for (int b = 0; b < BINS; ++b)
-        most = f->bins[b] > most ? f->bins[b] : most;
-    printf("\n  histogram  |");
-    for (int b = 0; b < BINS; ++b) /* logarithmic: one voxel is seen beside millions */
-        putchar(shades[f->bins[b] ? 1 + (int)(8 * log((double)f->bins[b]) / log((double)most + 1)) : 0]);
-    printf("| (log)\n");
+    printf("\n  histogram, counts in logs\n");
+    iso_histogram_print(shown, 2, stdout);
     print_scale(&v->notes);
     if (f->loss_count > 0)
         printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->loss_count, f->loss_max);
@@ -198,8 +194,27 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     iso_cli_print_json(root);
 }
 
-static iso_status show(const iso_cli *cli, const iso_volume_input *input, iso_error *err)
+/* --histogram: the same, drawn finer. */
+static iso_status draw_histogram(const char *path, const iso_volume *v, const volume_facts *f, const char *picture,
+                                 iso_error *err)
 {
+    enum { DRAWN_BINS = 512 };
+    const size_t *n = v->geometry.size;
+    char title[512];
+    iso_value_histogram h;
+    iso_status status = iso_value_histogram_count(v, f->stats.min, f->stats.max, DRAWN_BINS, &h, err);
+    if (status != ISO_OK)
+        return status;
+    snprintf(title, sizeof title, "%.200s: %zu x %zu x %zu voxels, %.6g to %.6g", iso_path_base(path), n[0], n[1], n[2],
+             f->stats.min, f->stats.max);
+    status = iso_histogram_draw(&h, title, picture, err);
+    iso_value_histogram_destroy(&h);
+    return status;
+}
+
+static iso_status show(const iso_cli *cli, const iso_volume_input *input, const char *picture, iso_error *err)
+{
+    iso_value_histogram shown = {0};
     iso_volume v;
     iso_status status = iso_volume_input_load(cli->arguments[0], input, &v, err);
     if (status != ISO_OK)
@@ -207,10 +222,15 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, iso_er
     volume_facts facts = {.stats = iso_volume_measure(&v)};
     status = measure_histogram(&v, &facts, err);
     measure_loss(&v, &facts);
+    if (status == ISO_OK)
+        status = iso_value_histogram_count(&v, facts.stats.min, facts.stats.max, BINS, &shown, err);
+    if (status == ISO_OK && picture)
+        status = draw_histogram(cli->arguments[0], &v, &facts, picture, err);
     if (status == ISO_OK && cli->json)
         print_json(cli, cli->arguments[0], &v, &facts);
     else if (status == ISO_OK)
-        print_text(cli->arguments[0], &v, &facts);
+        print_text(cli->arguments[0], &v, &facts, &shown);
+    iso_value_histogram_destroy(&shown);
     iso_volume_destroy(&v);
     return status;
 }
@@ -364,22 +384,28 @@ static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *
     return status;
 }
 
-static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bool verify, iso_error *err)
+static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bool verify, const char *picture,
+                           iso_error *err)
 {
+    if (picture && iso_pyramid_is_one(cli->arguments[0]))
+        return iso_fail(err, ISO_E_USAGE, "--histogram is for volumes, %s is a pyramid", cli->arguments[0]);
     if (iso_pyramid_is_one(cli->arguments[0]))
         return show_pyramid(cli, verify, err);
     if (verify)
         return iso_fail(err, ISO_E_USAGE, "--verify is for pyramids, %s is a volume", cli->arguments[0]);
-    return show(cli, input, err);
+    return show(cli, input, picture, err);
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_volume_input input;
     iso_volume_input_defaults(&input);
+    char *picture = NULL;
     int verify = 0;
     struct poptOption options[] = {
         {"verify", 0, POPT_ARG_NONE, &verify, 0, "pyramids: make all levels again from level 0, and compare", NULL},
+        {"histogram", 0, POPT_ARG_STRING, &picture, 0, "volumes: draw the histogram by gnuplot, .png, .svg or .pdf",
+         "FILE"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };
@@ -387,8 +413,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = show_any(&cli, &input, verify, err);
+        status = show_any(&cli, &input, verify, picture, err);
     iso_cli_end(&cli);
+    free(picture);
     return status;
 }
 
@@ -407,6 +434,7 @@ const iso_command iso_command_info = {
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
                 "  isoshade info sphere.nrrd --json\n"
+                "  isoshade info sphere.nrrd --histogram sphere.svg\n"
                 "  isoshade build sphere.nrrd -o sphere.iso\n"
                 "  isoshade info sphere.iso --verify\n",
     .lists = (const iso_names *const[]){&iso_volume_format_names, NULL},

@@ -10,9 +10,9 @@
 #include "cli/tf_adapt.h"
 #include "cli/tf_bound.h"
 #include "cli/tf_convert.h"
+#include "cli/tf_show.h"
 #include "cli/tf_suggest.h"
 #include "base/parallel.h"
-#include "base/process.h"
 #include "options/adapted.h"
 #include "options/input.h"
 #include "options/cli.h"
@@ -20,110 +20,6 @@
 #include "report/gnuplot.h"
 #include "tf/format.h"
 #include "tf/presets.h"
-#include "tf/color_space.h"
-
-/* ---- show -------------------------------------------------------------------------- */
-
-static int srgb_byte(double linear)
-{
-    return (int)lrint(255 * iso_linear_to_srgb(fmin(fmax(linear, 0), 1)));
-}
-
-/* A panel a TF: opacity over value, filled with the colours; after Figure 4 of [diaz-garcia-2016]. */
-static iso_status write_script(const iso_tf_arguments *a, const char *dir, const char *picture, iso_error *err)
-{
-    size_t count = a->cli->argument_count - 1;
-    char *path = iso_path_join(dir, "tf.gp");
-    FILE *gp = path ? fopen(path, "w") : NULL;
-    iso_status status = gp ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
-    if (gp)
-        fprintf(
-            gp,
-            "set terminal %s size 800,%zu%s font 'sans,11'\nset output '%s'\nset multiplot layout %zu,1\nset key off\n"
-            "set yrange [0:1]\nset tics out nomirror\nset border 3\nset lmargin 9\nset rmargin 3\n",
-            iso_path_ends_with(a->output, ".svg") ? "svg" : "pngcairo", 60 + 180 * count,
-            iso_path_ends_with(a->output, ".svg") ? " background 'white'" : "", picture, count);
-    double unit_mm = 0; /* the first one's for all, so that the panels can be compared */
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        iso_cli_tf_table loaded = {0};
-        const char *name = a->cli->arguments[1 + i];
-        status = iso_cli_tf_load_table(a, name, &loaded, err);
-        const iso_tf_table t = loaded.table;
-        unit_mm = i == 0 ? loaded.unit_mm : unit_mm;
-        if (status == ISO_OK) {
-            fprintf(gp, "$data%zu << EOD\n", i);
-            for (size_t e = 0; e < t.count; ++e)
-                fprintf(gp, "%.9g %.6g %d\n", t.lo + (t.hi - t.lo) * (double)e / (double)(t.count - 1),
-                        -expm1(-(double)t.entries[4 * e + 3] * unit_mm),
-                        srgb_byte(t.entries[4 * e]) << 16 | srgb_byte(t.entries[4 * e + 1]) << 8 |
-                            srgb_byte(t.entries[4 * e + 2]));
-            fprintf(
-                gp,
-                "EOD\nset title '%s' noenhanced offset 0,-0.7\nset ylabel 'opacity of %.3g mm'\nset xrange [%.9g:%.9g]\n"
-                "set boxwidth %.9g absolute\nplot $data%zu using 1:2:3 with boxes fs solid noborder lc rgb variable, "
-                "'' using 1:2 with lines lc rgb '#404040' lw 1.2\n",
-                iso_path_base(name), unit_mm, t.lo, t.hi, (t.hi - t.lo) / (double)(t.count - 1), i);
-        }
-        iso_cli_tf_table_destroy(&loaded);
-    }
-    if (gp && (fprintf(gp, "unset multiplot\n") < 0 || fclose(gp) != 0) && status == ISO_OK)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
-    free(path);
-    return status;
-}
-
-typedef iso_status (*script_writer)(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
-                                    iso_error *err);
-
-/* Runs the script DIR/tf.gp that `write` leaves; the picture appears when it is whole. */
-static iso_status draw(const iso_tf_arguments *a, script_writer write, void *user, iso_error *err)
-{
-    char *gnuplot = NULL, *dir = NULL, *script = NULL;
-    iso_output out = {0};
-    for (size_t i = 1; i < a->cli->argument_count; ++i)
-        if (strpbrk(a->cli->arguments[i], "'\n"))
-            return iso_fail(err, ISO_E_USAGE, "%s: a quote in the name cannot be drawn", a->cli->arguments[i]);
-    if (!iso_path_ends_with(a->output, ".png") && !iso_path_ends_with(a->output, ".svg"))
-        return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must end with .png or .svg", a->output);
-    iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
-    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
-        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
-    if (status == ISO_OK)
-        status = iso_output_begin(&out, a->output, err);
-    if (status == ISO_OK)
-        status = write(a, dir, out.temp_path, user, err);
-    if (status == ISO_OK && !(script = iso_path_join(dir, "tf.gp")))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        const iso_process_options process = {.timeout_seconds = 600};
-        status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
-    }
-    if (status == ISO_OK)
-        status = iso_gnuplot_check_whole(out.temp_path, iso_path_ends_with(a->output, ".png") ? "png" : "svg", err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
-    iso_output_abandon(&out);
-    if (dir)
-        iso_remove_tree(dir);
-    free(dir);
-    free(script);
-    free(gnuplot);
-    return status;
-}
-
-static iso_status write_panels(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
-                               iso_error *err)
-{
-    (void)user;
-    return write_script(a, dir, picture, err);
-}
-
-static iso_status show(const iso_tf_arguments *a, iso_error *err)
-{
-    if (a->cli->argument_count < 2 || !a->output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf show FILE.tf.json... -o OUT.png|OUT.svg");
-    return draw(a, write_panels, NULL, err);
-}
 
 /* ---- triangle: Figure 7 -------------------------------------------------------------- */
 
@@ -156,28 +52,29 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
     return status;
 }
 
-static iso_status write_triangle_script(const char *dir, const char *picture, const iso_tf_arguments *a,
-                                        double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
+typedef struct triangle_picture {
+    const iso_tf_arguments *arguments;
+    double (*rms)[TRIANGLE_STEPS + 1];
+} triangle_picture;
+
+static iso_status write_triangle(FILE *gp, void *user, iso_error *err)
 {
-    bool svg = iso_path_ends_with(a->output, ".svg");
-    char *path = iso_path_join(dir, "tf.gp");
-    FILE *gp = path ? fopen(path, "w") : NULL;
-    free(path);
-    if (!gp)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
-    fprintf(
-        gp,
-        "set terminal %s size 560,480%s font 'sans,11'\nset output '%s'\nset key off\nset size ratio 0.866\n"
+    const triangle_picture *t = user;
+    (void)err;
+    fputs(
+        "set key off\nset size ratio 0.866\n"
         "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
         "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
-        "set title '%s, level %d' noenhanced\n$data << EOD\n",
-        svg ? "svg" : "pngcairo", svg ? " background 'white'" : "", picture, iso_path_base(a->cli->arguments[1]),
-        a->level);
+        "title = ",
+        gp);
+    iso_gnuplot_put_quoted(gp, iso_path_base(t->arguments->cli->arguments[1]));
+    fprintf(gp, "\nset title title . ', level %d' noenhanced\n$data << EOD\n", t->arguments->level);
     for (int i = 0; i <= TRIANGLE_STEPS; ++i)
         for (int j = 0; i + j <= TRIANGLE_STEPS; ++j)
-            fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / TRIANGLE_STEPS, 0.8660254 * j / TRIANGLE_STEPS, rms[i][j]);
-    fprintf(gp, "EOD\nplot $data using 1:2:3 with points pt 7 ps 2.2 palette\n");
-    return fclose(gp) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", dir);
+            fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / TRIANGLE_STEPS, 0.8660254 * j / TRIANGLE_STEPS,
+                    t->rms[i][j]);
+    fputs("EOD\nplot $data using 1:2:3 with points pt 7 ps 2.2 palette\n", gp);
+    return ISO_OK;
 }
 
 static void print_triangle(const iso_tf_arguments *a, double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1])
@@ -199,13 +96,6 @@ static void print_triangle(const iso_tf_arguments *a, double rms[TRIANGLE_STEPS 
             "RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n",
             gauss, constant, triangular, least, s, t);
     }
-}
-
-static iso_status write_triangle(const iso_tf_arguments *a, const char *dir, const char *picture, void *user,
-                                 iso_error *err)
-{
-    double(*rms)[TRIANGLE_STEPS + 1] = user;
-    return write_triangle_script(dir, picture, a, rms, err);
 }
 
 static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
@@ -237,7 +127,7 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
     if (status == ISO_OK && a->output)
-        status = draw(a, write_triangle, rms, err);
+        status = iso_gnuplot_picture(a->output, 560, 480, write_triangle, &(triangle_picture){a, rms}, err);
     if (status == ISO_OK)
         print_triangle(a, rms);
     iso_joint_destroy(&joint);
@@ -265,7 +155,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
-        {"volume", 0, POPT_ARG_STRING, &a.volume, 0, "convert, show: the volume that a fitted range follows", "FILE"},
+        {"volume", 0, POPT_ARG_STRING, &a.volume, 0,
+         "convert, show: the volume that a fitted range follows; show: its histogram", "FILE"},
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "bound: the scene", "FILE.scene.json"},
         {"size", 0, POPT_ARG_STRING, &a.size, 0, "bound: of the image, instead of the scene's", "N|NxM"},
         ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
@@ -287,7 +178,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
             : strcmp(what, "convert") == 0 ? iso_cli_tf_convert(&a, err)
             : strcmp(what, "names") == 0   ? iso_cli_tf_names(&a, err)
-            : strcmp(what, "show") == 0    ? show(&a, err)
+            : strcmp(what, "show") == 0    ? iso_cli_tf_show(&a, err)
             : strcmp(what, "bound") == 0   ? bound(&a, err)
             : strcmp(what, "suggest") == 0 ? iso_cli_tf_suggest(&a, err)
             : strcmp(what, "triangle") == 0
@@ -317,7 +208,8 @@ const iso_command iso_command_tf = {
         "convert  from and to the formats below, by the names' endings and the content; says how far what is looked up is from\n"
         "         what the other program shows. Lengths and opacities that a file does not say have to be given.\n"
         "names    the transfer functions of a file with several, a line each, for --name.\n"
-        "show     draws a picture by gnuplot, .png or .svg, with a panel for each transfer function.\n"
+        "show     draws a picture by gnuplot, .png, .svg or .pdf, with a panel for each transfer function; with --volume over the\n"
+        "         histogram of its values, in logs.\n"
         "suggest  finds materials in the volume's joint histogram of value and gradient magnitude and writes a transfer function\n"
         "         of at most 8 points to begin with; with --tf a preset of the list below, on the volume's values.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",

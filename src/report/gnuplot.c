@@ -84,3 +84,90 @@ iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, 
         status = run_gnuplot(dir, name, format, err);
     return status;
 }
+
+/* ---- one picture alone ----------------------------------------------------------------------------------------------- */
+
+void iso_gnuplot_put_quoted(FILE *gp, const char *text)
+{
+    fputc('\'', gp);
+    for (; *text; ++text)
+        if (*text == '\'')
+            fputs("\'\'", gp);
+        else
+            fputc(*text == '\n' ? ' ' : *text, gp);
+    fputc('\'', gp);
+}
+
+static const char *ending_of(const char *output)
+{
+    static const char *const endings[] = {"png", "svg", "pdf"};
+    char ending[8];
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
+        snprintf(ending, sizeof ending, ".%s", endings[i]);
+        if (iso_path_ends_with(output, ending))
+            return endings[i];
+    }
+    return NULL;
+}
+
+static void put_terminal(FILE *gp, const char *format, double width, double height)
+{
+    if (strcmp(format, "png") == 0)
+        fprintf(gp, "set terminal pngcairo size %.0f,%.0f font 'DejaVu Sans,10' fontscale 2 linewidth 2 pointscale 2\n",
+                2 * width, 2 * height);
+    else if (strcmp(format, "pdf") == 0)
+        fprintf(gp, "set terminal pdfcairo size %.3f,%.3f font 'DejaVu Sans,10' rounded\n", width / 96, height / 96);
+    else
+        fprintf(gp, "set terminal svg size %.0f,%.0f font 'DejaVu Sans,sans-serif,13' background '#ffffff'\n", width,
+                height);
+}
+
+static iso_status write_script(const char *path, const char *format, const char *picture, double width, double height,
+                               iso_gnuplot_writer write, void *user, iso_error *err)
+{
+    FILE *gp = fopen(path, "w");
+    if (!gp)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
+    put_terminal(gp, format, width, height);
+    fputs("set encoding utf8\nset output ", gp);
+    iso_gnuplot_put_quoted(gp, picture);
+    fputc('\n', gp);
+    iso_status status = write(gp, user, err);
+    if (fclose(gp) != 0 && status == ISO_OK)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
+    return status;
+}
+
+iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
+                               iso_error *err)
+{
+    char *gnuplot = NULL, *dir = NULL, *script = NULL;
+    iso_output out = {0};
+    const char *format = ending_of(output);
+    if (!format)
+        return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", output);
+    iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
+    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
+        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    if (status == ISO_OK && !(script = iso_path_join(dir, "picture.gp")))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_output_begin(&out, output, err);
+    if (status == ISO_OK)
+        status = write_script(script, format, out.temp_path, width, height, write, user, err);
+    if (status == ISO_OK) {
+        const iso_process_options process = {.timeout_seconds = 600};
+        status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
+    }
+    if (status == ISO_OK)
+        status = iso_gnuplot_check_whole(out.temp_path, format, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    if (dir)
+        iso_remove_tree(dir);
+    free(dir);
+    free(script);
+    free(gnuplot);
+    return status;
+}

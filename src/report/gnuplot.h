@@ -7,12 +7,23 @@
 #ifndef ISO_REPORT_GNUPLOT_H
 #define ISO_REPORT_GNUPLOT_H
 
+#include <stdio.h>
+
 #include "base/status.h"
 
 /* format: "svg" or "pdf" (vector text, fonts embedded). A style.gp that is in the folder stays.
  * ISO_E_MISSING without gnuplot, ISO_E_PROGRAM when it fails. */
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
                             iso_error *err);
+
+/* One picture alone, NAME.png, .svg or .pdf by its ending: `write` prints the gnuplot script that follows "set terminal" and
+ * "set output". Width and height in pixels of 1/96 inch; a PNG has twice as many, for print. The picture appears when it is
+ * whole. ISO_E_USAGE: another ending; ISO_E_MISSING without gnuplot. */
+typedef iso_status (*iso_gnuplot_writer)(FILE *gp, void *user, iso_error *err);
+iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
+                               iso_error *err);
+/* A text between single quotes of a script, with what would end it. Never enhanced: "noenhanced" is for the caller. */
+void iso_gnuplot_put_quoted(FILE *gp, const char *text);
 
 /* gnuplot does not notice a full disk: a whole picture ends as its format, "svg", "pdf" or "png", does. ISO_E_IO. */
 iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err);

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* value_histogram.h - how many voxels have which value, for people to look at: over a range, in bins that a picture can
+ * show. Bins of whole numbers are whole numbers wide and stand around them, so that no bin holds more values than its
+ * neighbor: that would draw a comb. */
+#ifndef ISO_VALUE_HISTOGRAM_H
+#define ISO_VALUE_HISTOGRAM_H
+
+#include "volume/volume.h"
+
+typedef struct iso_value_histogram {
+    double lo, width; /* bin b is [lo + b width, lo + (b + 1) width) */
+    size_t count;     /* bins */
+    size_t *bins;     /* owned */
+    size_t most;      /* voxels of the fullest */
+} iso_value_histogram;
+
+/* Values outside [lo, hi] are not counted; hi itself is. Where lo is hi there is one bin. ISO_E_MEMORY. */
+iso_status iso_value_histogram_count(const iso_volume *v, double lo, double hi, size_t most_bins,
+                                     iso_value_histogram *h, iso_error *err);
+void iso_value_histogram_destroy(iso_value_histogram *h); /* accepts empty */
+
+#endif
