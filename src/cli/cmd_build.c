@@ -134,25 +134,6 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_volume_input_open(u->path, u->input, source, err);
 }
 
-/* Levels for a scene are made in memory, by one process. */
-static iso_status build_for(const iso_cli *cli, const iso_volume_input *input, const build_options *in,
-                            const iso_ranks *ranks, iso_error *err)
-{
-    const char *path = cli->arguments[0];
-    iso_pyramid_options opt;
-    if (in->resume)
-        return iso_fail(err, ISO_E_USAGE, "--for and --resume: levels for a scene are made in one go");
-    if (ranks)
-        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, not by ranks");
-    char *output = in->output ? strdup(in->output) : default_output(path);
-    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_build_for job = {cli, input, path, in->scene, output, in->memory_mb};
-    if (status == ISO_OK)
-        status = iso_cli_build_for(&job, &opt, err);
-    free(output);
-    return status;
-}
-
 /* One pyramid; *json, where it is not NULL, takes what is printed as JSON, to be freed. */
 static iso_status build_one(const build_job *job, const iso_pyramid_options *opt, const char *output, json_t **json,
                             iso_error *err)
@@ -219,6 +200,48 @@ static iso_status check_frames(const build_options *in, const iso_volume_input *
     return ISO_OK;
 }
 
+/* Labels have majorities; another filter would mix them. */
+static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, iso_error *err)
+{
+    const char *path = job->cli->arguments[0];
+    iso_volume_input input = *job->input;
+    size_t labels = 0;
+    if (job->options->frames) /* all frames are what the first one is */
+        input.frame = "0";
+    const iso_status status = iso_volume_input_labels(path, &input, &labels, err);
+    if (status != ISO_OK || labels == 0)
+        return status;
+    if (job->options->scene || (job->options->scalar_filter && opt->scalar_filter != ISO_SCALAR_MAJORITY))
+        return iso_fail(err, ISO_E_USAGE, "%s is a label map of %zu labels, which %s would interpolate; --no-labels does",
+                        path, labels, job->options->scene ? "--for" : "--scalar-filter");
+    opt->scalar_filter = ISO_SCALAR_MAJORITY;
+    if (!job->cli->json && !job->cli->quiet)
+        printf("label map, %zu labels: levels by majority, looked up without interpolation (else --no-labels)\n", labels);
+    return ISO_OK;
+}
+
+/* Levels for a scene are made in memory, by one process. */
+static iso_status build_for(const build_job *job, iso_error *err)
+{
+    const iso_cli *cli = job->cli;
+    const build_options *in = job->options;
+    const char *path = cli->arguments[0];
+    iso_pyramid_options opt;
+    if (in->resume)
+        return iso_fail(err, ISO_E_USAGE, "--for and --resume: levels for a scene are made in one go");
+    if (job->ranks)
+        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, not by ranks");
+    char *output = in->output ? strdup(in->output) : default_output(path);
+    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const iso_build_for with = {cli, job->input, path, in->scene, output, in->memory_mb};
+    if (status == ISO_OK)
+        status = choose_filter(job, &opt, err);
+    if (status == ISO_OK)
+        status = iso_cli_build_for(&with, &opt, err);
+    free(output);
+    return status;
+}
+
 static iso_status build(const build_job *job, iso_error *err)
 {
     const build_options *in = job->options;
@@ -230,6 +253,8 @@ static iso_status build(const build_job *job, iso_error *err)
                                : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err);
+    if (status == ISO_OK)
+        status = choose_filter(job, &opt, err);
     if (status == ISO_OK)
         status = in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err);
     if (json)
@@ -291,8 +316,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_frames(&in, &input, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = in.scene ? build_for(&cli, &input, &in, ranks, err)
-                          : build(&(build_job){&cli, &input, &in, ranks}, err);
+        status = (in.scene ? build_for : build)(&(build_job){&cli, &input, &in, ranks}, err);
     iso_cli_end(&cli);
     free(in.output);
     free(in.estimator);

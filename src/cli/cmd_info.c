@@ -136,6 +136,9 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
            v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
     print_unit(&v->notes);
     print_frames(&v->notes);
+    if (v->notes.label_count)
+        printf("  labels     label map, %zu labels: looked up without interpolation (else --no-labels)\n",
+               v->notes.label_count);
     for (int a = 0; a < 3; ++a) {
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
@@ -189,6 +192,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "applied_slope", json_real(v->notes.applied_slope));
     json_object_set_new(root, "applied_intercept", json_real(v->notes.applied_intercept));
     json_object_update_new(root, frames_to_json(&v->notes));
+    json_object_set_new(root, "labels", json_integer((json_int_t)v->notes.label_count));
     json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
     json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
     iso_cli_print_json(root);

@@ -27,6 +27,8 @@
     {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "which of a file's time steps, or of numbered files, from 0", "K"}, \
     {"channel", 0, POPT_ARG_STRING, &(in)->channel, 0, "which of a voxel's numbers, from 0, or its name; colors: luminance", "K|NAME"}, \
     {"stored", 0, POPT_ARG_NONE, &(in)->stored, 0, "values as they are stored, without the file's slope and intercept", NULL}, \
+    {"labels", 0, POPT_ARG_NONE, &(in)->labels, 0, "the volume is a label map, whatever its samples look like", NULL}, \
+    {"no-labels", 0, POPT_ARG_NONE, &(in)->no_labels, 0, "the volume has intensities, which are interpolated", NULL}, \
     {"physical", 0, POPT_ARG_NONE | POPT_ARGFLAG_DOC_HIDDEN, NULL, 0, "the default", NULL}
 /* clang-format on */
 

@@ -102,13 +102,19 @@ typedef struct tile {
     iso_agreement agreement[MAX_LEVELS];
 } tile;
 
+/* Where a row's scalars go among the sums of two rows: labels are not added, the second row stands behind the first. */
+static float *scalar_of(const iso_cascade *c, float *acc, size_t stride, bool add)
+{
+    return acc + (c->state_count + (c->majority && add ? 1 : 0)) * stride;
+}
+
 static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
 {
     const iso_cascade *c = t->c;
     const size_t n = c->size[0][0], stride = row_stride(c, 0);
     emit_rows *r = &t->rows;
     float range[2] = {t->lo[0], t->hi[0]};
-    iso_scalar_row(t->in, y, z, r->row, acc + c->state_count * stride, add, range);
+    iso_scalar_row(t->in, y, z, r->row, scalar_of(c, acc, stride, add), add && !c->majority, range);
     t->lo[0] = range[0], t->hi[0] = range[1];
     if (t->out[0].scalar && z >= t->out[0].first)
         memcpy(t->out[0].scalar + ((z - t->out[0].first) * c->size[0][1] + y) * n, r->row, n * sizeof(float));
@@ -138,8 +144,10 @@ static float *carry_row(const iso_cascade *c, size_t y, size_t z)
 static void add_row(const tile *t, size_t k, const float *own, float *acc, bool add)
 {
     const size_t stride = row_stride(t->c, k), n = t->c->size[k][0];
-    for (size_t i = 0; i <= t->c->state_count; ++i)
+    const iso_cascade *c = t->c;
+    for (size_t i = 0; i < c->state_count; ++i)
         iso_accumulate_row(own + i * stride, n, acc + i * stride, add);
+    iso_accumulate_row(own + c->state_count * stride, n, scalar_of(c, acc, stride, add), add && !c->majority);
 }
 
 static void load_carried(tile *t, size_t k, size_t y, size_t z, float *own)
@@ -192,11 +200,17 @@ static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add
         if (two_y)
             make_row(t, k - 1, 2 * y + 1, 2 * z + half, sum, true);
         for (size_t i = 0; !two_y && i <= c->state_count; ++i)
-            iso_double_row(sum + i * stride, fine[0]);
+            iso_double_row(sum + i * stride, c->majority && i == c->state_count ? 0 : fine[0]);
     }
-    for (size_t i = 0; i <= c->state_count; ++i)
+    const size_t means = c->state_count + (c->majority ? 0 : 1);
+    for (size_t i = 0; i < means; ++i)
         iso_mean_row(t->acc[k - 1][0] + i * stride, t->acc[k - 1][two_z] + i * stride, fine[0],
                      own + i * coarse_stride);
+    if (c->majority) {
+        const float *a = t->acc[k - 1][0] + means * stride, *b = t->acc[k - 1][two_z] + means * stride;
+        const size_t second = two_y ? stride : 0;
+        iso_majority_row((const float *const[]){a, a + second, b, b + second}, fine[0], own + means * coarse_stride);
+    }
     store_coarse(t, k, y, z, own);
     if (k < t->top)
         add_row(t, k, own, acc, add);
@@ -206,7 +220,7 @@ static size_t tile_scratch_count(const iso_cascade *c)
 {
     size_t count = iso_emit_rows_count(c);
     for (size_t k = 0; k < c->level_count; ++k)
-        count += 3 * (c->state_count + 1) * row_stride(c, k);
+        count += 3 * (c->state_count + 1 + c->majority) * row_stride(c, k);
     return count;
 }
 
@@ -217,7 +231,7 @@ static tile make_tile(iso_cascade *c, const iso_planes *in, const iso_cascade_ou
     scratch s = {memory};
     t.rows = iso_take_emit_rows(c, &s);
     for (size_t k = 0; k <= top; ++k) {
-        const size_t count = (c->state_count + 1) * row_stride(c, k);
+        const size_t count = (c->state_count + 1 + c->majority) * row_stride(c, k);
         t.acc[k][0] = take(&s, count);
         t.acc[k][1] = take(&s, count);
         t.own[k] = take(&s, count);
@@ -296,7 +310,8 @@ static void set_up(iso_cascade *c, const iso_geometry *g, double scale)
         c->hi[k] = -INFINITY;
     }
     c->only_sums_up = opt->direction_filter == ISO_DIRECTION_AUTO && !opt->choice.is_made;
-    c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN;
+    c->majority = opt->scalar_filter == ISO_SCALAR_MAJORITY;
+    c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN || c->majority;
     c->state_count = opt->direction_filter == ISO_DIRECTION_EQ1 ? 0 : iso_state_count(opt->direction_filter);
     c->tile_top = c->level_count - 1 < CARRY_LEVEL ? c->level_count - 1 : CARRY_LEVEL;
     if (opt->scalar_filter == ISO_SCALAR_GAUSS && c->state_count == 0)

@@ -34,7 +34,8 @@ struct iso_cascade {
     /* Filters that read only the children, tile by tile. */
     size_t tile_top;    /* the highest level that is made depth first from level 0 */
     size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
-    bool scalar_means;  /* else scalars have a filter of their own */
+    bool scalar_means;  /* or majorities; else scalars have a filter of their own */
+    bool majority;      /* of labels */
     float *carry;       /* states and scalars of level tile_top, where there are levels above it */
     bool only_sums_up;  /* nothing is chosen yet: the levels' agreement is measured, nothing is stored */
     iso_agreement agreement[MAX_LEVELS];

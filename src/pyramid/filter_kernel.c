@@ -261,6 +261,33 @@ void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restric
     mean_pairs(a, b, (n + 1) / 2, out);
 }
 
+static float majority_of(const float label[8])
+{
+    float best = label[0];
+    int most = 0;
+    for (int i = 0; i < 8; ++i) {
+        int count = 0;
+        for (int j = 0; j < 8; ++j)
+            count += label[j] == label[i];
+        if (count > most || (count == most && label[i] > best)) {
+            most = count;
+            best = label[i];
+        }
+    }
+    return best;
+}
+
+void iso_majority_row(const float *const rows[4], size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < (n + 1) / 2; ++i) {
+        const size_t x[2] = {2 * i, 2 * i + 1 < n ? 2 * i + 1 : 2 * i};
+        float label[8];
+        for (int c = 0; c < 8; ++c)
+            label[c] = rows[c / 2][x[c % 2]];
+        out[i] = majority_of(label);
+    }
+}
+
 ISO_SIMD static void weigh_pairs(float weight, const float *restrict row, size_t half, float *restrict out)
 {
     for (size_t i = 0; i < half; ++i)

@@ -55,6 +55,8 @@ void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc
 void iso_double_row(float *row, size_t n);
 /* The 2x2x2 mean: a and b hold n sums of two rows each, and one float more of room. */
 void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
+/* The label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts twice. */
+void iso_majority_row(const float *const rows[4], size_t n, float *restrict out);
 /* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` has room for n + 2 radius
  * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,

@@ -20,6 +20,7 @@ static const struct {
 } scalar_filters[] =
     {
         [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
+        [ISO_SCALAR_MAJORITY] = {"majority", "of labels: the one that most of 2x2x2 voxels have; the largest of several"},
         [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
         [ISO_SCALAR_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0; from level 0"},
         [ISO_SCALAR_DAMPED] = {"damped", "from the means .6 of the way to least-squares: rings less"},
@@ -139,7 +140,7 @@ static iso_status sample_range(const iso_volume *v, const char *source, double *
 static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, const iso_pyramid_options *opt)
 {
     const size_t count = iso_geometry_voxel_count(g);
-    *l = (iso_level){.geometry = *g, .stored_type = type};
+    *l = (iso_level){.geometry = *g, .stored_type = type, .labels = opt->scalar_filter == ISO_SCALAR_MAJORITY};
     l->scalar = malloc(count * sizeof *l->scalar);
     l->codes = malloc(3 * count);
     if (opt->keep_float)

@@ -27,6 +27,7 @@
  * of its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md);
  * its values can lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at
  * level 1 it is first held to the range of each voxel's own fine voxels. */
+/* Of a label map: the label that most of the 2x2x2 children have, of several such the largest. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
@@ -44,6 +45,7 @@ typedef enum iso_scalar_filter {
     ISO_SCALAR_GAUSS,
     ISO_SCALAR_LEAST_SQUARES,
     ISO_SCALAR_DAMPED,
+    ISO_SCALAR_MAJORITY, /* of labels, whose levels are looked up without interpolation */
     ISO_SCALAR_COUNT
 } iso_scalar_filter;
 /* More is nearer to level 0 in most scenes, and farther in those where least squares ring (doc/results). */
@@ -106,6 +108,7 @@ typedef struct iso_level {
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
+    bool labels;          /* looked up without interpolation: the value of the voxel that holds a point */
     bool made_for_scene;  /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
     const iso_palette *palette;

@@ -251,6 +251,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
         if (files[i].stored && is_wanted(what, i))
             status = load_file(dir, &l->geometry, &files[i], r, list, &data[i], err);
+    l->labels = opt->scalar_filter == ISO_SCALAR_MAJORITY;
     l->scalar = data[FILE_SCALAR];
     l->codes = data[FILE_CODES];
     l->directions = data[FILE_DIRECTIONS];

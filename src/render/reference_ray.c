@@ -207,12 +207,20 @@ static double to_next_face(const iso_roi *f, iso_vec3 index, iso_vec3 direction)
     return least;
 }
 
+/* Labels change at the faces of voxels, between the centers where directions bend. */
+static double to_next_voxel(iso_vec3 p, iso_vec3 d)
+{
+    return fmin(to_next_plane(p.x + 0.5, d.x), fmin(to_next_plane(p.y + 0.5, d.y), to_next_plane(p.z + 0.5, d.z)));
+}
+
 /* The end of the piece of the ray that starts at a and stays in one cell of each layer. */
 static double cell_end(const ray_state *ray, double a, double least, double t1)
 {
     iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
     double step = fmin(to_next_plane(p.x, ray->direction.x),
                        fmin(to_next_plane(p.y, ray->direction.y), to_next_plane(p.z, ray->direction.z)));
+    if (ray->layer->sampler->level->labels)
+        step = fmin(step, to_next_voxel(p, ray->direction));
     if (ray->roi) {
         const iso_roi *f = ray->view->roi;
         const iso_vec3 q = iso_roi_inside(f, p), d = iso_scale(ray->direction, f->scale);

@@ -100,11 +100,25 @@ static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
     return s;
 }
 
+/* The voxel that holds the point, the nearest one outside of the grid. */
+static size_t voxel_at(const iso_geometry *g, iso_vec3 index)
+{
+    const double p[3] = {index.x, index.y, index.z};
+    size_t at = 0;
+    for (int a = 2; a >= 0; --a) {
+        double last = (double)(g->size[a] - 1);
+        at = at * g->size[a] + (size_t)(p[a] > 0 ? (p[a] < last ? p[a] : last) : 0);
+    }
+    return at;
+}
+
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
 {
     double node[ISO_NODE_CHANNELS];
     if (sample_bricks(s, index, node))
         return node[0];
+    if (s->level->labels)
+        return (double)s->level->scalar[voxel_at(&s->level->geometry, index)];
     stencil at = stencil_at(&s->level->geometry, index);
     double value = 0;
     for (int c = 0; c < 8; ++c)
@@ -142,18 +156,6 @@ static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
     iso_vec3 g = iso_mul(s->gradient_to_world, index_gradient);
     double square = iso_dot(g, g) + s->on_the_fly_eps * s->on_the_fly_eps;
     return square > 0 ? iso_scale(g, 1 / sqrt(square)) : g;
-}
-
-/* The voxel that holds the point, the nearest one outside of the grid. */
-static size_t voxel_at(const iso_geometry *g, iso_vec3 index)
-{
-    const double p[3] = {index.x, index.y, index.z};
-    size_t at = 0;
-    for (int a = 2; a >= 0; --a) {
-        double last = (double)(g->size[a] - 1);
-        at = at * g->size[a] + (size_t)(p[a] > 0 ? (p[a] < last ? p[a] : last) : 0);
-    }
-    return at;
 }
 
 static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)

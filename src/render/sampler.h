@@ -3,7 +3,8 @@
  *
  * Points are in the level's index coordinates (voxel i has its centre at i + 1/2).
  * The field's data are the floats and bytes of the level; all arithmetic on them
- * is double. Trilinear between voxel centres, clamped to the edge. */
+ * is double. Trilinear between voxel centres, clamped to the edge; labels are those of
+ * the voxel that holds the point. */
 #ifndef ISO_SAMPLER_H
 #define ISO_SAMPLER_H
 

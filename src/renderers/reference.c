@@ -55,7 +55,7 @@ const iso_renderer_info iso_renderer_reference = {
     .title = "Reference",
     .stages = {"reference"},
     .color = "#222222",
-    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
+    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
               ISO_READS_QUADRATURE | ISO_READS_INTERVALS,
     .quadratures = 1u << ISO_QUADRATURE_CONVERGED | 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED |
                    1u << ISO_QUADRATURE_POVRAY,

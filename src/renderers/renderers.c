@@ -83,22 +83,25 @@ typedef struct asked_trait {
     const char *what;
 } asked_trait;
 
-static asked_trait find_lacking(const iso_renderer_info *r, const iso_view *view, bool isosurface)
+static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
+                                bool isosurface)
 {
     const asked_trait asked[] = {{isosurface, ISO_HAS_ISOSURFACES, "isosurfaces"},
                                  {view->clip_count > 0, ISO_HAS_CLIP_PLANES, "clip planes"},
                                  {view->tf_2d, ISO_HAS_2D_TFS, "2D transfer functions"},
                                  {view->extinction_scale, ISO_HAS_EXTINCTION_SCALES, "extinction scales"},
-                                 {view->roi, ISO_HAS_ROI, "regions of interest"}};
+                                 {view->roi, ISO_HAS_ROI, "regions of interest"},
+                                 {p->levels[0].labels, ISO_HAS_LABELS, "label maps"}};
     for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i)
         if (asked[i].asked && !iso_renderer_has(r, asked[i].trait))
             return asked[i];
     return (asked_trait){0};
 }
 
-const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_view *view, bool isosurface)
+const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
+                               bool isosurface)
 {
-    return find_lacking(r, view, isosurface).what;
+    return find_lacking(r, p, view, isosurface).what;
 }
 
 /* A renderer that passed over what a scene asks for would draw another scene. */
@@ -106,13 +109,20 @@ static iso_status check(const iso_render_request *q, iso_error *err)
 {
     char names[256];
     const iso_renderer_info *r = q->options->renderer;
-    const asked_trait lacking = find_lacking(r, q->view, q->options->isosurface);
+    const asked_trait lacking = find_lacking(r, q->pyramid, q->view, q->options->isosurface);
     if (q->level >= q->pyramid->level_count)
         return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", q->level,
                         q->pyramid->level_count - 1);
     if (lacking.asked)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
                         iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
+    /* What lies between two labels is neither a third one nor a surface. */
+    if (q->pyramid->levels[0].labels &&
+        (q->options->isosurface || q->view->roi || q->view->tf_2d ||
+         q->options->quadrature == ISO_QUADRATURE_PREINTEGRATED))
+        return iso_fail(err, ISO_E_USAGE,
+                        "label maps are rendered by samples of a one-dimensional transfer function alone: no isosurface, "
+                        "pre-integration or region of interest (--no-labels interpolates)");
     return ISO_OK;
 }
 

@@ -94,6 +94,7 @@ typedef enum iso_trait {
     ISO_READS_EXACT_LOOKUPS = 1 << 16,
     ISO_READS_SHADERS = 1 << 17, /* iso_renderers.shader_dir */
     ISO_HAS_EXTINCTION_SCALES = 1 << 18,
+    ISO_HAS_LABELS = 1 << 19, /* label maps, looked up without interpolation */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI)
 
@@ -226,7 +227,8 @@ static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_inf
 iso_render_options iso_render_defaults(const iso_renderer_info *r);
 
 /* What the view or an isosurface needs and the renderer does not have, such as "clip planes"; or NULL. */
-const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_view *view, bool isosurface);
+const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
+                               bool isosurface);
 
 /* Asks frames for steps as iso_renderer_info.ask_steps does. */
 void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count,

@@ -16,7 +16,10 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
     iso_status status = iso_volume_input_load(path, input, &v, err);
     if (status != ISO_OK)
         return status;
-    status = iso_pyramid_build(&v, path, opt, p, progress, err);
+    iso_pyramid_options own = *opt;
+    if (v.notes.label_count)
+        own.scalar_filter = ISO_SCALAR_MAJORITY;
+    status = iso_pyramid_build(&v, path, &own, p, progress, err);
     iso_volume_destroy(&v);
     return status;
 }

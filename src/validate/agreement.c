@@ -148,7 +148,7 @@ static bool cannot_compare(const iso_validation *v, const iso_renderer_info *ren
                            char why[512])
 {
     const iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
-    const char *lacks = iso_renderer_lacks(renderer, v->view, row->comparison == ISO_COMPARISON_FIRST_HIT);
+    const char *lacks = iso_renderer_lacks(renderer, v->pyramid, v->view, row->comparison == ISO_COMPARISON_FIRST_HIT);
     if (refusal->status != ISO_OK) {
         snprintf(why, 512, "%s", refusal->why);
         row->refused = why;

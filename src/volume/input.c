@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/words.h"
+#include "volume/labels.h"
 #include "volume/unit.h"
 
 void iso_volume_input_defaults(iso_volume_input *input)
@@ -35,6 +36,10 @@ char *iso_volume_input_line(const iso_volume_input *in)
         fprintf(f, " --raw-skip %ld", in->raw_skip_bytes);
     if (in->stored)
         fputs(" --stored", f);
+    if (in->labels)
+        fputs(" --labels", f);
+    if (in->no_labels)
+        fputs(" --no-labels", f);
     fclose(f);
     return text;
 }
@@ -109,10 +114,69 @@ iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, i
     return status;
 }
 
+/* What is known without a look at the samples, or is contradicted; *look: a look is needed. */
+static iso_status check_labels(const char *path, const iso_volume_input *in, const iso_volume *v, bool *look,
+                               iso_error *err)
+{
+    const iso_type type = v->type;
+    const bool is_integer = type != ISO_F32 && type != ISO_F64;
+    *look = is_integer && !in->no_labels;
+    if (in->labels && in->no_labels)
+        return iso_fail(err, ISO_E_USAGE, "--labels and --no-labels: one or the other");
+    if (in->labels && !is_integer)
+        return iso_fail(err, ISO_E_USAGE, "--labels: %s has values of type %s, labels are integers", path,
+                        iso_type_name(type));
+    return ISO_OK;
+}
+
+/* said: by the caller or by the file. */
+static iso_status count_labels(const char *path, bool said, const iso_label_facts *facts, size_t *count, iso_error *err)
+{
+    *count = facts->is_map || said ? facts->count : 0; /* 0, too, where nothing was looked at */
+    if (said && facts->has_too_many)
+        return iso_fail(err, ISO_E_RANGE, "%s: a label map, but with more than %d values, or some beyond -32768 to 65535 (--no-labels reads intensities)", path,
+                        ISO_LABELS_MAX_COUNT);
+    return ISO_OK;
+}
+
+iso_status iso_volume_input_labels(const char *path, const iso_volume_input *in, size_t *count, iso_error *err)
+{
+    iso_volume_source *source;
+    iso_label_facts facts = {0};
+    bool look = false;
+    *count = 0;
+    iso_status status = iso_volume_input_open(path, in, &source, err);
+    if (status != ISO_OK)
+        return status;
+    const bool said = in->labels || iso_source_volume(source)->notes.says_labels;
+    status = check_labels(path, in, iso_source_volume(source), &look, err);
+    if (status == ISO_OK && look)
+        status = iso_labels_look(source, said, &facts, err);
+    iso_source_close(source);
+    return status == ISO_OK ? count_labels(path, said, &facts, count, err) : status;
+}
+
+static iso_status note_labels(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)
+{
+    iso_label_facts facts = {0};
+    const bool said = in->labels || v->notes.says_labels;
+    bool look = false;
+    iso_status status = check_labels(path, in, v, &look, err);
+    if (status == ISO_OK && look)
+        status = iso_labels_look_at(v, said, &facts, err);
+    return status == ISO_OK ? count_labels(path, said, &facts, &v->notes.label_count, err) : status;
+}
+
 iso_status iso_volume_input_load(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)
 {
     iso_volume_source *source;
     *v = (iso_volume){0};
     iso_status status = iso_volume_input_open(path, in, &source, err);
-    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
+    if (status == ISO_OK)
+        status = iso_volume_load_source(source, path, v, err);
+    if (status == ISO_OK)
+        status = note_labels(path, in, v, err);
+    if (status != ISO_OK)
+        iso_volume_destroy(v);
+    return status;
 }

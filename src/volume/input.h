@@ -10,7 +10,7 @@ typedef struct iso_volume_input {
     char *raw_size, *raw_type, *raw_spacing; /* borrowed; "40x56x33", "uint8", "1x1x2.5" */
     char *spacing, *unit, *series;           /* "0.2x0.2x1", "um", "2" */
     char *frame, *channel;                   /* "3", "red" */
-    int raw_big_endian, stored;
+    int raw_big_endian, stored, labels, no_labels;
     long raw_skip_bytes;
 } iso_volume_input;
 
@@ -22,5 +22,8 @@ char *iso_volume_input_line(const iso_volume_input *input);
 iso_status iso_volume_input_load(const char *path, const iso_volume_input *input, iso_volume *v, iso_error *err);
 iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source,
                                  iso_error *err);
+/* How many labels a volume has that is a label map, by what the caller says or else by its samples; 0: intensities. As much
+ * is read as it takes. iso_volume_input_load() leaves it in the notes. */
+iso_status iso_volume_input_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
 
 #endif

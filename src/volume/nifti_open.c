@@ -18,7 +18,7 @@ typedef struct nifti_header {
     bool one_file, known;
     char magic[4];
     int64_t dim[8];
-    int datatype, qform_code, sform_code, units, colors; /* colors: 3 or 4 bytes a voxel; 0 */
+    int datatype, qform_code, sform_code, units, intent, colors; /* colors: 3 or 4 bytes a voxel; 0 */
     double pixdim[8], vox_offset, slope, intercept, quatern[3], qoffset[3], srow[3][4];
     double least_offset; /* of the samples in one file: behind the header and its extension flag */
 } nifti_header;
@@ -54,6 +54,7 @@ static nifti_header from_nifti_1(const nifti_1_header *h)
                         .qform_code = h->qform_code,
                         .sform_code = h->sform_code,
                         .units = h->xyzt_units,
+                        .intent = h->intent_code,
                         .vox_offset = h->vox_offset,
                         .slope = h->scl_slope,
                         .intercept = h->scl_inter,
@@ -86,7 +87,7 @@ static void swap_nifti_2(nifti_2_header *h)
     swap_each(&h->vox_offset, 8, 3); /* and scl_slope, scl_inter */
     swap_each(&h->qform_code, 4, 2); /* and sform_code */
     swap_each(&h->quatern_b, 8, 18); /* to the end of srow_z */
-    swap_each(&h->xyzt_units, 4, 1);
+    swap_each(&h->xyzt_units, 4, 2); /* and intent_code */
 }
 
 static nifti_header from_nifti_2(const nifti_2_header *h)
@@ -97,6 +98,7 @@ static nifti_header from_nifti_2(const nifti_2_header *h)
                         .qform_code = h->qform_code,
                         .sform_code = h->sform_code,
                         .units = h->xyzt_units,
+                        .intent = h->intent_code,
                         .vox_offset = (double)h->vox_offset,
                         .slope = h->scl_slope,
                         .intercept = h->scl_inter,
@@ -323,6 +325,7 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
         status = choose(&h, source, err);
     if (status != ISO_OK)
         return status;
+    source->header.notes.says_labels = h.intent == NIFTI_INTENT_LABEL;
     if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {
         source->header.notes.scale_slope = h.slope;
         source->header.notes.scale_intercept = h.intercept;

@@ -205,6 +205,9 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
                                 : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
+    char *segment = nrrdKeyValueGet(nrrd, "Segment0_ID"); /* 3D Slicer's .seg.nrrd */
+    header->notes.says_labels = segment != NULL;
+    free(segment);
     if (status == ISO_OK)
         status = iso_source_choose(source, &axes.extra, err);
     return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;

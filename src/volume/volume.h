@@ -22,6 +22,8 @@ typedef struct iso_volume_notes {
     size_t frame_count, frame;               /* time steps in the file, and the one that was read, from 0; 0: one volume */
     double frame_step;                       /* from one to the next; 0: the file does not say */
     char frame_unit[16];                     /* as the file calls it */
+    bool says_labels;                        /* the file itself says that it is a label map */
+    size_t label_count;                      /* of a label map (labels.h); 0: intensities */
     size_t channel_count, channel;           /* numbers a voxel in the file, and the one that was read */
     char channel_name[48];                   /* "": it has none */
 } iso_volume_notes;

@@ -66,6 +66,10 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
                                                  err);
     if (status != ISO_OK)
         return status;
+    if (level->labels) {
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    }
     void *plane = malloc(plane_count * (integers ? sizeof(uint16_t) : sizeof(float)));
     if (!plane)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu voxels", plane_count);
@@ -262,6 +266,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
 {
     const iso_geometry *g = &level->geometry;
     iso_gl_set_int(program, "scalar", UNIT_SCALAR);
+    iso_gl_set_int(program, "labels", level->labels);
     iso_gl_set_int(program, "tf", UNIT_TF);
     iso_gl_set_int(program, is_from_palette(opt->source) ? "palette_index" : "directions", UNIT_DIRECTIONS);
     iso_gl_set_int(program, "palette", UNIT_PALETTE);

@@ -232,6 +232,14 @@ dvec4 fetch_exactly(sampler3D texels, vec3 p)
     return sum;
 }
 vec4 fetch(sampler3D texels, vec3 p) { return vec4(fetch_exactly(texels, p)); }
+
+uniform bool labels; // are not filtered: the voxel that holds the position
+double label_exactly(sampler3D texels, vec3 p)
+{
+    ivec3 last = textureSize(texels, 0) - 1;
+    dvec3 q = (exact_p + dvec3(p - rounded_p)) * dvec3(last + 1);
+    return double(texelFetch(texels, clamp(ivec3(floor(q)), ivec3(0), last), 0).r);
+}
 #elif !defined TRANSITION
 vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
 #endif
@@ -311,7 +319,7 @@ vec4 mean_between(float s0, float s1)
 vec4 classify_at(vec3 p)
 {
 #if EXACT
-    double s = fetch_exactly(scalar, p).r;
+    double s = labels ? label_exactly(scalar, p) : fetch_exactly(scalar, p).r;
 #else
     float s = scalar_at(p);
 #endif

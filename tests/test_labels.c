@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+/* Label maps: what is taken for one, majorities, and a slab of two labels whose picture is closed. */
+#include "rendered.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/labels.h"
+
+/* ---- a slab of two labels, looked at across ---- */
+
+enum { NX = 16, NY = 4, NZ = 4, THREES = 4, SEVENS = 6 };
+
+/* Air of label 0 to both sides; voxels of 1 mm. Labels from 3 to 7 pass through none that lies between. */
+static iso_level make_slab(void)
+{
+    const size_t size[3] = {NX, NY, NZ};
+    const double spacing[3] = {1, 1, 1};
+    iso_level level = {.geometry = iso_geometry_axis_aligned(size, spacing),
+                       .stored_type = ISO_U8,
+                       .max = 7,
+                       .labels = true,
+                       .scalar = calloc(NX * NY * NZ, sizeof(float)),
+                       .codes = calloc(NX * NY * NZ, 3)};
+    for (size_t i = 0; i < NX * NY * NZ; ++i) {
+        const size_t x = i % NX;
+        level.scalar[i] = x < 3 ? 0 : x < 3 + THREES ? 3 : x < 3 + THREES + SEVENS ? 7 : 0;
+    }
+    return level;
+}
+
+/* A class table: an entry a label; those that there are not are bright and dense, so that they would show. */
+static float classes[8][4] = {{0, 0, 0, 0}, {9, 9, 9, 5}, {9, 9, 9, 5}, {1, 0.2f, 0, 0.11f},
+                              {9, 9, 9, 5}, {9, 9, 9, 5}, {9, 9, 9, 5}, {0, 0.4f, 1, 0.07f}};
+
+static iso_view make_view(void)
+{
+    iso_view view = {.width = 2, .height = 2, .shading = {.ambient = 1, .power = 1}, .step_voxels = 0.5};
+    view.camera = (iso_camera){.orthographic = true,
+                               .forward = {1, 0, 0},
+                               .right = {0, -1, 0},
+                               .up = {0, 0, 1},
+                               .half_height = 0.5,
+                               .position = {-50, 0, 0}};
+    view.tf = (iso_tf_table){.count = 8, .lo = 0, .hi = 7, .entries = classes[0]};
+    return view;
+}
+
+static const iso_renderer_info *find(const char *name)
+{
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (strcmp(iso_renderer_at(i)->name, name) == 0)
+            return iso_renderer_at(i);
+    fail();
+    return NULL;
+}
+
+static iso_status draw(const char *name, iso_level *level, bool exact, iso_image *image, iso_error *err)
+{
+    const iso_view view = make_view();
+    const iso_pyramid pyramid = {.options = iso_pyramid_defaults(), .level_count = 1, .levels = level};
+    const iso_renderer_info *r = find(name);
+    iso_render_options opt = iso_render_defaults(r);
+    opt.exact_lookups = exact;
+    opt.threads = 1;
+    const iso_render_request request = {.renderers = &renderers, .pyramid = &pyramid, .view = &view, .options = &opt};
+    return iso_render_with(&request, image, NULL, err);
+}
+
+static void closed_form(double rgba[4])
+{
+    const double a = exp(-(double)classes[3][3] * THREES), b = exp(-(double)classes[7][3] * SEVENS);
+    for (int c = 0; c < 3; ++c)
+        rgba[c] = (double)classes[3][c] * (1 - a) + a * (double)classes[7][c] * (1 - b);
+    rgba[3] = 1 - a * b;
+}
+
+static double farthest(const iso_image *image)
+{
+    double wanted[4], most = 0;
+    closed_form(wanted);
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        most = fmax(most, fabs((double)image->rgba[i] - wanted[i % 4]));
+    return most;
+}
+
+static void free_slab(iso_level *level)
+{
+    free(level->scalar);
+    free(level->codes);
+}
+
+/* The reference: to its own tolerance. The ray caster: segments of half a voxel, each in one label, so that its sums are
+ * exact but for floats, some 32 of them. */
+static void a_slab_of_two_labels_has_its_closed_form(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *renderer;
+        bool exact;
+        double tolerance;
+    } cases[] = {{"reference", false, 1e-6}, {"gl", false, 2e-6}, {"gl", true, 2e-6}};
+    iso_level level = make_slab();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_image image;
+        assert_ok(draw(cases[i].renderer, &level, cases[i].exact, &image, &err));
+        const double far = farthest(&image);
+        if (!(far <= cases[i].tolerance))
+            print_error("%s, exact %d: %g from the closed form\n", cases[i].renderer, cases[i].exact, far);
+        assert_true(far <= cases[i].tolerance);
+        iso_image_destroy(&image);
+    }
+    free_slab(&level);
+}
+
+/* Planted: interpolated, the labels between 3 and 7 show. */
+static void interpolated_labels_are_far_from_it(void **state)
+{
+    (void)state;
+    iso_level level = make_slab();
+    level.labels = false;
+    for (int i = 0; i < 2; ++i) {
+        iso_image image;
+        assert_ok(draw(i ? "gl" : "reference", &level, false, &image, &err));
+        assert_true(farthest(&image) > 0.1);
+        iso_image_destroy(&image);
+    }
+    free_slab(&level);
+}
+
+static void programs_that_interpolate_are_refused(void **state)
+{
+    (void)state;
+    iso_level level = make_slab();
+    iso_image image;
+    for (int i = 0; i < 2; ++i) {
+        iso_error err = {""};
+        assert_int_equal(draw(i ? "povray" : "cycles", &level, false, &image, &err), ISO_E_USAGE);
+        assert_non_null(strstr(err.text, "label maps are rendered by reference and gl"));
+    }
+    free_slab(&level);
+}
+
+/* ---- majorities ---- */
+
+static float label_at(const iso_level *l, size_t x, size_t y, size_t z)
+{
+    const size_t *n = l->geometry.size;
+    x = x < n[0] ? x : n[0] - 1;
+    y = y < n[1] ? y : n[1] - 1;
+    z = z < n[2] ? z : n[2] - 1;
+    return l->scalar[(z * n[1] + y) * n[0] + x];
+}
+
+/* Counted: the most of eight, the largest of several. */
+static float vote(const iso_level *fine, size_t x, size_t y, size_t z)
+{
+    int votes[8] = {0}, best = 0;
+    for (size_t c = 0; c < 8; ++c)
+        ++votes[(int)label_at(fine, 2 * x + (c & 1), 2 * y + (c >> 1 & 1), 2 * z + (c >> 2))];
+    for (int label = 0; label < 8; ++label)
+        best = votes[label] >= votes[best] ? label : best;
+    return (float)best;
+}
+
+static void coarse_labels_are_majorities(void **state)
+{
+    (void)state;
+    const size_t size[3] = {13, 9, 11};
+    const double spacing[3] = {1, 1, 1};
+    const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    static const iso_direction_filter filters[] = {ISO_DIRECTION_MOMENTS, ISO_DIRECTION_EQ1};
+    uint32_t seed = 7;
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_U8, "labels", &err));
+    for (size_t i = 0; i < 13 * 9 * 11; ++i) {
+        seed = seed * 1664525u + 1013904223u;
+        ((uint8_t *)v.data)[i] = (uint8_t)((seed >> 24) % 3 * 3);
+    }
+    for (size_t f = 0; f < 2; ++f) {
+        iso_pyramid p;
+        iso_pyramid_options opt = iso_pyramid_defaults();
+        opt.level_count = 4;
+        opt.scalar_filter = ISO_SCALAR_MAJORITY;
+        opt.direction_filter = filters[f];
+        assert_ok(iso_pyramid_build(&v, "labels", &opt, &p, NULL, &err));
+        for (size_t k = 1; k < p.level_count; ++k) {
+            const size_t *n = p.levels[k].geometry.size;
+            assert_true(p.levels[k].labels);
+            for (size_t z = 0; z < n[2]; ++z)
+                for (size_t y = 0; y < n[1]; ++y)
+                    for (size_t x = 0; x < n[0]; ++x)
+                        assert_true(label_at(&p.levels[k], x, y, z) == vote(&p.levels[k - 1], x, y, z));
+        }
+        iso_pyramid_destroy(&p);
+    }
+    iso_volume_destroy(&v);
+}
+
+/* ---- what is a label map ---- */
+
+enum { SIDE = 24 };
+
+/* Cells round seven points, of which each has a label, within a ball. */
+static int cell_of(int x, int y, int z)
+{
+    static const int points[7][3] = {{4, 5, 6}, {18, 4, 9}, {7, 19, 5}, {16, 17, 8}, {5, 7, 19}, {19, 8, 18}, {11, 18, 18}};
+    int best = 0, least = 1 << 30;
+    for (int i = 0; i < 7; ++i) {
+        const int dx = x - points[i][0], dy = y - points[i][1], dz = z - points[i][2], d = dx * dx + dy * dy + dz * dz;
+        if (d < least) {
+            least = d;
+            best = i + 1;
+        }
+    }
+    const int cx = x - 12, cy = y - 12, cz = z - 12;
+    return cx * cx + cy * cy + cz * cz > 121 ? 0 : best;
+}
+
+typedef int (*value_of)(int x, int y, int z);
+static int labels(int x, int y, int z) { return cell_of(x, y, z); }
+static int mask(int x, int y, int z) { return cell_of(x, y, z) ? 255 : 0; }
+static int nested(int x, int y, int z) { (void)y, (void)z; return x / 8; }
+static int slope(int x, int y, int z) { (void)y, (void)z; return x; }
+/* Flat regions with a noise of one bit, as few bits of a scanner have them. */
+static int noisy(int x, int y, int z) { return 4 * cell_of(x, y, z) + ((x * 73 + y * 179 + z * 283) * 2654435761u >> 31 & 1); }
+
+static iso_label_facts look_at(value_of value, bool all)
+{
+    const size_t size[3] = {SIDE, SIDE, SIDE};
+    const double spacing[3] = {1, 1, 1};
+    const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    iso_label_facts facts;
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_I16, "test", &err));
+    for (int i = 0; i < SIDE * SIDE * SIDE; ++i)
+        ((int16_t *)v.data)[i] = (int16_t)value(i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
+    assert_ok(iso_labels_look_at(&v, all, &facts, &err));
+    iso_volume_destroy(&v);
+    return facts;
+}
+
+static void labels_are_told_from_intensities(void **state)
+{
+    (void)state;
+    static const struct {
+        value_of value;
+        bool is_map;
+        size_t count;
+    } cases[] = {{labels, true, 8}, {mask, false, 2}, {nested, false, 3}, {slope, false, 24}, {noisy, false, 16}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const iso_label_facts f = look_at(cases[i].value, true);
+        assert_int_equal(f.is_map, cases[i].is_map);
+        assert_int_equal(f.count, cases[i].count);
+        assert_false(f.has_too_many);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_slab_of_two_labels_has_its_closed_form),
+        cmocka_unit_test(interpolated_labels_are_far_from_it),
+        cmocka_unit_test(programs_that_interpolate_are_refused),
+        cmocka_unit_test(coarse_labels_are_majorities),
+        cmocka_unit_test(labels_are_told_from_intensities),
+    };
+    return cmocka_run_group_tests(tests, NULL, end_renderers);
+}
