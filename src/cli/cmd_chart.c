@@ -11,6 +11,7 @@
 #include "chart/result.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "scene/subject.h"
 
 typedef struct chart_arguments {
     iso_volume_input input;
@@ -240,6 +241,8 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
                                     {"drawing", 2}};
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
+    if (status == ISO_OK)
+        status = iso_subject_check_scene(a->scene, a->size, err);
     if (status == ISO_OK)
         status = iso_chart_bench_open(&run->bench,
                                       &(iso_chart_subject){cli->arguments[0], &a->input, a->scene, a->size,

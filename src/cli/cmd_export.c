@@ -6,16 +6,20 @@
 
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "options/roi.h"
 #include "options/visible.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
 #include "targets/targets.h"
 
 typedef struct export_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
     iso_cli_roi roi;
-    char *to, *output, *scene, *size, *isosurface, *plan, *grids;
+    iso_cli_look look;
+    char *to, *output, *isosurface, *plan, *grids;
     int level, level_count, half;
     double step;
     const iso_cli *cli;
@@ -58,7 +62,7 @@ static iso_status check_plan(const export_arguments *a, iso_error *err)
 {
     if (!a->plan)
         return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
-    if (!a->scene)
+    if (!a->look.scene)
         return iso_fail(err, ISO_E_USAGE, "--plan needs the --scene that it was made for");
     if (!wants_merged(a) && strcmp(a->grids, "levels") != 0)
         return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
@@ -80,13 +84,18 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
                                                  [ISO_EXPORT_STEP] = a->step != 0,
                                                  [ISO_EXPORT_HALF] = a->half,
                                                  [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
-                                                 [ISO_EXPORT_SCENE] = a->scene && !a->plan &&
+                                                 [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
                                                                       !alone, /* a plan is made for one */
-                                                 [ISO_EXPORT_SIZE] = a->size != NULL,
+                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL,
                                                  [ISO_EXPORT_ROI] = a->roi.box != NULL,
                                                  [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
                                                  [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL};
+    const char *const looks[] = {a->look.tf ? "--tf" : NULL, a->look.view ? "--view" : NULL,
+                                 a->look.zoom != 0 ? "--zoom" : NULL};
+    for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
+        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !alone)
+            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);
     for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
             return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
@@ -123,7 +132,10 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     iso_pyramid pyramid = {0};
     iso_view view = {0};
     iso_planned planned = {0};
+    const iso_subject_look look = iso_cli_look_request(&a->look, a->cli->threads);
     iso_status status = check(a, &target, err);
+    if (status == ISO_OK)
+        status = iso_subject_check_look(&look, err);
     if (status != ISO_OK)
         return status;
     if (a->isosurface)
@@ -141,7 +153,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "%s is a label map, which %s would interpolate; --no-labels exports it so",
                           a->cli->arguments[0], target->name);
     if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale))
-        status = iso_subject_load_view(a->scene, &pyramid, a->size, &view, err);
+        status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */
         iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
     if (status == ISO_OK && a->plan)
@@ -193,15 +205,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
-         "camera, lights, shading and transfer function; blender, povray, and vdb with --extinction-scale",
-         "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
          "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
@@ -233,11 +242,13 @@ const iso_command iso_command_export = {
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
         "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
-        "povray: run `povray NAME.ini` in the folder. Scenes under refscenes/ fit any volume. With --plan only what the scene\n"
+        "povray: run `povray NAME.ini` in the folder. Without --scene the camera frames the box and the transfer function is\n"
+        "suggested; vdb takes a scene only for --extinction-scale and --plan. With --plan only what the scene\n"
         "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
         "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
+        "  isoshade export shells.nrrd --to blender -o first.blend\n"
         "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
@@ -246,6 +257,6 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
-    .lists = (const iso_names *const[]){&iso_export_target_names, NULL},
+    .lists = (const iso_names *const[]){&iso_export_target_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

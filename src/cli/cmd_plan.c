@@ -16,6 +16,7 @@
 typedef struct plan_arguments {
     iso_volume_input input;
     char *scene, *output, *image, *full_image, *size, *faces, *update;
+    char *error_text;
     double error, memory;
     int brick, levels, views;
 } plan_arguments;
@@ -210,6 +211,8 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     build.threads = cli->threads;
     iso_status status = check(a, err);
     if (status == ISO_OK)
+        status = iso_planner_check_views(a->scene, a->size, err);
+    if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = iso_planner_load_views(a->scene, (size_t)a->views, &pyramid, a->size, &views, &view_count, err);
@@ -232,12 +235,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
-         "camera, lights, shading and transfer function; several, separated by commas: the plan holds for all",
+         "camera, lights, shading and transfer function (a first picture); several, separated by commas: the plan holds for all",
          "SCENE.scene.json"},
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
          "views of each scene, turned around its up axis: the plan holds for all", "N"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.error, 0, "largest RMSE allowed in each image",
-         "E"},
+        {"error", 0, POPT_ARG_STRING, &a.error_text, 0, "largest RMSE allowed in each image (1/255)", "1/255"},
         {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead: bytes that the bricks may take", "BYTES"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
          "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes",
@@ -256,10 +258,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && a.error_text)
+        status = iso_words_parse_error("--error", a.error_text, &a.error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = plan(&a, &cli, err);
     iso_cli_end(&cli);
-    char *texts[] = {a.scene, a.faces, a.size, a.output, a.image, a.full_image, a.update};
+    char *texts[] = {a.scene, a.faces, a.size, a.output, a.image, a.full_image, a.update, a.error_text};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
@@ -270,7 +274,7 @@ const iso_command iso_command_plan = {
     .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [--error E | --memory BYTES] [options]",
+    .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [--error E | --memory BYTES] [options]",
     .details =
         "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
         "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"

@@ -6,18 +6,23 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "options/visible.h"
 #include "report/levels.h"
 #include "scene/views.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
 #include "validate/validate.h"
 
 typedef struct validate_arguments {
     iso_volume_input input;
-    char *scene, *output, *size, *with, *code, *junit, *suite;
+    iso_cli_look look;
+    char *output, *with, *code, *junit, *suite;
     int level_count, seeds, quick, level_views, level_size, anyway;
 } validate_arguments;
 
@@ -43,7 +48,7 @@ static void scale_down(iso_validation *v, iso_scene *scene, const validate_argum
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
     v->may_add_views = !a->level_views && !v->quick;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
-    if (v->quick && !a->size) {
+    if (v->quick && !a->look.size) {
         double scale = 96.0 / (double)(scene->width > scene->height ? scene->width : scene->height);
         scene->width = scale < 1 ? (size_t)(scale * (double)scene->width + 0.5) : scene->width;
         scene->height = scale < 1 ? (size_t)(scale * (double)scene->height + 0.5) : scene->height;
@@ -199,12 +204,12 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->scene), *input = iso_volume_input_line(&a->input);
+    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene), *input = iso_volume_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid,
                         .scene = scene,
                         .view = &view,
                         .volume_path = cli->arguments[0],
-                        .scene_path = a->scene,
+                        .scene_path = a->look.scene,
                         .scene_name = name,
                         .input_options = input ? input : "",
                         .loaded = iso_pyramid_is_one(cli->arguments[0]),
@@ -216,7 +221,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     const iso_report_about about = {.title = iso_path_base(cli->arguments[0]),
                                     .command = line,
                                     .volume = cli->arguments[0],
-                                    .scene = a->scene};
+                                    .scene = a->look.scene};
     scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
@@ -245,26 +250,58 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     return status;
 }
 
-static iso_status load_and_validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build,
+/* OUTPUT.scene.json beside the report: the scene that there is no file of, so that commands can name it. */
+static iso_status write_scene(const validate_arguments *a, const iso_scene *scene, char **path, iso_error *err)
+{
+    json_t *root = iso_scene_to_json(scene);
+    const iso_status status = asprintf(path, "%s.scene.json", a->output) < 0
+                                  ? iso_fail(err, ISO_E_MEMORY, "out of memory")
+                                  : iso_json_save(*path, root, err);
+    json_decref(root);
+    return status;
+}
+
+static bool has_own_scene(const validate_arguments *a)
+{
+    return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
+}
+
+/* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
+static iso_status load_scene(validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
+                             char **written, iso_scene *scene, iso_error *err)
+{
+    iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
+    if (status != ISO_OK || !has_own_scene(a))
+        return status;
+    status = write_scene(a, scene, written, err);
+    iso_scene_destroy(scene);
+    a->look.scene = *written;
+    return status == ISO_OK ? iso_scene_load(*written, scene, err) : status;
+}
+
+static iso_status load_and_validate(const validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
                                     iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
-    iso_status status = ISO_OK;
-    if (!a->scene)
-        status = iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    build->level_count = a->level_count > 0 ? (size_t)a->level_count : a->quick ? 3 : 4;
+    validate_arguments a = *given;
+    char *written = NULL;
+    const iso_subject_look look = iso_cli_look_request(&a.look, cli->threads);
+    bool wanted[ISO_MAX_RENDERERS];
+    build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
+    iso_status status = iso_renderers_from_list(a.with, wanted, err);
     if (status == ISO_OK)
-        status = iso_scene_load(a->scene, &scene, err);
-    if (status == ISO_OK && a->size)
-        status = iso_subject_parse_image_size(a->size, &scene.width, &scene.height, err);
+        status = iso_subject_check_look(&look, err);
     if (status == ISO_OK)
-        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, build, &progress, &pyramid, err);
+        status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
     if (status == ISO_OK)
-        status = validate(a, cli, &pyramid, &scene, err);
+        status = load_scene(&a, &look, &pyramid, &written, &scene, err);
+    if (status == ISO_OK)
+        status = validate(&a, cli, &pyramid, &scene, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
+    free(written);
     return status;
 }
 
@@ -308,8 +345,8 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
-    if (status == ISO_OK && a->size)
-        status = iso_subject_parse_image_size(a->size, &suite.width, &suite.height, err);
+    if (status == ISO_OK && a->look.size)
+        status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK) {
@@ -357,8 +394,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
                           a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
                                    : "wanted a volume or a pyramid, or --suite",
                           a->suite ? cli->arguments[0] : "");
-    if (status == ISO_OK && a->suite && a->scene)
-        status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other");
+    if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0))
+        status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build.code, err);
     if (status == ISO_OK && a->junit)
@@ -380,13 +417,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
-         "camera, lights, shading, transfer function, and the agreement asked for", "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"suite", 0, POPT_ARG_STRING, &a.suite, 0,
          "the scenes of a folder, each with the volume that it says how to make", "DIR"},
         {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
@@ -412,7 +447,7 @@ const iso_command iso_command_validate = {
     .name = "validate",
     .summary = "the main job: is the shading the same at every level, in every renderer? A report",
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [options] | --suite DIR -o DIR [options]",
+    .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] -o DIR [options] | --suite DIR -o DIR [options]",
     .details =
         "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
         "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
@@ -427,11 +462,14 @@ const iso_command iso_command_validate = {
         "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
         "in a scene, or of a renderer whose images of a scene show too little; 5: the scene shows less than .1 % of the voxels or\n"
         "of the picture, or a box whose faces are opaque to more than 98 % (--anyway); 7: a renderer is missing; 9: one failed\n"
-        "its calibration.",
+        "its calibration.\n"
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+        "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --json -o report-gl\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
+    .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

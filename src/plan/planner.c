@@ -34,11 +34,9 @@ static iso_status load_scene_views(const char *path, size_t turns, const iso_pyr
     iso_status status = ISO_OK;
     for (size_t i = 0; i < turns && status == ISO_OK; ++i) {
         iso_scene scene;
-        status = iso_scene_load(path, &scene, err);
+        status = iso_subject_make_scene(&(iso_subject_look){.scene = path, .size = size}, p, &scene, err);
         if (status != ISO_OK)
             return status;
-        if (size)
-            status = iso_subject_parse_image_size(size, &scene.width, &scene.height, err);
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
         if (status == ISO_OK)
             status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count], err);
@@ -54,21 +52,29 @@ iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_py
     size_t scene_count = 1;
     *views = NULL;
     *count = 0;
-    if (!scenes)
-        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    for (const char *c = scenes; *c; ++c)
+    for (const char *c = scenes; c && *c; ++c)
         scene_count += *c == ',';
-    char *names = strdup(scenes), *rest = names;
+    char *names = strdup(scenes ? scenes : ""), *rest = names;
     *views = calloc(scene_count * turns, sizeof **views);
     iso_status status = names && *views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: out of memory");
     for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ","))
-        status = load_scene_views(name, turns, p, size, *views, count, err);
+        status = load_scene_views(scenes ? name : NULL, turns, p, size, *views, count, err);
     free(names);
     if (status != ISO_OK) {
         iso_planner_destroy_views(*views, *count);
         *views = NULL;
         *count = 0;
     }
+    return status;
+}
+
+iso_status iso_planner_check_views(const char *scenes, const char *size, iso_error *err)
+{
+    char *names = strdup(scenes ? scenes : ""), *rest = names;
+    iso_status status = names ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: out of memory");
+    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ","))
+        status = iso_subject_check_look(&(iso_subject_look){.scene = scenes ? name : NULL, .size = size}, err);
+    free(names);
     return status;
 }
 

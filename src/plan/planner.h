@@ -59,6 +59,8 @@ static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
  * *views is to be released with iso_planner_destroy_views(). */
 iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size,
                                   iso_view **views, size_t *count, iso_error *err);
+/* What can be found wrong before the volume is read. */
+iso_status iso_planner_check_views(const char *scenes, const char *size, iso_error *err);
 void iso_planner_destroy_views(iso_view *views, size_t count);
 
 #endif

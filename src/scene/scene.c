@@ -28,7 +28,7 @@ static void get_direction(iso_json_reader *r, const json_t *object, const char *
 static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
     static const char *const keys[] = {"projection", "fit",      "direction", "up",        "margin",
-                                       "fov_y_deg",  "position", "look_at",   "height_mm", NULL};
+                                       "fov_y_deg",  "position", "look_at",   "height_mm", "zoom",     NULL};
     static const char *const projections[] = {"perspective", "orthographic", NULL};
     json_t *camera = iso_json_get_object(r, root, "camera", true);
     if (!camera)
@@ -40,6 +40,7 @@ static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
     iso_json_get_bool(r, camera, "fit", false, &s->camera_fit);
     get_direction(r, camera, "up", false, &s->camera_up);
     iso_json_get_number(r, camera, "fov_y_deg", false, 0.01, 175, &s->fov_y_deg);
+    iso_json_get_number(r, camera, "zoom", false, 0.01, 1000, &s->zoom);
     if (s->camera_fit) {
         get_direction(r, camera, "direction", true, &s->camera_direction);
         iso_json_get_number(r, camera, "margin", false, 0.01, 100, &s->margin);

@@ -10,7 +10,7 @@
  *     "image": {"width": 160, "height": 160},
  *     "camera": {"projection": "perspective" | "orthographic",
  *                "fit": true, "direction": [1, 2, -1], "up": [0, 0, 1],     looking along direction
- *                "margin": 1.05, "fov_y_deg": 30}
+ *                "margin": 1.05, "fov_y_deg": 30, "zoom": 1}        zoom enlarges the picture's middle
  *            or {"projection": .., "position": [x, y, z], "look_at": [x, y, z], "up": .., "fov_y_deg": | "height_mm":}
  *     "lights": [ {"direction": [0, 0, 1], "space": "world" | "camera", "intensity": 1} ],
  *                 direction points towards the light; camera space: right, up, backwards (towards the viewer)
@@ -126,6 +126,8 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);
 /* The same from an object; a TF that it names is looked for in the folder of `path`, the file to blame. */
 iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err);
 void iso_scene_destroy(iso_scene *scene);
+/* A new object in the form of the file, with the TF in it; without what a suite or a verdict on levels asks. */
+json_t *iso_scene_to_json(const iso_scene *scene);
 
 /* A scene resolved for one volume: all that a renderer needs besides a level. */
 typedef struct iso_view {

@@ -61,6 +61,13 @@ iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
     return status;
 }
 
+iso_status iso_subject_check_scene(const char *scene, const char *size, iso_error *err)
+{
+    if (!scene)
+        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
+    return iso_subject_check_look(&(iso_subject_look){.scene = scene, .size = size}, err);
+}
+
 static iso_status first_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
 {
     size_t width = ISO_SUBJECT_PIXELS, height = ISO_SUBJECT_PIXELS;

@@ -31,6 +31,8 @@ typedef struct iso_subject_look {
 
 /* What can be found wrong before the volume is read: files that are missing or damaged, names, numbers. */
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
+/* The same of a scene file that has to be given. */
+iso_status iso_subject_check_scene(const char *scene, const char *size, iso_error *err);
 /* The scene for a pyramid whose level 0 has its scalar. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
