@@ -1,0 +1,62 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# A volume alone is enough for a picture, an export and a report; what is wrong with options is said before any work.
+. "$(dirname "$0")/lib.sh"
+"$ISOSHADE" make shells --size 24 -q -o v.nrrd
+"$ISOSHADE" make vessels --size 40 -q -o vessels.nrrd
+
+# The colors of a picture: one is a picture of nothing.
+colors() { "$python" -c 'import re, sys, zlib
+b = open(sys.argv[1], "rb").read()
+data = b"".join(b[m.end() : m.end() + int.from_bytes(b[m.start() - 4 : m.start()], "big")] for m in re.finditer(b"IDAT", b))
+print(len(set(zlib.decompress(data))))' "$1" 2>/dev/null; }
+python=$(command -v python3)
+
+for volume in v vessels; do
+    expect "${volume}_alone_is_a_picture" 0 "$ISOSHADE" render $volume.nrrd --size 64 -o $volume.png
+    check "${volume}_shows_something" test "$(colors $volume.png)" -gt 20
+    check "${volume}_without_warning" test -z "$(grep warning: err)"
+done
+expect views_and_zoom 0 "$ISOSHADE" render v.nrrd --size 32 --tf simulation --view 30,20 --zoom 2 -o zoomed.png
+expect named_view 0 "$ISOSHADE" render v.nrrd --size 32 --view top -o top.png
+check views_differ test "$(cksum <zoomed.png)" != "$(cksum <top.png)"
+expect over_a_scene 0 "$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --view top --size 32 -o over.png
+expect exported_to_povray 0 "$ISOSHADE" export v.nrrd --to povray --size 32 -o pov
+expect planned 0 "$ISOSHADE" plan v.nrrd --size 32 --brick 8 --levels 2 --error 1/255 -q
+expect validated 0 "$ISOSHADE" validate v.nrrd --quick --levels 1 --size 24 --with gl -q -o report
+check the_scene_stands_beside test -s report.scene.json
+expect the_scene_is_the_same 0 "$ISOSHADE" render v.nrrd --scene report.scene.json -q -o same.exr
+expect as_without 0 "$ISOSHADE" render v.nrrd --size 24 -q -o first.exr
+expect the_same_picture 0 "$ISOSHADE" compare first.exr same.exr --max-abs 1e-5 # the file has nine digits
+
+expect suggested 0 "$ISOSHADE" tf suggest vessels.nrrd -q -o first.tf.json
+check at_most_eight_points test "$(grep -c '"value"' first.tf.json)" -le 8
+expect again_with_threads 0 "$ISOSHADE" tf suggest vessels.nrrd -q --threads 3 -o again.tf.json
+check the_same_file cmp -s first.tf.json again.tf.json
+expect suggested_is_read 0 "$ISOSHADE" render vessels.nrrd --tf first.tf.json --size 32 -q -o read.png
+for preset in $("$ISOSHADE" list | sed -n '/^transfer function presets:/,/^$/p' | awk '/^  / {print $1}'); do
+    expect "preset_$preset" 0 "$ISOSHADE" tf suggest v.nrrd --tf "$preset" -q -o "$preset.tf.json"
+done
+
+# refuse NAME WORDS COMMAND: a volume that is not there shows that nothing was read before
+refuse() {
+    expect "$1" 2 "${@:3}"
+    check "$1_is_said" grep -qF -- "$2" err
+}
+refuse unknown_preset 'unknown transfer function preset "bone", must be one of: auto, ct-bone' "$ISOSHADE" render nothing.nrrd --tf bone -o x.png
+refuse unknown_view '--view is "frnt", wanted iso, front' "$ISOSHADE" export nothing.nrrd --to blender --view frnt -o x.blend
+refuse zoom_of_nothing '--zoom is -1, must be .01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom -1 -o x.png
+refuse bad_size '--size is "big"' "$ISOSHADE" validate nothing.nrrd --size big -o x
+refuse view_for_grids '--view has no meaning for --to vdb' "$ISOSHADE" export nothing.nrrd --to vdb --view top -o x.vdb
+refuse bad_error '--error is "1/0"' "$ISOSHADE" plan nothing.nrrd --error 1/0
+for command in "render -o x.png" "export --to blender -o x.blend" "validate -o x" "plan" "chart -o x" "tf bound"; do
+    set -- $command
+    first=$1 && shift
+    [ "$first" = tf ] && first="tf bound" && shift
+    expect "${first// /_}_reads_the_scene_first" 3 "$ISOSHADE" $first nothing.nrrd --scene missing.scene.json "$@"
+    check "${first// /_}_names_the_scene" grep -q 'missing.scene.json' err
+done
+echo '{"schema": "isoshade.scene/1", "camra": {}}' >key.scene.json
+expect an_unknown_key 4 "$ISOSHADE" render nothing.nrrd --scene key.scene.json -o x.png
+check it_lists_the_keys grep -q 'unknown key "camra" in the scene, must be one of: schema, comment, image, camera' err
+exit $failed
