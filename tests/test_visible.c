@@ -71,7 +71,7 @@ static void less_than_a_thousandth_is_complained_of(void **state)
     assert_true(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
     assert_non_null(strstr(text, "0.05 % of the voxels can be seen"));
     assert_non_null(strstr(text, "the volume's values are 0 to 1"));
-    assert_non_null(strstr(text, "isoshade info the.nrrd"));
+    assert_non_null(strstr(text, "isoshade tf suggest the.nrrd -o new.tf.json"));
     s.scalar[index_of(4, 4, 5)] = 1;
     v = iso_visible_measure(&s.level, &s.view, NULL, 1);
     assert_within(v.voxels, 1e-3, 1e-15);

@@ -15,6 +15,7 @@
     X(palette) \
     X(tf) \
     X(render) \
+    X(scenes) \
     X(plan) \
     X(export) \
     X(compare) \

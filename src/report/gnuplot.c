@@ -98,7 +98,7 @@ void iso_gnuplot_put_quoted(FILE *gp, const char *text)
     fputc('\'', gp);
 }
 
-static const char *ending_of(const char *output)
+const char *iso_gnuplot_ending(const char *output)
 {
     static const char *const endings[] = {"png", "svg", "pdf"};
     char ending[8];
@@ -143,7 +143,7 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
 {
     char *gnuplot = NULL, *dir = NULL, *script = NULL;
     iso_output out = {0};
-    const char *format = ending_of(output);
+    const char *format = iso_gnuplot_ending(output);
     if (!format)
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", output);
     iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);

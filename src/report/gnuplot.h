@@ -22,6 +22,8 @@ iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, 
 typedef iso_status (*iso_gnuplot_writer)(FILE *gp, void *user, iso_error *err);
 iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
                                iso_error *err);
+/* "png", "svg" or "pdf"; NULL where a name ends with none of them. */
+const char *iso_gnuplot_ending(const char *output);
 /* A text between single quotes of a script, with what would end it. Never enhanced: "noenhanced" is for the caller. */
 void iso_gnuplot_put_quoted(FILE *gp, const char *text);
 

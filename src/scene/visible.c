@@ -250,10 +250,11 @@ static bool complain_of_camera(const iso_visible *v, char *text, size_t size)
     if (v->is_clipped_away)
         snprintf(text, size, "the scene's \"clip_planes\" leave nothing that the camera sees: %s of the picture", box);
     else
-        snprintf(text, size,
-                 "the camera looks past the volume, whose box is on %s of the picture: \"fit\": true in the scene's "
-                 "\"camera\", with a \"direction\", frames any volume",
-                 box);
+        snprintf(
+            text, size,
+            "the camera looks past the volume, whose box is on %s of the picture: --view iso, or \"fit\": true in the scene's "
+            "\"camera\", frames any volume",
+            box);
     return true;
 }
 
@@ -272,7 +273,7 @@ static bool complain_of_values(const iso_visible *v, const char *volume, char *t
     snprintf(
         text, size,
         "%s of the voxels can be seen: the transfer function shows %s (its range: %.6g to %.6g), the volume's values are "
-        "%.6g to %.6g; see where they lie by: isoshade info %s",
+        "%.6g to %.6g; `isoshade tf suggest %s -o new.tf.json` makes one for it",
         percent(v->voxels, share), shown_text(v, shown), v->range[0], v->range[1], v->value_min, v->value_max, volume);
     return true;
 }
@@ -285,7 +286,7 @@ static bool complain_of_box(const iso_visible *v, const char *volume, char *text
     snprintf(
         text, size,
         "the picture is of a box: %s of its faces hide what is inside; the transfer function shows %s (its range: %.6g "
-        "to %.6g), the volume's values are %.6g to %.6g; make those of the outside transparent, see: isoshade info %s",
+        "to %.6g), the volume's values are %.6g to %.6g; make those of the outside transparent, or: isoshade tf suggest %s -o new.tf.json",
         percent(v->faces, share), shown_text(v, shown), v->range[0], v->range[1], v->value_min, v->value_max, volume);
     return true;
 }

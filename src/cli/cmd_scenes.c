@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+/* cmd_scenes.c - a contact sheet: a volume under several transfer functions, from several sides, each picture with the
+ * command that makes it. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "cli/contact_sheet.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "renderers/renderers.h"
+#include "report/gnuplot.h"
+#include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "scene/visible.h"
+#include "tf/presets.h"
+
+enum { MOST_CHOICES = 32 };
+
+typedef struct scenes_arguments {
+    iso_volume_input input;
+    char *output, **tfs, **views;
+    int size;
+    const iso_cli *cli;
+} scenes_arguments;
+
+/* What is drawn of one volume. */
+typedef struct sheet {
+    const scenes_arguments *arguments;
+    const char *tfs[MOST_CHOICES], *views[MOST_CHOICES];
+    size_t tf_count, view_count;
+    iso_viewpoint viewpoints[MOST_CHOICES];
+    iso_pyramid pyramid;
+    iso_survey *survey;
+    iso_renderers renderers;
+    iso_contact_sheet pictures;
+    json_t *left_out;
+} sheet;
+
+static iso_status choose(sheet *s, iso_error *err)
+{
+    static const char *const usual_views[] = {"front", "left", "top", "iso"};
+    const scenes_arguments *a = s->arguments;
+    iso_status status = ISO_OK;
+    for (size_t i = 0; a->views && a->views[i] && s->view_count < MOST_CHOICES; ++i)
+        s->views[s->view_count++] = a->views[i];
+    for (size_t i = 0; !a->views && i < sizeof usual_views / sizeof *usual_views; ++i)
+        s->views[s->view_count++] = usual_views[i];
+    for (size_t i = 0; a->tfs && a->tfs[i] && s->tf_count < MOST_CHOICES; ++i)
+        s->tfs[s->tf_count++] = a->tfs[i];
+    for (size_t i = 0; !a->tfs && i < iso_tf_preset_names.count && s->tf_count < MOST_CHOICES; ++i)
+        s->tfs[s->tf_count++] = iso_names_name(&iso_tf_preset_names, i);
+    for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i)
+        status = iso_viewpoint_parse(s->views[i], &s->viewpoints[i], err);
+    for (size_t i = 0; i < s->tf_count && status == ISO_OK; ++i)
+        status = iso_tf_check_name(s->tfs[i], NULL, err);
+    return status;
+}
+
+/* The command of a picture: the reader's to copy. To be freed. */
+static char *command_of(const sheet *s, size_t tf, size_t view)
+{
+    const scenes_arguments *a = s->arguments;
+    char *text = NULL, *input = iso_volume_input_line(&a->input);
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (f) {
+        char name[256];
+        fputs("isoshade render ", f);
+        iso_words_put_quoted(f, a->cli->arguments[0]);
+        fprintf(f, "%s --tf ", input ? input : "");
+        iso_words_put_quoted(f, s->tfs[tf]);
+        fprintf(f, " --view %s --size %d -o ", s->views[view], a->size);
+        snprintf(name, sizeof name, "%.120s-%.60s.png", iso_path_base(s->tfs[tf]), s->views[view]);
+        iso_words_put_quoted(f, name);
+        fclose(f);
+    }
+    free(input);
+    return text;
+}
+
+static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out, iso_error *err)
+{
+    const iso_level *level0 = &s->pyramid.levels[0];
+    const size_t pixels = (size_t)s->arguments->size;
+    size_t row = 0;
+    iso_scene scene = iso_scene_first(&level0->geometry, &s->viewpoints[view], pixels, pixels);
+    *out = (iso_view){0};
+    iso_status status = iso_tf_preset_find(s->tfs[tf], &row)
+                            ? iso_tf_preset_apply(row, s->survey, &level0->geometry, &scene.tf, err)
+                            : iso_tf_load(s->tfs[tf], &scene.tf, err);
+    if (status == ISO_OK)
+        status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, out, err);
+    iso_scene_destroy(&scene);
+    return status;
+}
+
+static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, iso_error *err)
+{
+    iso_render_options opt = iso_render_defaults(iso_renderers_usual());
+    iso_progress silent = {0};
+    iso_image image = {0};
+    opt.threads = s->arguments->cli->threads;
+    const iso_render_request request = {&s->renderers, &s->pyramid, 0, v, &opt, &silent};
+    iso_status status = iso_render_with(&request, &image, NULL, err);
+    char *command = command_of(s, tf, view), *label = NULL;
+    if (asprintf(&label, "%s, %s", iso_path_base(s->tfs[tf]), s->views[view]) < 0)
+        label = NULL;
+    if (status == ISO_OK)
+        status = command && label ? iso_contact_sheet_add(&s->pictures, &image, label, command, err)
+                                  : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
+    free(command);
+    free(label);
+    iso_image_destroy(&image);
+    return status;
+}
+
+/* One transfer function from all sides; nothing where it would show nothing, which is noted. */
+static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
+{
+    char why[1024];
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i) {
+        iso_view view;
+        status = view_of(s, tf, i, &view, err);
+        if (status == ISO_OK && i == 0) {
+            const iso_visible visible = iso_visible_measure(&s->pyramid.levels[0], &view, NULL,
+                                                            s->arguments->cli->threads);
+            if (iso_visible_complaint(&visible, s->arguments->cli->arguments[0], why, sizeof why)) {
+                json_array_append_new(s->left_out, json_pack("{s:s, s:s}", "tf", s->tfs[tf], "why", why));
+                iso_view_destroy(&view);
+                return ISO_OK;
+            }
+        }
+        if (status == ISO_OK)
+            status = draw_one(s, tf, i, &view, err);
+        iso_view_destroy(&view);
+    }
+    return status;
+}
+
+static iso_status draw_all(sheet *s, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t t = 0; t < s->tf_count && status == ISO_OK; ++t) {
+        iso_progress_report(progress, "pictures", (double)t / (double)s->tf_count);
+        status = draw_tf(s, t, err);
+    }
+    if (status == ISO_OK && s->pictures.count == 0)
+        status = iso_fail(err, ISO_E_RANGE, "none of the transfer functions shows anything; %s: %s", s->tfs[0],
+                          json_string_value(json_object_get(json_array_get(s->left_out, 0), "why")));
+    return status;
+}
+
+/* sheet.png: sheet.json */
+static iso_status save_json(const sheet *s, const json_t *root, iso_error *err)
+{
+    const char *output = s->arguments->output;
+    char *path = NULL;
+    if (asprintf(&path, "%.*s.json", (int)(strrchr(output, '.') - output), output) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
+    iso_status status = iso_json_save(path, root, err);
+    free(path);
+    return status;
+}
+
+static iso_status report(const sheet *s, iso_error *err)
+{
+    const scenes_arguments *a = s->arguments;
+    json_t *root = iso_cli_json(a->cli), *left_out;
+    size_t i;
+    json_object_set_new(root, "sheet", json_string(a->output));
+    json_object_set_new(root, "pictures", iso_contact_sheet_to_json(&s->pictures));
+    json_object_set(root, "left_out", s->left_out);
+    iso_status status = save_json(s, root, err);
+    if (a->cli->json && status == ISO_OK) {
+        iso_cli_print_json(root);
+        return ISO_OK;
+    }
+    json_decref(root);
+    if (status != ISO_OK)
+        return status;
+    for (i = 0; i < s->pictures.count; ++i)
+        printf("%2zu  %s\n", i + 1, s->pictures.panels[i].command);
+    json_array_foreach(s->left_out, i, left_out)
+        printf("left out: %s: %s\n", json_string_value(json_object_get(left_out, "tf")),
+               json_string_value(json_object_get(left_out, "why")));
+    printf("%s: %zu pictures; without --size a command makes a larger one\n", a->output, s->pictures.count);
+    return ISO_OK;
+}
+
+static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(a->cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    sheet s = {.arguments = a, .left_out = json_array()};
+    iso_cli_expect(a->cli, (const iso_cli_stage[]){{"pyramid", 2}, {"pictures", 3}}, 2);
+    build.threads = a->cli->threads;
+    build.level_count = 1;
+    iso_status status = a->output
+                            ? iso_words_check_range("--size", a->size, 32, 1024, err)
+                            : iso_fail(err, ISO_E_USAGE, "-o is missing: the picture to write, .png, .svg or .pdf");
+    if (status == ISO_OK && !iso_gnuplot_ending(a->output))
+        status = iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", a->output);
+    if (status == ISO_OK)
+        status = choose(&s, err);
+    if (status == ISO_OK)
+        status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err);
+    if (status == ISO_OK)
+        status = iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err);
+    if (status == ISO_OK)
+        status = draw_all(&s, &progress, err);
+    if (status == ISO_OK) {
+        char title[256];
+        snprintf(title, sizeof title, "%.200s", iso_path_base(a->cli->arguments[0]));
+        status = iso_contact_sheet_draw(&s.pictures, s.view_count, title, a->output, err);
+    }
+    if (status == ISO_OK)
+        status = report(&s, err);
+    iso_contact_sheet_destroy(&s.pictures);
+    iso_renderers_end(&s.renderers);
+    iso_pyramid_destroy(&s.pyramid);
+    free(s.survey);
+    json_decref(s.left_out);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    scenes_arguments a = {.size = 192};
+    iso_volume_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the sheet: .png, .svg or .pdf; its commands beside it in .json",
+         "FILE"},
+        {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0, "a transfer function or a preset; repeated for several (all presets)",
+         "FILE|PRESET"},
+        {"view", 0, POPT_ARG_ARGV, &a.views, 0, "where to look from; repeated for several (front, left, top, iso)",
+         "NAME|AZ,EL"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.size, 0, "pixels along a side of each picture", "N"},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    a.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = draw_sheet(&a, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_command_scenes = {
+    .name = "scenes",
+    .summary = "a contact sheet of a volume: presets and views to choose from, each with the command that makes it",
+    .min_arguments = 1,
+    .max_arguments = 1,
+    .usage = "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options]",
+    .details =
+        "Every picture has a number; the command of that number is printed, and stands with the picture's place in SHEET.json.\n"
+        "It makes the same picture; without its --size a larger one. Transfer functions that show next to nothing of the\n"
+        "volume, or an opaque box, are left out, which is said with the reason.",
+    .examples =
+        "  isoshade make shells --size 48 -o shells.nrrd\n"
+        "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"
+        "  isoshade scenes shells.nrrd --tf auto --tf simulation --view front --view 30,20 --size 64 -o two.png\n",
+    .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    .run = run,
+};

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* contact_sheet.h - many small pictures on one, numbered and named, drawn by gnuplot.
+ *
+ *     +---------+---------+--------  columns: a multiple of `group`, so that what belongs together stands in a row
+ *     | picture | picture |
+ *     | 1 label | 2 label | */
+#ifndef ISO_CLI_CONTACT_SHEET_H
+#define ISO_CLI_CONTACT_SHEET_H
+
+#include <jansson.h>
+
+#include "image/image.h"
+
+typedef struct iso_contact_sheet {
+    size_t count, room;
+    struct iso_contact_panel {
+        unsigned char *rgb; /* display colors; row 0 is the top */
+        size_t left, top;   /* in the sheet's pixels, by iso_contact_sheet_draw() */
+        char *label, *command;
+    } * panels;
+    size_t side; /* of each picture, which are squares */
+} iso_contact_sheet;
+
+/* A square picture, as large as those before it. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_contact_sheet_add(iso_contact_sheet *s, const iso_image *image, const char *label, const char *command,
+                                 iso_error *err);
+/* group: so many pictures belong together. As iso_gnuplot_picture(); a PNG holds the pictures pixel by pixel. */
+iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char *title, const char *output,
+                                  iso_error *err);
+/* [{"number": 1, "label", "command", "left", "top", "size"}] */
+json_t *iso_contact_sheet_to_json(const iso_contact_sheet *s);
+void iso_contact_sheet_destroy(iso_contact_sheet *s); /* accepts empty */
+
+#endif
