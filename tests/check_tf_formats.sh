@@ -129,4 +129,21 @@ refuse slicer_named_csv 4 'other.csv: its content is a volume property of 3D Sli
 cp map.json other.vp.json
 check json_is_told_by_its_content convert other.vp.json -o whole.tf.json -q
 [ ! -e z.tf.json ] && ok nothing_half_written || not_ok nothing_half_written "$(ls)"
+# What a file leaves open is said in a scene, and to palette, as to tf convert.
+"$ISOSHADE" make shells --size 12 -q -o open.nrrd
+printf '0 0 0\n1 0.5 0\n1 1 1\n' >colors.csv
+scene_with() { sed "s|\"tf\": \"shells.tf.json\"|\"tf\": $1|" "$top/refscenes/shells.scene.json" >open.scene.json; }
+of_scene() { "$ISOSHADE" render open.nrrd --scene open.scene.json --size 24 -q -o "$1"; }
+scene_with '{"file": "colors.csv", "unit_distance_mm": 2, "opacity": [0, 0.5], "range": "fit"}'
+check a_scene_says_it of_scene said.exr
+"$ISOSHADE" tf convert colors.csv --unit-distance 2 --opacity 0,0.5 --range fit -o colors.tf.json >/dev/null 2>&1
+scene_with '"colors.tf.json"'
+check as_convert_does of_scene converted.exr
+check the_same_picture "$ISOSHADE" compare said.exr converted.exr --max-abs 2e-3
+scene_with '{"file": "colors.csv", "unit_distance": 2, "opacity": [0, 0.5]}'
+refuse a_scene_lists_the_keys 4 'must be one of: file, name, unit_distance_mm, opacity, range' of_scene no.exr
+scene_with '{"file": "colors.csv", "opacity": [0, 0.5]}'
+refuse a_scene_that_does_not 2 'does not say what length' of_scene no.exr
+check palette_says_it "$ISOSHADE" palette open.nrrd --tf colors.csv --unit-distance 2 --opacity 0,0.5 --range fit --entries 4 -q -o p.csv
+refuse palette_needs_it 2 'does not say what length' "$ISOSHADE" palette open.nrrd --tf colors.csv --opacity 0,0.5 --entries 4 -q -o q.csv
 exit $failed

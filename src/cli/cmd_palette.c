@@ -342,6 +342,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          NULL},
         {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by their opacity under this transfer function",
          "NAME.tf.json"},
+        ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
         {"level", 0, POPT_ARG_INT, &a.level, 0, "of a pyramid: this level alone; else one palette for all", "K"},
         {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "of a pyramid: a palette a level, files NAME_level_K", NULL},
         {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, 0, "no volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball",

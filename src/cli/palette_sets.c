@@ -20,12 +20,12 @@ iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_directi
 }
 
 /* The TF's opacity over one voxel as a table of weights, to be freed. */
-static iso_status opacity_weights(const char *path, const iso_geometry *g, double value_min, double value_max,
-                                  iso_palette_weighting *w, float **table, iso_error *err)
+static iso_status opacity_weights(const iso_palette_arguments *a, const iso_geometry *g, double value_min,
+                                  double value_max, iso_palette_weighting *w, float **table, iso_error *err)
 {
     iso_tf tf;
     iso_tf_table t = {0};
-    iso_status status = iso_tf_load(path, &tf, err);
+    iso_status status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
     if (status != ISO_OK)
         return status;
     status = iso_tf_tabulate(&tf, value_min, value_max, g, &t, err);
@@ -40,7 +40,7 @@ static iso_status opacity_weights(const char *path, const iso_geometry *g, doubl
     w->by_value_count = t.count;
     w->by_value_lo = t.lo;
     w->by_value_hi = t.hi;
-    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", path, t.count);
+    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", a->tf, t.count);
     iso_tf_table_destroy(&t);
     return status;
 }
@@ -69,7 +69,7 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
             stats = iso_volume_measure(&v);
         w.value_span = stats.max - stats.min;
         if (status == ISO_OK && a->tf)
-            status = opacity_weights(a->tf, &v.geometry, stats.min, stats.max, &w, &table, err);
+            status = opacity_weights(a, &v.geometry, stats.min, stats.max, &w, &table, err);
         if (status == ISO_OK)
             status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
     }
@@ -91,7 +91,7 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
     float *table = NULL;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && a->tf)
-        status = opacity_weights(a->tf, &finest->geometry, finest->min, finest->max, &w, &table, err);
+        status = opacity_weights(a, &finest->geometry, finest->min, finest->max, &w, &table, err);
     for (size_t k = first; k <= last && status == ISO_OK; ++k) {
         const iso_level *l = &p->levels[k];
         if (a->by_magnitude && !l->magnitude) {

@@ -220,22 +220,51 @@ static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
                              r->path);
 }
 
+/* {"file": "name.xml"} and what the file leaves open, by the names of `tf convert`'s options. */
+static const char *read_tf_request(iso_json_reader *r, const json_t *tf, iso_tf_request *q)
+{
+    static const char *const keys[] = {"file", "name", "unit_distance_mm", "opacity", "range", NULL};
+    const json_t *range = json_object_get(tf, "range");
+    const char *file = NULL, *fit = NULL;
+    iso_json_only_keys(r, tf, "\"tf\" with a \"file\"", keys);
+    iso_json_get_string(r, tf, "file", true, &file);
+    iso_json_get_string(r, tf, "name", false, &q->name);
+    iso_json_get_number(r, tf, "unit_distance_mm", false, 1e-6, 1e6, &q->unit_mm);
+    iso_json_get_numbers(r, tf, "opacity", false, &(iso_json_list){q->opacity, 2, 0, 1});
+    q->has_opacity = json_object_get(tf, "opacity") != NULL;
+    q->has_range = range != NULL;
+    if (json_is_string(range))
+        iso_json_get_string(r, tf, "range", false, &fit);
+    else
+        iso_json_get_numbers(r, tf, "range", false, &(iso_json_list){q->range, 2, -1e30, 1e30});
+    q->fit = fit && strcmp(fit, "fit") == 0;
+    if (r->status == ISO_OK && range && !q->fit && (fit || !(q->range[1] > q->range[0])))
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"range\": wanted \"fit\" or two rising numbers", r->path);
+    return file;
+}
+
 static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
     const json_t *tf = json_object_get(root, "tf");
+    iso_tf_request request = {0};
     if (r->status != ISO_OK)
         return;
-    if (tf && json_is_object(tf)) {
+    const bool has_file = json_is_object(tf) && json_object_get(tf, "file");
+    if (json_is_object(tf) && !has_file) {
         r->status = iso_tf_from_json(tf, r->path, &s->tf, r->err);
         return;
     }
     const char *name = NULL;
-    iso_json_get_string(r, root, "tf", true, &name);
-    if (!name)
+    if (has_file)
+        name = read_tf_request(r, tf, &request);
+    else
+        iso_json_get_string(r, root, "tf", true, &name);
+    if (!name || r->status != ISO_OK)
         return;
     char *dir = iso_path_dir(r->path);
     char *path = dir ? iso_path_join(dir, name) : NULL;
-    r->status = path ? iso_tf_load(path, &s->tf, r->err) : iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
+    r->status = path ? iso_tf_load_as(path, &request, &s->tf, r->err)
+                     : iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
     free(path);
     free(dir);
 }

@@ -20,6 +20,8 @@
  *     "background": [0, 0, 0],
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
  *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
+ *        or {"file": "preset.xml", "name": "CT-Bone", "unit_distance_mm": 2, "opacity": [0, 1], "range": "fit" | [lo, hi]},
+ *                                       a file of another program, and what it leaves open
  *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   what validation asks; optional
  *     "levels": {"ssim_dissimilarity": 0.1, "flip": [0.05, 0.1], "rmse": 0.02},   how far levels may be from level 0; optional
  *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   the volume, as options of isoshade make; optional
