@@ -674,10 +674,25 @@ def minc():
         expect(np.abs(got - values).max() < 0.1 and got.dtype == np.float32, f"values off by {np.abs(got - values).max()}")
 
 
+def zarr_group(path):
+    import zarr
+    return zarr.open_group(path, mode="w", **({"zarr_format": 2} if zarr.__version__[0] > "2" else {}))
+
+
+def zarr_array(group, name, data, chunks=None, codec=None, separator=".", dtype=None, order="C"):
+    import zarr
+    how = {"shape": data.shape, "chunks": chunks or data.shape, "dtype": np.dtype(dtype or data.dtype), "order": order,
+           "fill_value": 0}
+    if zarr.__version__[0] > "2":
+        array = group.create_array(name, compressors=codec, chunk_key_encoding={"name": "v2", "separator": separator}, **how)
+    else:
+        array = group.create_dataset(name, compressor=codec, dimension_separator=separator, **how)
+    array[...] = data
+
+
 @case
 def ome_zarr():
     import numcodecs
-    import zarr
     values = phantom(np.uint16)
     scale = [{"type": "scale", "scale": [1, *SPACING[::-1]]}, {"type": "translation", "translation": [0, *FIRST[::-1]]}]
     axes = [{"name": "c", "type": "channel"}] + [{"name": n, "type": "space", "unit": "micrometer"} for n in "zyx"]
@@ -685,12 +700,11 @@ def ome_zarr():
         numcodecs.Blosc(name, shuffle=shuffle) for name, shuffle in (("lz4", 1), ("zstd", 2), ("blosclz", 0), ("zlib", 1))]
     for number, codec in enumerate(codecs):
         shutil.rmtree("phantom.zarr", ignore_errors=True)
-        group = zarr.open_group("phantom.zarr", mode="w")
+        group = zarr_group("phantom.zarr")
         for level in 0, 1:
             data = values[None, ::2 ** level, ::2 ** level, ::2 ** level]
-            kind = {"dtype": ">u2"} if number == 1 else {"order": "F"} if number == 2 else {}
-            group.create_dataset(str(level), shape=data.shape, chunks=(1, 3, 8, 5), compressor=codec,
-                                 dimension_separator="/" if number % 2 else ".", **{"dtype": data.dtype, **kind})[:] = data
+            zarr_array(group, str(level), data, (1, 3, 8, 5), codec, "/" if number % 2 else ".",
+                       ">u2" if number == 1 else None, "F" if number == 2 else "C")
         group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": [
             {"path": str(k), "coordinateTransformations": scale} for k in (0, 1)]}]
         same("phantom.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
@@ -707,14 +721,14 @@ def ome_zarr():
     with open("phantom.zarr/0/.zarray", "w", encoding="ascii") as file:
         file.write('{"zarr_format": 2, "shape"')
     refused("phantom.zarr", 4, "phantom.zarr/0/.zarray: line 1: ")
-    group = zarr.open_group("times.zarr", mode="w")
-    group.create_dataset("0", data=np.stack([values, values + 1]))
+    group = zarr_group("times.zarr")
+    zarr_array(group, "0", np.stack([values, values + 1]))
     group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes[1:]],
                                    "datasets": [{"path": "0", "coordinateTransformations": scale}]}]
     refused("times.zarr", 2, "has 2 frames; --frame K chooses one, from 0 to 1")
     same("times.zarr", values + 1, np.diag(SPACING) / 1000, FIRST / 1000, False, ["--frame", "1"])
-    group = zarr.open_group("colors.zarr", mode="w")
-    group.create_dataset("0", data=np.stack([np.stack([values + 2 * t + c for c in (0, 1)]) for t in (0, 1, 2)]))
+    group = zarr_group("colors.zarr")
+    zarr_array(group, "0", np.stack([np.stack([values + 2 * t + c for c in (0, 1)]) for t in (0, 1, 2)]))
     group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes],
                                    "datasets": [{"path": "0", "coordinateTransformations": [
                                        {"type": "scale", "scale": [1, 1, *SPACING[::-1]]}]}]}]
@@ -727,9 +741,99 @@ def ome_zarr():
     refused("new.zarr", 4, "is of Zarr 3 (OME-Zarr 0.5), which is not read")
     for dtype in np.float16, np.float32, np.int8, bool:
         stored = (phantom(np.int16) % 100).astype(dtype)
-        zarr.save("types.zarr", stored)
+        zarr_array(zarr_group("types.zarr"), "0", stored)
         same("types.zarr", stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, dtype)),
              np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+
+
+# ---- OpenVDB by its own module, and by isoshade ----
+
+def vdb_grid(values, kind, name, steps=STEPS, first=FIRST, background=0, half=False):
+    grid = kind(background)
+    grid.copyFromArray(np.ascontiguousarray(values.T), ijk=(3, -2, 100))
+    m = np.eye(4)
+    m[:3, :3], m[3, :3] = steps.T, first - steps @ [3, -2, 100]
+    grid.transform = openvdb_module().createLinearTransform(m.tolist())
+    grid.name, grid.saveFloatAsHalf = name, half
+    return grid
+
+
+def openvdb_module():
+    try:
+        import pyopenvdb
+        return pyopenvdb
+    except ImportError:  # its name since OpenVDB 11
+        import openvdb
+        return openvdb
+
+
+@case
+def openvdb():
+    vdb, values, sheared = openvdb_module(), phantom(np.float32), STEPS.copy()
+    sheared[:, 2] += 0.3 * STEPS[:, 0]
+    vdb.write("phantom.vdb", vdb_grid(values, vdb.FloatGrid, "density"))
+    same("phantom.vdb", values, ras=False)
+    same("phantom.vdb:density", values, STEPS * 1e-6, FIRST * 1e-6, False, ["--unit", "nm"], "nm")
+    cut("phantom.vdb", "cut.vdb")
+    refused("cut.vdb", 4, "cut.vdb: ")
+    vdb.write("phantom.vdb", vdb_grid(values, vdb.FloatGrid, "density", sheared, half=True))
+    same("phantom.vdb", values.astype(np.float16).astype(np.float32), sheared, ras=False)
+    holes = values.copy()
+    holes[2:5, 3:6, 4:9] = -7
+    speed = vdb.Vec3SGrid()
+    speed.name = "speed"
+    vdb.write("several.vdb", [vdb_grid(holes, vdb.FloatGrid, "a", background=-7),
+                              vdb_grid(values > 0, vdb.BoolGrid, "mask"), speed])
+    refused("several.vdb", 2, "holds 2 scalar grids, FILE:GRID must name one of: a (float), mask (bool), speed (vec3s)")
+    refused("several.vdb:b", 2, 'has no grid "b"')
+    refused("several.vdb:speed", 4, "values of type vec3s")
+    same("several.vdb:a", holes, ras=False)
+    vdb.write("empty.vdb", [vdb.FloatGrid()])
+    refused("empty.vdb", 4, "has no active voxels")
+
+
+@case
+def openvdb_of_isoshade():
+    """build, export, read back: the same samples at the same place, in the unit that the file names."""
+    import vtk
+    for scale, unit in (1, "mm"), (1e-7, "angstrom"):
+        values = phantom(np.float32)
+        vtk_write(vtk.vtkXMLImageDataWriter(), vtk_image(values, STEPS, FIRST), "phantom.vti")
+        shutil.rmtree("vdb.iso", ignore_errors=True)
+        for words in (["build", "phantom.vti", "--levels", "2", "--unit", unit, "-q", "-o", "vdb.iso"],
+                      ["export", "vdb.iso", "--to", "vdb", "--level", "0", "-q", "-o", "own.vdb"]):
+            got = run(*words)
+            expect(got.returncode == 0, got.stderr)
+        same("own.vdb", values, STEPS * scale, FIRST * scale, False, unit=unit, tolerance=1e-10 * scale)
+        with open("vdb.iso/pyramid.json", encoding="utf-8") as file:
+            expect(json.load(file)["unit"]["name"] == unit, "pyramid.json names another unit")
+        expect(f"unit       of its file: {unit}" in run("info", "vdb.iso").stdout, "info names another unit")
+
+
+@case
+def damaged_bytes():
+    """Files with a few wrong bytes are read, or refused in one line; the child may end, isoshade does not."""
+    import random
+    random.seed(20261122)
+    files = ["phantom.h5", "phantom.nc", "packed.nc", "scaled.mnc", "phantom.gipl", "several.vdb", "colors.zarr/0/.zarray",
+             "colors.zarr/0/0.0.0.0.0", "colors.zarr/.zattrs"]
+    lacking = [name for name in files if not os.path.exists(name)]
+    expect(not lacking, f"{lacking} are of other cases, which come before")
+    for name in files:
+        with open(name, "rb") as file:
+            whole = file.read()
+        for number in range(6):
+            data = bytearray(whole)
+            for _ in range(random.choice((1, 2, 8))):
+                data[random.randrange(min(len(data), 4096) if number % 2 else len(data))] = random.choice((0, 127, 255))
+            with open(name, "wb") as file:
+                file.write(data)
+            got = run("info", name if "zarr" not in name else "colors.zarr", "--spacing", "1", "--channel", "0", "--frame", "0")
+            lines = got.stderr.strip().splitlines()
+            expect(got.returncode in (0, 2, 4, 5, 6) and len(lines) == (got.returncode != 0),
+                   f"{name}, change {number}: exit code {got.returncode}: {got.stderr[:300]}")
+        with open(name, "wb") as file:
+            file.write(whole)
 
 
 # ---- NRRD by teem, NIfTI by nibabel, raw ----

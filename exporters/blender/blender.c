@@ -53,6 +53,7 @@ static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_ble
     iso_level level = f->level;
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
+    iso_blender_note_space(space, &options);
     level.geometry = iso_blender_in_space(&f->level.geometry, space);
     const iso_pyramid one = {.options = p->options, .source = p->source, .level_count = 1, .levels = &level};
     return iso_vdb_save(&one, 0, 1, path, &options, progress, err);
@@ -82,6 +83,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     vdb_options.extinction_scale = view->extinction_scale;
+    iso_blender_note_space(&space, &vdb_options);
     status = in_space(p, &space, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
@@ -158,6 +160,7 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     options.pad_voxels = 1;
     options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     options.extinction_scale = view->extinction_scale;
+    iso_blender_note_space(e->space, &options);
     iso_status status = begin_grid(e, i, false, out, err);
     if (status == ISO_OK)
         status = iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err);
@@ -208,6 +211,7 @@ static json_t *describe_export(const export_job *e)
     json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
+    json_object_set_new(about, "unit", json_string(e->p->unit.name));
     return about;
 }
 

@@ -93,6 +93,7 @@ typedef struct iso_blender_plan {
     const iso_lattice *lattices;
     size_t count;       /* at least 1 */
     const char *source; /* what it was made from */
+    const char *unit;   /* of the lengths of its file; NULL or "": not named */
 } iso_blender_plan;
 
 /* NAME.blend and NAME_level_K.vdb beside it (NAME.vdb when there is one lattice). step_voxels: of level 0. */

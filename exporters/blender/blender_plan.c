@@ -31,6 +31,7 @@ static iso_status save_lattice(const iso_blender_plan *plan, size_t i, const cha
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     iso_lattice lattice = plan->lattices[i];
     iso_vdb_options options = iso_vdb_defaults();
+    iso_blender_note_space(&space, &options);
     lattice.geometry = iso_blender_in_space(&lattice.geometry, &space);
     return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
 }
@@ -77,6 +78,7 @@ static json_t *describe_plan(const plan_job *job, const char *name)
     json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, space.units));
     json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
     json_object_set_new(about, "source", iso_blender_text(plan->source ? plan->source : "", 1000));
+    json_object_set_new(about, "unit", json_string(plan->unit ? plan->unit : ""));
     return about;
 }
 

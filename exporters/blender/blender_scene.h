@@ -10,6 +10,7 @@
 
 #include "base/json.h"
 #include "blender/blender.h"
+#include "vdb/vdb.h"
 
 #define ISO_BLENDER_MAX_STEPS 65536 /* the most that Cycles takes along a ray */
 
@@ -31,6 +32,8 @@ typedef struct iso_blender_space {
 } iso_blender_space;
 /* That of a volume whose level 0 is g, in mm. */
 iso_blender_space iso_blender_space_of(const iso_geometry *g);
+/* What a file of grids in that space says of it. */
+void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *options);
 iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space);
 
 /* At most `limit` bytes, whole characters; what is not UTF-8 becomes '_'. */

@@ -36,6 +36,12 @@ static iso_vec3 place(iso_vec3 world_mm, const iso_blender_space *space)
     return iso_scale(iso_sub(world_mm, space->origin_mm), space->units);
 }
 
+void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *options)
+{
+    options->unit_mm = 1 / space->units;
+    options->origin_mm = space->origin_mm;
+}
+
 iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space)
 {
     iso_geometry g = *mm;

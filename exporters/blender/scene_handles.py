@@ -71,7 +71,7 @@ The wire box "{name}" stands for the volume: move, turn and scale it, grids and 
 packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
 differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
 
-A millimetre is {units:g} Blender unit(s). Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
+A millimetre is {units:g} Blender unit(s).{unit} Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
 turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
 moved back by that. Other versions of Blender may differ; export again with the one that you use.
@@ -92,13 +92,16 @@ def explain(about, shift):
            if any(about["origin_mm"]) else "")
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
-                             far=far, levels=several, units=about["units_per_mm"], stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
+                             far=far, levels=several, units=about["units_per_mm"],
+                             unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
                              alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
                              blender=bpy.app.version_string, shift=shift))
     scene = bpy.context.scene
     scene["isoshade_source"] = about["source"]
     scene["isoshade_voxel_shift"] = shift
     scene["isoshade_origin_mm"] = about["origin_mm"]
+    scene["isoshade_units_per_mm"] = about["units_per_mm"]
+    scene["isoshade_unit"] = about.get("unit", "")
     scene["isoshade_ramp_color_loss"] = ramp["color_loss"]
     scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
 

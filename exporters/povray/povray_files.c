@@ -178,6 +178,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
     const iso_geometry *g = &p->levels[number].geometry;
     iso_povray_scene s = {.name = name,
                           .source = p->source ? iso_path_base(p->source) : "a volume",
+                          .unit = &p->unit,
                           .level = number,
                           .geometry = g,
                           .voxels = level,

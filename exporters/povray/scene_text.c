@@ -65,6 +65,9 @@ static void write_placement(FILE *f, const iso_povray_scene *s)
     const iso_geometry *g = s->geometry;
     iso_mat3 m = iso_mat3_scale(g->index_to_world, s->units_per_mm);
     iso_vec3 o = iso_scale(iso_sub(g->origin_mm, s->center_mm), s->units_per_mm);
+    if (s->unit->name[0])
+        fprintf(f, "// The data's lengths are in %s, which is %.9g mm: Iso_Units_Per_mm * %.9g units.\n", s->unit->name,
+                s->unit->mm, s->unit->mm);
     fprintf(f, "#declare Iso_Units_Per_mm = %.17g;\n", s->units_per_mm);
     static const double zero[3] = {0};
     const double *low = s->options->box ? s->options->box[0] : zero,

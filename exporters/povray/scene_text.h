@@ -20,7 +20,8 @@
 /* What the texts are written from. A region of interest has a second one, whose
  * declared names begin with Iso_Roi_ and whose files with NAME_roi. */
 typedef struct iso_povray_scene {
-    const char *name;   /* of the files */
+    const char *name; /* of the files */
+    const iso_pyramid_unit *unit;
     const char *source; /* for the comments */
     size_t level;
     const iso_geometry *geometry;            /* of the level: what the container stands in */

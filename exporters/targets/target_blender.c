@@ -38,7 +38,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
                                    .piece = pieces,
                                    .lattices = lattices.items,
                                    .count = lattices.count,
-                                   .source = job->pyramid->source};
+                                   .source = job->pyramid->source,
+                                   .unit = job->pyramid->unit.name};
     status = pieces ? iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err)
                     : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     if (status == ISO_OK)

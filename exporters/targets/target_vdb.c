@@ -19,6 +19,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
 {
     iso_vdb_options o = iso_vdb_defaults();
     o.half_float = job->half_float;
+    o.unit = job->pyramid->unit.name;
     if (job->planned)
         return write_planned(job, &o, err);
     iso_view view = {0};

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "fit/extinction_scale.h"
 #include "vdb/vdb_openvdb.h"
+#include "volume/unit.h"
 
 iso_vdb_options iso_vdb_defaults(void)
 {
@@ -89,6 +90,49 @@ static iso_status fail_by_code(int code, const char *path, const iso_vdb_message
     return iso_fail(err, statuses[code], "%s: OpenVDB: %s", path, message->text);
 }
 
+static bool suits(double voxel_mm, double unit_mm)
+{
+    return voxel_mm >= 1e-3 * unit_mm && voxel_mm <= 1e3 * unit_mm;
+}
+
+/* The unit of a file whose geometries are in mm: one of unit.h. */
+static const char *choose_unit(const iso_geometry *g, const char *preferred, double *mm)
+{
+    static const char *const units[] = {"m", "um", "nm", "pm"};
+    const double voxel = iso_geometry_min_spacing_mm(g);
+    const char *name = "mm";
+    *mm = 1;
+    if (voxel >= 1e-4 && voxel <= 1e5)
+        return name;
+    if (preferred && iso_unit_find(preferred, mm, &name) && suits(voxel, *mm))
+        return name;
+    for (size_t i = 0; i < sizeof units / sizeof *units; ++i)
+        if (iso_unit_find(units[i], mm, &name) && suits(voxel, *mm))
+            return name;
+    *mm = 1;
+    return "mm";
+}
+
+/* Geometry in the unit of the file, which is noted. */
+static void take_unit(iso_vdb_source *source, const iso_geometry *g, const iso_vdb_options *opt)
+{
+    source->unit = "";
+    source->unit_mm = opt->unit_mm;
+    if (opt->unit_mm > 0) {
+        const double origin[3] = {opt->origin_mm.x, opt->origin_mm.y, opt->origin_mm.z};
+        memcpy(source->origin_mm, origin, sizeof origin);
+        for (int a = 0; a < 3; ++a)
+            source->spacing_mm[a] *= opt->unit_mm;
+        if (opt->unit_mm == 1)
+            source->unit = "mm";
+        return;
+    }
+    source->unit = choose_unit(g, opt->unit, &source->unit_mm);
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c)
+            source->index_to_world[r][c] /= source->unit_mm;
+}
+
 /* Fills in what a level and a lattice have alike. */
 static iso_vdb_source describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt)
 {
@@ -99,6 +143,7 @@ static iso_vdb_source describe(const iso_geometry *g, const char *made_from, con
     memcpy(source.box_index, g->box_index, sizeof source.box_index);
     iso_geometry_spacing_mm(g, source.spacing_mm);
     center_transform(g, source.index_to_world);
+    take_unit(&source, g, opt);
     return source;
 }
 
@@ -379,10 +424,10 @@ iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, c
     memcpy(geometry->box_index, info.box_index, sizeof info.box_index);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
-            geometry->index_to_world.m[r][c] = info.index_to_world[r][c];
+            geometry->index_to_world.m[r][c] = info.unit_mm * info.index_to_world[r][c];
     iso_vec3 half = iso_mul(geometry->index_to_world, iso_v3(0.5, 0.5, 0.5));
-    geometry->origin_mm = iso_sub(iso_v3(info.index_to_world[0][3], info.index_to_world[1][3],
-                                         info.index_to_world[2][3]),
-                                  half);
+    const iso_vec3 first = iso_v3(info.index_to_world[0][3], info.index_to_world[1][3], info.index_to_world[2][3]);
+    const iso_vec3 origin = iso_v3(info.origin_mm[0], info.origin_mm[1], info.origin_mm[2]);
+    geometry->origin_mm = iso_sub(iso_madd(origin, first, info.unit_mm), half);
     return iso_geometry_check(geometry, path, err);
 }

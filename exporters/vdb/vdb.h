@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb.h - OpenVDB files of pyramids and lattices. A C interface to a C++ library: no exception leaves it.
  *
+ * Metadata say the unit of the file's world (isoshade_unit_mm, isoshade_unit where it has a name); it is the millimetre
+ * as a rule.
+ *
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
  * (decoded shading directions, world axes) of one level, and where asked for a
  * float grid "second_value" (tf/tf_2d.h) or "log2_extinction_scale" (fit/extinction_scale.h). The transform puts the
@@ -34,6 +37,12 @@ typedef struct iso_vdb_options {
         *extinction_scale; /* likewise: a float grid "log2_extinction_scale", 0 where the scale is 1; or NULL */
     size_t pad_voxels;     /* rim of edge values around the level: renderers that fade at the border need one */
     const char *creator;   /* metadata */
+    /* A unit of the file's world is so many mm, and its origin stands there in the world; geometries are in it. 0: the
+     * geometries are in mm, and so is the file, but for voxels so small or large that OpenVDB takes their transform for
+     * a singular one: these files have a unit in which they are of a size between 1e-3 and 1e3. */
+    double unit_mm;
+    iso_vec3 origin_mm;
+    const char *unit; /* the name of the unit that is taken where it suits such voxels: the volume file's; or NULL */
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
 

@@ -150,6 +150,10 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.insertMeta("isoshade_value_max", openvdb::DoubleMetadata(s.value_max));
     grid.insertMeta("isoshade_box_index", openvdb::Vec3DMetadata(openvdb::Vec3d(s.box_index)));
     grid.insertMeta("isoshade_spacing_mm", openvdb::Vec3DMetadata(openvdb::Vec3d(s.spacing_mm)));
+    grid.insertMeta("isoshade_unit_mm", openvdb::DoubleMetadata(s.unit_mm));
+    if (*s.unit)
+        grid.insertMeta("isoshade_unit", openvdb::StringMetadata(s.unit));
+    grid.insertMeta("isoshade_origin_mm", openvdb::Vec3DMetadata(openvdb::Vec3d(s.origin_mm)));
     grid.insertMeta("isoshade_size",
                     openvdb::Vec3IMetadata(openvdb::Vec3i(static_cast<int>(s.size[0]), static_cast<int>(s.size[1]),
                                                           static_cast<int>(s.size[2]))));
@@ -188,6 +192,11 @@ void read_info(const openvdb::GridBase &grid, const size_t size[3], iso_vdb_grid
         for (int c = 0; c < 4; ++c)
             info->index_to_world[r][c] = m(c, r);
     const auto box = grid.getMetadata<openvdb::Vec3DMetadata>("isoshade_box_index");
+    const auto unit = grid.getMetadata<openvdb::DoubleMetadata>("isoshade_unit_mm");
+    const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>("isoshade_origin_mm");
+    info->unit_mm = unit ? unit->value() : 1;
+    for (int a = 0; a < 3; ++a)
+        info->origin_mm[a] = origin ? origin->value()[a] : 0;
     for (int a = 0; a < 3; ++a)
         info->box_index[a] = box ? box->value()[a] : static_cast<double>(size[a]);
 }

@@ -37,6 +37,8 @@ typedef struct iso_vdb_source {
     const char *creator, *made_from, *meaning;
     int level;
     double value_min, value_max, box_index[3], spacing_mm[3];
+    const char *unit; /* of the transform; "" where it has no name */
+    double unit_mm, origin_mm[3];
 } iso_vdb_source;
 
 typedef struct iso_vdb_file iso_vdb_file;
@@ -52,6 +54,7 @@ void iso_vdb_file_destroy(iso_vdb_file *file); /* accepts NULL */
 typedef struct iso_vdb_grid_info {
     double index_to_world[3][4];
     double box_index[3];
+    double unit_mm, origin_mm[3];
 } iso_vdb_grid_info;
 int iso_openvdb_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
                      iso_vdb_grid_info *info, iso_vdb_message *message);

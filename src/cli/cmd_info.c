@@ -294,6 +294,8 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
                                      iso_code_describe(opt->code)->name, "verified", found != NULL, "levels", levels));
     if (found)
         json_object_set_new(root, "joint_histograms", joints_to_json(found));
+    if (p->unit.name[0])
+        json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", p->unit.name, "mm", p->unit.mm));
     if (p->made_for)
         json_object_set(root, "made_for", p->made_for);
     iso_cli_print_json(root);
@@ -321,6 +323,8 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
     char text[512];
     printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
            p->built_by[0] ? p->built_by : "isoshade before 0.2.0");
+    if (p->unit.name[0])
+        printf("  unit       of its file: %s, which is %.9g mm\n", p->unit.name, p->unit.mm);
     printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",
            iso_scalar_filter_name(opt->scalar_filter), iso_direction_filter_name(opt->direction_filter),
            iso_gradient_name(opt->gradient.method), iso_code_describe(opt->code)->name,

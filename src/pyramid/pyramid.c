@@ -22,7 +22,8 @@ static const struct {
         [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
         [ISO_SCALAR_MAJORITY] = {"majority", "of labels: the one that most of 2x2x2 voxels have; the largest of several"},
         [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
-        [ISO_SCALAR_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0; from level 0"},
+        [ISO_SCALAR_LEAST_SQUARES] = {"least-squares",
+                                      "what trilinear lookup shows is nearest to level 0; from level 0"},
         [ISO_SCALAR_DAMPED] = {"damped", "from the means .6 of the way to least-squares: rings less"},
 },
   direction_filters[] = {
@@ -183,6 +184,13 @@ static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p
     return status;
 }
 
+iso_pyramid_unit iso_pyramid_unit_of(const iso_volume_notes *notes)
+{
+    iso_pyramid_unit unit = {.mm = notes->unit[0] ? notes->unit_mm : 1};
+    snprintf(unit.name, sizeof unit.name, "%s", notes->unit);
+    return unit;
+}
+
 iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
                              const iso_progress *progress, iso_error *err)
 {
@@ -194,6 +202,7 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
     if (status != ISO_OK)
         return status;
     out->source = strdup(source);
+    out->unit = iso_pyramid_unit_of(&v->notes);
     snprintf(out->built_by, sizeof out->built_by, "isoshade " ISO_VERSION);
     out->level_count = iso_cascade_level_count(&v->geometry, opt);
     out->levels = calloc(out->level_count, sizeof *out->levels);

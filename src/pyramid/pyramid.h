@@ -115,14 +115,24 @@ typedef struct iso_level {
     const uint16_t *palette_index;
 } iso_level;
 
+/* What the lengths of a volume's file were in; all of ours are in mm. */
+typedef struct iso_pyramid_unit {
+    char name[16]; /* "" where the file names none */
+    double mm;
+} iso_pyramid_unit;
+
 typedef struct iso_pyramid {
     iso_pyramid_options options;
-    char *source;      /* what it was made from */
+    char *source; /* what it was made from */
+    iso_pyramid_unit unit;
     char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
     size_t level_count;
     iso_level *levels;
     json_t *made_for; /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
 } iso_pyramid;
+
+/* That of a volume's notes. */
+iso_pyramid_unit iso_pyramid_unit_of(const iso_volume_notes *notes);
 
 /* ISO_E_RANGE: options outside their limits, non-finite voxels. */
 iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,

@@ -99,7 +99,7 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
         json_array_append_new(levels, level);
     }
     if (status == ISO_OK)
-        return iso_layout_save(dir, p->source, &p->options, levels, p->made_for, err);
+        return iso_layout_save(dir, p->source, &p->unit, &p->options, levels, p->made_for, err);
     json_decref(levels);
     return status;
 }
@@ -283,7 +283,14 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     iso_json_get_string(r, root, "source", true, &source);
     iso_json_get_string(r, root, "built_by", false, &built_by);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
-    json_t *levels = iso_json_get_array(r, root, "levels", true);
+    out->unit.mm = 1;
+    json_t *unit = iso_json_get_object(r, root, "unit", false), *levels = iso_json_get_array(r, root, "levels", true);
+    if (unit) {
+        const char *name = "";
+        iso_json_get_string(r, unit, "name", true, &name);
+        iso_json_get_number(r, unit, "mm", true, 1e-30, 1e30, &out->unit.mm);
+        snprintf(out->unit.name, sizeof out->unit.name, "%s", name);
+    }
     out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
     if (r->status != ISO_OK)
         return r->status;

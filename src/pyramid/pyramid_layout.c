@@ -69,12 +69,13 @@ json_t *iso_layout_geometry(const iso_geometry *g)
 
 json_t *iso_layout_options(const iso_pyramid_options *o)
 {
-    json_t *object = json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:I, s:b, s:b}", "levels", (json_int_t)o->level_count,
-                     "scalar_filter", iso_scalar_filter_name(o->scalar_filter), "direction_filter",
-                     iso_direction_filter_name(o->direction_filter), "gradient", iso_gradient_name(o->gradient.method),
-                     "code", iso_code_describe(o->code)->name, "gauss_sigma_voxels", o->gauss_sigma_voxels,
-                     "gauss_radius", (json_int_t)o->gauss_radius, "eq1_exponent", (json_int_t)o->eq1_exponent,
-                     "keep_float", o->keep_float, "keep_magnitude", o->keep_magnitude);
+    json_t *object = json_pack("{s:I, s:s, s:s, s:s, s:s, s:f, s:I, s:I, s:b, s:b}", "levels",
+                               (json_int_t)o->level_count, "scalar_filter", iso_scalar_filter_name(o->scalar_filter),
+                               "direction_filter", iso_direction_filter_name(o->direction_filter), "gradient",
+                               iso_gradient_name(o->gradient.method), "code", iso_code_describe(o->code)->name,
+                               "gauss_sigma_voxels", o->gauss_sigma_voxels, "gauss_radius", (json_int_t)o->gauss_radius,
+                               "eq1_exponent", (json_int_t)o->eq1_exponent, "keep_float", o->keep_float,
+                               "keep_magnitude", o->keep_magnitude);
     if (o->value_range[1] > o->value_range[0])
         json_object_set_new(object, "value_range", iso_json_numbers(o->value_range, 2));
     return object;
@@ -118,11 +119,13 @@ iso_status iso_layout_save_json(const char *dir, const char *name, const json_t 
     return status;
 }
 
-iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_options *opt, json_t *levels,
-                           json_t *made_for, iso_error *err)
+iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
+                           const iso_pyramid_options *opt, json_t *levels, json_t *made_for, iso_error *err)
 {
     json_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source", source, "built_by",
                              "isoshade " ISO_VERSION, "options", iso_layout_options(opt), "levels", levels);
+    if (root && unit->name[0])
+        json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", unit->name, "mm", unit->mm));
     if (root && made_for)
         json_object_set(root, "made_for", made_for);
     iso_status status = root ? iso_layout_save_json(dir, ISO_PYRAMID_MARKER, root, err)

@@ -25,6 +25,7 @@
     X(hdf5)                       \
     X(netcdf)                     \
     X(zarr)                       \
+    X(vdb)                        \
     X(itk)                        \
     X(raw)
 /* clang-format on */
