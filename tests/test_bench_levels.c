@@ -136,6 +136,26 @@ static iso_image plain_image(size_t width, size_t height, float value)
 }
 
 /* Half the picture is background in both: it does not thin the error. */
+/* Volume a: ratios 1/2 and 8, together 2, so the base is the best; b: 1/4, the other is. */
+static void the_best_is_counted_over_all_levels_of_a_pair(void **state)
+{
+    (void)state;
+    iso_level_cases c = two_methods();
+    add_case(&c, "a", false, 0.1, 0.05);
+    add_case(&c, "a", false, 0.01, 0.08);
+    add_case(&c, "b", false, 0.04, 0.01);
+    add_case(&c, "b", true, 0.04, 0.01);
+    const iso_level_nearness base = iso_level_cases_nearness(&c, false, BASE),
+                             other = iso_level_cases_nearness(&c, false, OTHER);
+    assert_int_equal(base.pairs, 2);
+    assert_int_equal(base.near_best, 1);
+    assert_int_equal(other.near_best, 1);
+    assert_within(base.over_best, 2, 1e-3);        /* 1 and 4; 1e-6 is added to errors */
+    assert_within(other.over_best, sqrt(2), 1e-3); /* 2 and 1 */
+    assert_int_equal(iso_level_cases_nearness(&c, true, OTHER).near_best, 1);
+    iso_level_cases_destroy(&c);
+}
+
 static void errors_are_over_what_either_image_shows(void **state)
 {
     (void)state;
@@ -200,6 +220,7 @@ int main(void)
         cmocka_unit_test(worse_cases_are_counted_by_both_limits_and_named),
         cmocka_unit_test(what_is_held_back_stands_in_its_own_block),
         cmocka_unit_test(cases_that_tell_nothing_are_left_out_with_their_reason),
+        cmocka_unit_test(the_best_is_counted_over_all_levels_of_a_pair),
         cmocka_unit_test(errors_are_over_what_either_image_shows),
         cmocka_unit_test(minifying_takes_means_of_boxes_that_the_border_cuts),
         cmocka_unit_test(methods_are_chosen_by_whole_names),

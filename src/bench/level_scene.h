@@ -14,4 +14,7 @@ iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown 
 /* The fitted scalar, whatever pictures say. */
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 
+/* The design that build --auto chooses for the levels that the subject has. */
+iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+
 #endif

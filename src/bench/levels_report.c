@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "compare/quartiles.h"
@@ -171,6 +172,73 @@ static json_t *report_level(const iso_level_cases *c, bool held, size_t level, b
     return json_pack("{s:i, s:i, s:o}", "level", (int)level, "case_count", (int)count, "methods", rows);
 }
 
+/* ---- all levels together ---- */
+
+static bool is_same_pair(const iso_level_case *a, const iso_level_case *b)
+{
+    return a->held == b->held && strcmp(a->volume, b->volume) == 0 && strcmp(a->tf, b->tf) == 0;
+}
+
+/* Of a volume under a transfer function, over its levels: the mean logarithm of a method's DSSIM over the base's. */
+static double mean_of_levels(const iso_level_cases *c, size_t first, size_t method, size_t *levels)
+{
+    const iso_level_case *own = &c->cases[first];
+    double sum = 0;
+    *levels = 0;
+    for (size_t i = first; i < c->count && is_same_pair(own, &c->cases[i]); ++i) {
+        const iso_level_case *one = &c->cases[i];
+        if (iso_level_case_left_out(c, one))
+            continue;
+        sum += log(iso_level_ratio(figure_of(&one->results[method], 0), figure_of(&one->results[c->against], 0)));
+        ++*levels;
+    }
+    return *levels > 0 ? sum / (double)*levels : 0;
+}
+
+iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held, size_t method)
+{
+    iso_level_nearness n = {0};
+    double loss = 0;
+    for (size_t i = 0; i < c->count; ++i) {
+        const iso_level_case *one = &c->cases[i];
+        const bool is_first = i == 0 || !is_same_pair(&c->cases[i - 1], one);
+        size_t levels;
+        const double own = mean_of_levels(c, i, method, &levels);
+        if (one->held != held || !is_first || levels == 0)
+            continue;
+        double best = own;
+        for (size_t m = 0; m < iso_level_method_count(); ++m)
+            best = c->wanted[m] ? fmin(best, mean_of_levels(c, i, m, &levels)) : best;
+        n.pairs += 1;
+        n.near_best += own <= best + log(ISO_LEVELS_WORSE);
+        loss += own - best;
+    }
+    n.over_best = n.pairs > 0 ? exp(loss / (double)n.pairs) : 1;
+    return n;
+}
+
+/* Which method one would have been right to take. */
+static json_t *report_nearness(const iso_level_cases *c, bool held, bool print)
+{
+    json_t *rows = json_array();
+    if (print)
+        printf(
+            "\n%s, all levels of a volume and TF together: best or within 2 %% of the best of these methods, and DSSIM "
+            "over the best's\n",
+            held ? "held back" : "named");
+    for (size_t m = 0; m < iso_level_method_count(); ++m) {
+        if (!c->wanted[m])
+            continue;
+        const iso_level_nearness n = iso_level_cases_nearness(c, held, m);
+        const char *name = iso_level_method_at(m)->name;
+        json_array_append_new(rows, json_pack("{s:s, s:i, s:i, s:f}", "method", name, "pair_count", (int)n.pairs,
+                                              "near_best_count", (int)n.near_best, "over_best", n.over_best));
+        if (print)
+            printf("%-20s %3zu of %zu  %.3f\n", name, n.near_best, n.pairs, n.over_best);
+    }
+    return rows;
+}
+
 /* How many cases each reason leaves out. */
 static json_t *count_left_out(const iso_level_cases *c, bool held)
 {
@@ -201,7 +269,8 @@ static json_t *report_block(const iso_level_cases *c, bool held, bool print)
     if (print)
         json_object_foreach(reasons, why, times) printf("left out, %s: %lld cases, %s\n", held ? "held back" : "named",
                                                         (long long)json_integer_value(times), why);
-    return json_pack("{s:s, s:o, s:o}", "block", held ? "held back" : "named", "left_out", reasons, "levels", levels);
+    return json_pack("{s:s, s:o, s:o, s:o}", "block", held ? "held back" : "named", "left_out", reasons, "levels",
+                     levels, "all_levels", report_nearness(c, held, print));
 }
 
 json_t *iso_levels_report(const iso_level_cases *c, bool print)

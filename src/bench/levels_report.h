@@ -45,6 +45,14 @@ const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_ca
 /* The error of a method over that of the base; 1 where both are 0. */
 double iso_level_ratio(double error, double base);
 
+/* Of the pairs of a volume and a transfer function, their levels taken together (geometric mean): how many have a DSSIM by
+ * the method that is at most ISO_LEVELS_WORSE of the best one of all wanted methods, and how far it is above the best's. */
+typedef struct iso_level_nearness {
+    size_t pairs, near_best;
+    double over_best;
+} iso_level_nearness;
+iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held, size_t method);
+
 /* Blocks of what was named and of what was held back, by level and method. print: as tables as well. */
 json_t *iso_levels_report(const iso_level_cases *c, bool print);
 /* One object a case and method. */

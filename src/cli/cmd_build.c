@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
+#include "cli/build_auto.h"
 #include "cli/build_for.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -17,7 +18,8 @@
 #include "volume/frames_all.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames;
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames, *tf;
+    int is_auto, budget;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
 } build_options;
@@ -134,6 +136,27 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_volume_input_open(u->path, u->input, source, err);
 }
 
+/* Filters are what is chosen, so they are not given. */
+static iso_status build_auto(const iso_cli *cli, const iso_volume_input *input, const build_options *in,
+                             const iso_ranks *ranks, iso_error *err)
+{
+    const char *path = cli->arguments[0];
+    iso_pyramid_options opt;
+    if (!in->tf || in->scene || in->frames || in->scalar_filter || in->direction_filter)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--auto chooses filters for a transfer function: with --tf FILE, without --for, "
+                        "--scalar-filter and --direction-filter");
+    if (in->resume || ranks)
+        return iso_fail(err, ISO_E_USAGE, "--auto: levels are chosen and made in one go by one process");
+    char *output = in->output ? strdup(in->output) : default_output(path);
+    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const iso_build_auto job = {cli, input, path, in->tf, output, in->budget, in->memory_mb};
+    if (status == ISO_OK)
+        status = iso_cli_build_auto(&job, &opt, err);
+    free(output);
+    return status;
+}
+
 /* One pyramid; *json, where it is not NULL, takes what is printed as JSON, to be freed. */
 static iso_status build_one(const build_job *job, const iso_pyramid_options *opt, const char *output, json_t **json,
                             iso_error *err)
@@ -212,11 +235,13 @@ static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, 
     if (status != ISO_OK || labels == 0)
         return status;
     if (job->options->scene || (job->options->scalar_filter && opt->scalar_filter != ISO_SCALAR_MAJORITY))
-        return iso_fail(err, ISO_E_USAGE, "%s is a label map of %zu labels, which %s would interpolate; --no-labels does",
-                        path, labels, job->options->scene ? "--for" : "--scalar-filter");
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s is a label map of %zu labels, which %s would interpolate; --no-labels does", path, labels,
+                        job->options->scene ? "--for" : "--scalar-filter");
     opt->scalar_filter = ISO_SCALAR_MAJORITY;
     if (!job->cli->json && !job->cli->quiet)
-        printf("label map, %zu labels: levels by majority, looked up without interpolation (else --no-labels)\n", labels);
+        printf("label map, %zu labels: levels by majority, looked up without interpolation (else --no-labels)\n",
+               labels);
     return ISO_OK;
 }
 
@@ -263,6 +288,17 @@ static iso_status build(const build_job *job, iso_error *err)
     return status;
 }
 
+
+static iso_status build_any(const build_job *job, iso_error *err)
+{
+    const build_options *in = job->options;
+    if (in->is_auto)
+        return build_auto(job->cli, job->input, in, job->ranks, err);
+    if (in->tf)
+        return iso_fail(err, ISO_E_USAGE, "--tf is what --auto chooses for");
+    return in->scene ? build_for(job, err) : build(job, err);
+}
+
 /* One rank speaks, for all: results, help and messages are the same in each. */
 static iso_status silence_others(iso_error *err)
 {
@@ -279,6 +315,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
                         .gauss_radius = (int)defaults.gauss_radius,
                         .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
+                        .budget = 4,
                         .memory_mb = 900};
     iso_volume_input input;
     iso_volume_input_defaults(&input);
@@ -295,6 +332,11 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
          "choose each coarse level's scalar so that this scene shows it most like level 0", "SCENE"},
         {"frames", 0, POPT_ARG_STRING, &in.frames, 0,
          "all: a pyramid of each time step, NAME_0000.iso and so on, with one range of values for fitted TFs", "all"},
+        {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0,
+         "choose filters, and how to show the levels, by what is predicted for --tf", NULL},
+        {"tf", 0, POPT_ARG_STRING, &in.tf, 0, "with --auto: the transfer function that is chosen for", "FILE"},
+        {"budget", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.budget, 0,
+         "with --auto: bytes a voxel of a coarse level beside its scalar, at most", "BYTES"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
@@ -316,7 +358,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_frames(&in, &input, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = (in.scene ? build_for : build)(&(build_job){&cli, &input, &in, ranks}, err);
+        status = build_any(&(build_job){&cli, &input, &in, ranks}, err);
     iso_cli_end(&cli);
     free(in.output);
     free(in.estimator);
@@ -325,6 +367,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     free(in.code);
     free(in.scene);
     free(in.frames);
+    free(in.tf);
     return status;
 }
 
@@ -361,12 +404,16 @@ const iso_command iso_command_build = {
         "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
         "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
         "or fitted to the scene's transfer function; twelve small pictures of each decide. It is made in memory, and serves\n"
-        "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.",
+        "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.\n"
+        "With --auto --tf FILE the scalar filter, the direction filter, and whether to show the levels with an adapted or a\n"
+        "2D transfer function or an extinction scale are chosen by a prediction from the fine voxels' opacities, within\n"
+        "--budget; what was predicted is printed and kept in pyramid.json (doc/method/auto.md).",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
                 "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
-                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n",
+                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n"
+                "  isoshade build v.nrrd -o auto.iso --auto --tf refscenes/marschner-lobb.tf.json --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, NULL},
     .run = run,

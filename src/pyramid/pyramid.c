@@ -228,5 +228,6 @@ void iso_pyramid_destroy(iso_pyramid *p)
     free(p->levels);
     free(p->source);
     json_decref(p->made_for);
+    json_decref(p->chosen_by);
     *p = (iso_pyramid){0};
 }

@@ -128,7 +128,8 @@ typedef struct iso_pyramid {
     char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
     size_t level_count;
     iso_level *levels;
-    json_t *made_for; /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
+    json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
+    json_t *chosen_by; /* owned: what `build --auto` chose the filters by (doc/formats.md); or NULL */
 } iso_pyramid;
 
 /* That of a volume's notes. */

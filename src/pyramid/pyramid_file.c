@@ -99,7 +99,7 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
         json_array_append_new(levels, level);
     }
     if (status == ISO_OK)
-        return iso_layout_save(dir, p->source, &p->unit, &p->options, levels, p->made_for, err);
+        return iso_layout_save(dir, p->source, &p->unit, &p->options, levels, p, err);
     json_decref(levels);
     return status;
 }
@@ -292,6 +292,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         snprintf(out->unit.name, sizeof out->unit.name, "%s", name);
     }
     out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
+    out->chosen_by = json_incref(iso_json_get_object(r, root, "auto", false));
     if (r->status != ISO_OK)
         return r->status;
     const size_t count = json_array_size(levels);

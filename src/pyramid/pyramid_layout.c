@@ -120,14 +120,16 @@ iso_status iso_layout_save_json(const char *dir, const char *name, const json_t 
 }
 
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
-                           const iso_pyramid_options *opt, json_t *levels, json_t *made_for, iso_error *err)
+                           const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err)
 {
     json_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source", source, "built_by",
                              "isoshade " ISO_VERSION, "options", iso_layout_options(opt), "levels", levels);
     if (root && unit->name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", unit->name, "mm", unit->mm));
-    if (root && made_for)
-        json_object_set(root, "made_for", made_for);
+    if (root && of && of->made_for)
+        json_object_set(root, "made_for", of->made_for);
+    if (root && of && of->chosen_by)
+        json_object_set(root, "auto", of->chosen_by);
     iso_status status = root ? iso_layout_save_json(dir, ISO_PYRAMID_MARKER, root, err)
                              : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its description", dir);
     json_decref(root);
