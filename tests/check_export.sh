@@ -18,7 +18,8 @@ has_cycles && { [ -e one.vdb ] && ok the_grid_has_the_name_of_the_blend || not_o
 
 refuse no_blend_ending 2 ".blend" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o scene.bld
 refuse a_name_that_is_not_utf8 2 "UTF-8" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o "$(printf 'a\351b.blend')"
-refuse no_scene 2 "--scene" "$ISOSHADE" export v.nrrd --to blender -q -o x.blend
+check no_scene_is_a_first_one "$ISOSHADE" export v.nrrd --to blender -q -o first.blend
+has_cycles && { [ -s first.blend ] && ok it_is_there || not_ok it_is_there "$(ls)"; }
 refuse no_folder 3 "nowhere" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o nowhere/x.blend
 refuse no_such_level 5 "levels 0 to" "$ISOSHADE" export v.nrrd --to vdb --level 9 -q -o x.vdb
 refuse no_blender 7 "blender" env ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" export v.nrrd --to blender --scene "$scene" -q -o x.blend

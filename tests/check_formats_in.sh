@@ -5,10 +5,10 @@
 page=$top/doc/formats-in.md
 python=python3
 "$python" -c 'import numpy, vtk' 2>/dev/null || python=/usr/bin/python3 # Debian's, where another one comes first
-"$python" "$top/tests/phantom.py" "$ISOSHADE" || failed=1
+"$python" "$top/tests/formats_in.py" "$ISOSHADE" || failed=1
 
 tests_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }
-each_test_is_named() { diff <(tests_of "$1") <("$python" "$top/tests/phantom.py" --list | sort -u); }
+each_test_is_named() { diff <(tests_of "$1") <("$python" "$top/tests/formats_in.py" --list | sort -u); }
 check the_page_names_all_tests each_test_is_named "$page"
 "$ISOSHADE" list --json >list.json
 formats_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }

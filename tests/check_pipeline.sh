@@ -40,7 +40,7 @@ refuse "a missing transfer function" 3 "none.tf.json" "$ISOSHADE" render v.nrrd 
 refuse "a transfer function without points" 5 "empty.tf.json" "$ISOSHADE" render v.nrrd --scene empty.scene.json -q -o x.exr
 refuse "a scene that is not JSON" 4 "broken.scene.json" "$ISOSHADE" render v.nrrd --scene broken.scene.json -q -o x.exr
 refuse "a scene that is not there" 3 "no.scene.json" "$ISOSHADE" render v.nrrd --scene no.scene.json -q -o x.exr
-refuse "no scene at all" 2 "--scene" "$ISOSHADE" render v.nrrd -q -o x.exr
+check "no scene at all is a first one" render v.nrrd --size 16 -o first.exr
 refuse "a level that the pyramid lacks" 5 "levels 0 to 1" "$ISOSHADE" render v.iso --scene "$scenes/shells.scene.json" --level 5 -q -o x.exr
 refuse "an unknown renderer" 2 "mitsuba" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with mitsuba -q -o x.exr
 refuse "a step that is not a number" 2 "--step" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --step fast -q -o x.exr

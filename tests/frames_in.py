@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Files of several time steps, several numbers a voxel, or several files a series, written by other programs.
 
-    frames_in.py ISOSHADE [CASE ...]      as phantom.py, whose phantom each frame and each channel varies
+    frames_in.py ISOSHADE [CASE ...]      as formats_in.py, with the phantom varied in each frame and each channel
 """
 import json
 import subprocess

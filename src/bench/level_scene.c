@@ -99,7 +99,7 @@ static iso_status show_design(const iso_auto_design *d, const iso_pyramid *p, co
     return status;
 }
 
-iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+static iso_status make_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
 {
     const iso_level *level0 = &s->pyramid->levels[0];
     const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
@@ -109,7 +109,7 @@ iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *show
     opt.threads = s->threads;
     iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
     if (status == ISO_OK)
-        status = iso_auto_choose(&choice, ISO_AUTO_MOST_BYTES, err);
+        status = iso_auto_choose(&choice, budget, err);
     const iso_auto_design *d = iso_auto_design_at(choice.chosen);
     opt.scalar_filter = d->scalar;
     opt.direction_filter = ISO_DIRECTION_NAIVE; /* shown are the subject's */
@@ -125,4 +125,14 @@ iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *show
     }
     iso_pyramid_destroy(&p);
     return status;
+}
+
+iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
+}
+
+iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
 }

@@ -13,10 +13,6 @@
 static iso_status check(const iso_build_auto *b, iso_error *err)
 {
     iso_volume_source *source = NULL;
-    if (iso_pyramid_is_one(b->volume))
-        return iso_fail(err, ISO_E_USAGE,
-                        "--auto chooses how to build the levels of a volume; %s is a pyramid, whose levels are made",
-                        b->volume);
     if (b->budget_bytes < ISO_AUTO_LEAST_BYTES)
         return iso_fail(err, ISO_E_USAGE, "--budget is %d, directions alone take %d bytes a voxel", b->budget_bytes,
                         ISO_AUTO_LEAST_BYTES);

@@ -13,9 +13,6 @@
 static iso_status check(const iso_build_for *b, iso_error *err)
 {
     iso_volume_source *source = NULL;
-    if (iso_pyramid_is_one(b->volume))
-        return iso_fail(err, ISO_E_USAGE, "--for makes the levels of a volume; %s is a pyramid, whose levels are made",
-                        b->volume);
     iso_status status = iso_volume_input_open(b->volume, b->input, &source, err);
     if (status != ISO_OK)
         return status;

@@ -288,12 +288,30 @@ static iso_status build(const build_job *job, iso_error *err)
     return status;
 }
 
+/* Designs are for values that may be interpolated. */
+static iso_status check_auto(const build_job *job, iso_error *err)
+{
+    const char *path = job->cli->arguments[0];
+    size_t labels = 0;
+    const iso_status status = iso_volume_input_labels(path, job->input, &labels, err);
+    if (status == ISO_OK && labels > 0)
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s is a label map of %zu labels, which --auto would interpolate; --no-labels does", path,
+                        labels);
+    return status;
+}
 
 static iso_status build_any(const build_job *job, iso_error *err)
 {
     const build_options *in = job->options;
-    if (in->is_auto)
-        return build_auto(job->cli, job->input, in, job->ranks, err);
+    const char *path = job->cli->arguments[0];
+    if (iso_pyramid_is_one(path))
+        return iso_fail(err, ISO_E_USAGE, "build makes the levels of a volume; %s is a pyramid, whose levels are made",
+                        path);
+    if (in->is_auto) {
+        const iso_status status = check_auto(job, err);
+        return status == ISO_OK ? build_auto(job->cli, job->input, in, job->ranks, err) : status;
+    }
     if (in->tf)
         return iso_fail(err, ISO_E_USAGE, "--tf is what --auto chooses for");
     return in->scene ? build_for(job, err) : build(job, err);

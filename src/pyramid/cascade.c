@@ -427,22 +427,9 @@ size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
     return near < own ? near : own;
 }
 
-/* Through the Gaussian filters: the first plane of level 0 that planes not yet complete depend on. */
-static size_t gauss_from(const iso_cascade *c, size_t z)
-{
-    const size_t radius = c->gauss[0].taps.count / 2;
-    size_t need = iso_cascade_complete(c, c->level_count - 1, z);
-    for (size_t k = c->level_count - 1; k-- > 0;) {
-        size_t from = 2 * need > radius - 1 ? 2 * need - (radius - 1) : 0;
-        size_t missing = iso_cascade_complete(c, k, z);
-        need = from < missing ? from : missing;
-    }
-    return need;
-}
-
 size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
 {
-    size_t from = z > 0 && c->gauss_count > 0 ? gauss_from(c, z) : z;
+    size_t from = z > 0 && c->gauss_count > 0 ? iso_cascade_gauss_from(c, z) : z;
     for (size_t k = 1; z > 0 && c->spline && k < c->level_count; ++k) {
         const size_t own = iso_cascade_spline_from(c, k, iso_cascade_complete(c, k, z));
         from = own < from ? own : from;

@@ -234,3 +234,15 @@ iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z
     }
     return ISO_OK;
 }
+
+size_t iso_cascade_gauss_from(const iso_cascade *c, size_t z)
+{
+    const size_t radius = c->gauss[0].taps.count / 2;
+    size_t need = iso_cascade_complete(c, c->level_count - 1, z);
+    for (size_t k = c->level_count - 1; k-- > 0;) {
+        size_t from = 2 * need > radius - 1 ? 2 * need - (radius - 1) : 0;
+        size_t missing = iso_cascade_complete(c, k, z);
+        need = from < missing ? from : missing;
+    }
+    return need;
+}

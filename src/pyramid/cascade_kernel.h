@@ -82,6 +82,8 @@ iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);
 void iso_cascade_gauss_destroy(iso_cascade *c);
 iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                   const iso_cascade_out *out, iso_error *err);
+/* The first plane of level 0 that planes not yet complete after z planes depend on, through the Gaussian filters. */
+size_t iso_cascade_gauss_from(const iso_cascade *c, size_t z);
 
 /* cascade_spline.c; all but create, floats, cells_floats and destroy only where c->spline is set. */
 iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err);

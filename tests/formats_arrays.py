@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: MIT
+"""Formats of simulations and of arrays: cube, XSF, HDF5, netCDF, MINC, OME-Zarr, OpenVDB. Cases of formats_in.py."""
+import json
+import os
+import random
+import shutil
+import subprocess
+
+import numpy as np
+
+from phantom import (FILES, FIRST, SIZE, SPACING, STEPS, case, cut, expect, load, phantom, refused, run, same,
+                     vtk_image, vtk_write)
+
+
+# ---- Gaussian cube and XSF by ASE (formats/make.py) ----
+
+def small():
+    x, y, z = np.meshgrid(np.arange(4), np.arange(5), np.arange(3), indexing="ij")
+    return (0.25 * x - 0.5 * y * y + 0.125 * z * x + 3 * z).T.astype(np.float32)
+
+
+CELL = np.array([[2.0, 0.5, 0.25], [0, 2.5, -0.75], [0, 0, 1.5]]) * 1e-7  # columns, mm
+
+
+@case
+def cube():
+    # six decimals of bohr
+    same(f"{FILES}/phantom.cube", small(), CELL / [4, 5, 3], np.array([0.1, -0.2, 0.3]) * 1e-7, False, unit="bohr",
+         tolerance=1e-12)
+    cut(f"{FILES}/phantom.cube", "cut.cube")
+    refused("cut.cube", 4, "truncated")
+    cut(f"{FILES}/phantom.cube", "cut.cube", 0.2)
+    refused("cut.cube", 4, "truncated before the values")
+    with open(f"{FILES}/phantom.cube", encoding="ascii") as file:
+        lines = file.readlines()
+    with open("angstrom.cube", "w", encoding="ascii") as file:
+        file.writelines([*lines[:3], *(line.replace("    ", "   -", 1) for line in lines[3:6]), *lines[6:]])
+    bohr = 0.529177210903
+    same("angstrom.cube", small(), CELL / [4, 5, 3] / bohr, np.array([0.1, -0.2, 0.3]) * 1e-7 / bohr, False,
+         unit="angstrom", tolerance=1e-12)
+    with open("orbitals.cube", "w", encoding="ascii") as file:
+        file.writelines([*lines[:2], lines[2].replace("2", "-2", 1), *lines[3:8], "    2    5    6\n", *lines[8:]])
+    refused("orbitals.cube", 4, "2 values a voxel (orbitals)")
+
+
+@case
+def xsf():
+    # ASE's vectors are those of n + 1 samples, which the format gives to n: from the first to the last
+    steps = CELL * ((np.array([4, 5, 3]) + 1) / [4, 5, 3] / [3, 4, 2])
+    same(f"{FILES}/phantom.xsf", small(), steps, np.zeros(3), False, unit="angstrom", tolerance=1e-12)
+    cut(f"{FILES}/phantom.xsf", "cut.xsf")
+    refused("cut.xsf", 4, "truncated")
+    with open(f"{FILES}/phantom.xsf", "rb") as file:
+        data = file.read()
+    with open("two.xsf", "wb") as file:
+        file.write(data + data)
+    refused("two.xsf", 4, "has several grids")
+
+
+# ---- HDF5 by h5py, netCDF by netCDF4, MINC by its own tools, OME-Zarr by zarr ----
+
+def h5_scale(file, dataset, axis, name, values, unit):
+    file[name] = values
+    file[name].attrs["units"] = unit
+    file[name].make_scale(name)
+    dataset.dims[axis].attach_scale(file[name])
+
+
+@case
+def hdf5():
+    import h5py
+    values = phantom()
+    for more in {}, {"chunks": (3, 5, 4), "compression": "gzip", "shuffle": True}, {"chunks": (2, 13, 11)}:
+        with h5py.File("phantom.h5", "w") as file:
+            data = file.create_dataset("a/volume", data=values, **more)
+            data.attrs["element_size_um"] = SPACING[::-1]
+        same("phantom.h5", values, np.diag(SPACING) / 1000, None, False, unit="um")
+        same("phantom.h5:a/volume", values, np.diag(SPACING) / 1000, None, False, unit="um")
+        cut("phantom.h5", "cut.h5", 0.7)
+        refused("cut.h5", 4, "cut.h5: ")
+    refused("phantom.h5:b", 2, 'has no dataset "b" of three axes, FILE:DATASET must name one of: a/volume (11 x 13 x 7)')
+    for dtype in np.uint8, np.uint16, np.float32, ">i2", np.float16, bool:
+        stored = phantom(np.uint8) > 100 if dtype == bool else phantom(np.int16).astype(dtype)
+        with h5py.File("types.h5", "w") as file:
+            data = file.create_dataset("v", data=stored)
+            for axis, name in enumerate("zyx"):
+                at = FIRST["xyz".index(name)] + np.arange(stored.shape[axis]) * SPACING["xyz".index(name)]
+                h5_scale(file, data, axis, name, at, "nm")
+        wanted = stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, stored.dtype.newbyteorder("=")))
+        same("types.h5:v", wanted, np.diag(SPACING) * 1e-6, FIRST * 1e-6, False, unit="nm", tolerance=1e-12)
+    with h5py.File("two.h5", "w") as file:
+        file["plain"], file["other"], file["wide"] = values, values + 1, values.astype(np.int64)
+        file.create_dataset("lzf", data=values, compression="lzf")
+        file["list"], file["frames"] = np.arange(9), np.stack([values, values])
+    refused("two.h5", 2, "holds 5 datasets of three axes or more, FILE:DATASET must name one of: frames (11 x 13 x 7 x 2), ")
+    refused("two.h5:plain", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
+    same("two.h5:/other", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    refused("two.h5:wide", 4, "integers of 64 bits")
+    refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: which are a volume's three is not said")
+    refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
+    values.tofile("plain.raw")
+    with open("plain.h5", "wb") as file:
+        file.write(b"\x89HDF\r\n\x1a\n" + values.tobytes())
+    refused("plain.h5", 4, "plain.h5: HDF5: ")
+
+
+@case
+def netcdf():
+    import netCDF4
+    for kind in "NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA", "NETCDF4":
+        values = phantom(np.float32)
+        with netCDF4.Dataset("phantom.nc", "w", format=kind) as file:
+            for axis, name in enumerate("zyx"):
+                i = "xyz".index(name)
+                file.createDimension(name, SIZE[i])
+                at = file.createVariable(name, "f4", (name,))
+                at[:] = FIRST[i] + np.arange(SIZE[i]) * SPACING[i] * (-1 if name == "y" else 1)
+                at.units = "m" if name == "z" else "micron"
+            v = file.createVariable("density", "f4", ("z", "y", "x"), **({"zlib": True} if kind == "NETCDF4" else {}))
+            v[:] = values
+        unit = np.array([1e-3, 1e-3, 1e3])
+        # coordinates are floats
+        same("phantom.nc", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, unit="um", tolerance=1e-3)
+        same("phantom.nc:density", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, tolerance=1e-3)
+        refused("phantom.nc:x", 2, 'has no dataset "x" of three axes, FILE:DATASET must name one of: density (11 x 13 x 7)')
+        cut("phantom.nc", "cut.nc", 0.7)
+        refused("cut.nc", 4, "cut.nc: ")
+    # Axes in another order, packed values, and levels that are not equally far apart.
+    stored = phantom(np.int16)
+    with netCDF4.Dataset("packed.nc", "w", format="NETCDF3_CLASSIC") as file:
+        for name, n, step in ("time", 1, 1), ("lon", 7, 2.5), ("lat", 13, 0.5), ("lev", 11, 0.75):
+            file.createDimension(name, n)
+            at = file.createVariable(name, "f8", (name,))
+            at[:], at.units = np.arange(n) * step, "cm"
+        v = file.createVariable("t", "i2", ("time", "lon", "lat", "lev"))
+        v.set_auto_maskandscale(False)
+        v[0], v.scale_factor, v.add_offset = stored, 0.5, 3.0
+    turned = np.zeros((3, 3))
+    turned[2, 0], turned[1, 1], turned[0, 2] = SPACING * 10
+    same("packed.nc", (stored * 0.5 + 3).astype(np.float32), turned, np.zeros(3), False, unit="cm")
+    same("packed.nc", stored, turned, np.zeros(3), False, ["--stored"])
+    with netCDF4.Dataset("packed.nc", "r+") as file:
+        file["lev"][:] = file["lev"][:] ** 2
+    refused("packed.nc", 4, "does not say the spacing evenly: the steps of lev are")
+    with netCDF4.Dataset("packed.nc", "r+") as file:
+        file["lat"].units = "degrees_north"
+    refused("packed.nc", 4, 'its unit is "degrees_north"', ["--spacing", "1"])
+
+
+@case
+def minc():
+    values = phantom()
+    steps = [word for axis, r in zip("xyz", range(3)) for word in
+             (f"-{axis}step", str(SPACING[r]), f"-{axis}start", str(np.linalg.solve(STEPS / SPACING, FIRST)[r]),
+              f"-{axis}dircos", *(str(c) for c in STEPS[:, r] / SPACING[r]))]
+    values.tofile("minc.raw")
+    for version in [], ["-2"]:
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-range", "-32768", "32767",
+                        "-real_range", "-32768", "32767", *steps, "-input", "minc.raw", "phantom.mnc", "7", "13", "11"],
+                       check=True, stdout=subprocess.DEVNULL)
+        same("phantom.mnc", values, unit="mm", tolerance=1e-4)
+        cut("phantom.mnc", "cut.mnc")
+        refused("cut.mnc", 4, "cut.mnc: ")
+        # A scale of each slice.
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-scan_range",
+                        *steps, "-input", "minc.raw", "scaled.mnc", "7", "13", "11"], check=True, stdout=subprocess.DEVNULL)
+        got = load("scaled.mnc")[0]
+        expect(np.abs(got - values).max() < 0.1 and got.dtype == np.float32, f"values off by {np.abs(got - values).max()}")
+
+
+def zarr_group(path):
+    import zarr
+    return zarr.open_group(path, mode="w", **({"zarr_format": 2} if zarr.__version__[0] > "2" else {}))
+
+
+def zarr_array(group, name, data, chunks=None, codec=None, separator=".", dtype=None, order="C"):
+    import zarr
+    how = {"shape": data.shape, "chunks": chunks or data.shape, "dtype": np.dtype(dtype or data.dtype), "order": order,
+           "fill_value": 0}
+    if zarr.__version__[0] > "2":
+        array = group.create_array(name, compressors=codec, chunk_key_encoding={"name": "v2", "separator": separator}, **how)
+    else:
+        array = group.create_dataset(name, compressor=codec, dimension_separator=separator, **how)
+    array[...] = data
+
+
+@case
+def ome_zarr():
+    import numcodecs
+    values = phantom(np.uint16)
+    scale = [{"type": "scale", "scale": [1, *SPACING[::-1]]}, {"type": "translation", "translation": [0, *FIRST[::-1]]}]
+    axes = [{"name": "c", "type": "channel"}] + [{"name": n, "type": "space", "unit": "micrometer"} for n in "zyx"]
+    codecs = [None, numcodecs.Zlib(), numcodecs.GZip(), numcodecs.Zstd()] + [
+        numcodecs.Blosc(name, shuffle=shuffle) for name, shuffle in (("lz4", 1), ("zstd", 2), ("blosclz", 0), ("zlib", 1))]
+    for number, codec in enumerate(codecs):
+        shutil.rmtree("phantom.zarr", ignore_errors=True)
+        group = zarr_group("phantom.zarr")
+        for level in 0, 1:
+            data = values[None, ::2 ** level, ::2 ** level, ::2 ** level]
+            zarr_array(group, str(level), data, (1, 3, 8, 5), codec, "/" if number % 2 else ".",
+                       ">u2" if number == 1 else None, "F" if number == 2 else "C")
+        group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": [
+            {"path": str(k), "coordinateTransformations": scale} for k in (0, 1)]}]
+        same("phantom.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
+    refused("phantom.zarr:2", 2, 'has no dataset "2" of three axes, FILE:DATASET must name one of: 0 (11 x 13 x 7 x 1), 1 (6 x 7 x 4 x 1)')
+    expect(load("phantom.zarr:1")[0].shape == (4, 7, 6), "the other level is of another size")
+    same("phantom.zarr/0", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    refused("phantom.zarr/0", 4, "does not say the spacing of its voxels")
+    cut("phantom.zarr/0/0/1/0/1", "chunk", 0.6)
+    shutil.copy("chunk", "phantom.zarr/0/0/1/0/1")
+    info = run("build", "phantom.zarr", "-q", "-o", "cut.iso")
+    expect(info.returncode == 4 and "truncated or damaged" in info.stderr, info.stderr)
+    os.remove("phantom.zarr/0/0/1/0/1")  # never written: the fill value
+    expect((load("phantom.zarr")[0] == 0).sum() > 50, "no fill value")
+    with open("phantom.zarr/0/.zarray", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 2, "shape"')
+    refused("phantom.zarr", 4, "phantom.zarr/0/.zarray: line 1: ")
+    group = zarr_group("times.zarr")
+    zarr_array(group, "0", np.stack([values, values + 1]))
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes[1:]],
+                                   "datasets": [{"path": "0", "coordinateTransformations": scale}]}]
+    refused("times.zarr", 2, "has 2 frames; --frame K chooses one, from 0 to 1")
+    same("times.zarr", values + 1, np.diag(SPACING) / 1000, FIRST / 1000, False, ["--frame", "1"])
+    group = zarr_group("colors.zarr")
+    zarr_array(group, "0", np.stack([np.stack([values + 2 * t + c for c in (0, 1)]) for t in (0, 1, 2)]))
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes],
+                                   "datasets": [{"path": "0", "coordinateTransformations": [
+                                       {"type": "scale", "scale": [1, 1, *SPACING[::-1]]}]}]}]
+    group.attrs["omero"] = {"channels": [{"label": "DAPI"}, {"label": "GFP"}]}
+    refused("colors.zarr", 2, "has 2 channels a voxel; --channel chooses one of them: 0 DAPI, 1 GFP", ["--frame", "2"])
+    same("colors.zarr", values + 5, np.diag(SPACING) / 1000, np.zeros(3), False, ["--frame", "2", "--channel", "gfp"])
+    os.makedirs("new.zarr", exist_ok=True)
+    with open("new.zarr/zarr.json", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 3}')
+    refused("new.zarr", 4, "is of Zarr 3 (OME-Zarr 0.5), which is not read")
+    for dtype in np.float16, np.float32, np.int8, bool:
+        stored = (phantom(np.int16) % 100).astype(dtype)
+        zarr_array(zarr_group("types.zarr"), "0", stored)
+        same("types.zarr", stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, dtype)),
+             np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+
+
+# ---- OpenVDB by its own module, and by isoshade ----
+
+def vdb_grid(values, kind, name, steps=STEPS, first=FIRST, background=0, half=False):
+    grid = kind(background)
+    grid.copyFromArray(np.ascontiguousarray(values.T), ijk=(3, -2, 100))
+    m = np.eye(4)
+    m[:3, :3], m[3, :3] = steps.T, first - steps @ [3, -2, 100]
+    grid.transform = openvdb_module().createLinearTransform(m.tolist())
+    grid.name, grid.saveFloatAsHalf = name, half
+    return grid
+
+
+def openvdb_module():
+    try:
+        import pyopenvdb
+        return pyopenvdb
+    except ImportError:  # its name since OpenVDB 11
+        import openvdb
+        return openvdb
+
+
+@case
+def openvdb():
+    vdb, values, sheared = openvdb_module(), phantom(np.float32), STEPS.copy()
+    sheared[:, 2] += 0.3 * STEPS[:, 0]
+    vdb.write("phantom.vdb", vdb_grid(values, vdb.FloatGrid, "density"))
+    same("phantom.vdb", values, ras=False)
+    same("phantom.vdb:density", values, STEPS * 1e-6, FIRST * 1e-6, False, ["--unit", "nm"], "nm")
+    cut("phantom.vdb", "cut.vdb")
+    refused("cut.vdb", 4, "cut.vdb: ")
+    vdb.write("phantom.vdb", vdb_grid(values, vdb.FloatGrid, "density", sheared, half=True))
+    same("phantom.vdb", values.astype(np.float16).astype(np.float32), sheared, ras=False)
+    holes = values.copy()
+    holes[2:5, 3:6, 4:9] = -7
+    speed = vdb.Vec3SGrid()
+    speed.name = "speed"
+    vdb.write("several.vdb", [vdb_grid(holes, vdb.FloatGrid, "a", background=-7),
+                              vdb_grid(values > 0, vdb.BoolGrid, "mask"), speed])
+    refused("several.vdb", 2, "holds 2 scalar grids, FILE:GRID must name one of: a (float), mask (bool), speed (vec3s)")
+    refused("several.vdb:b", 2, 'has no grid "b"')
+    refused("several.vdb:speed", 4, "values of type vec3s")
+    same("several.vdb:a", holes, ras=False)
+    vdb.write("empty.vdb", [vdb.FloatGrid()])
+    refused("empty.vdb", 4, "has no active voxels")
+
+
+@case
+def openvdb_of_isoshade():
+    """build, export, read back: the same samples at the same place, in the unit that the file names."""
+    import vtk
+    for scale, unit in (1, "mm"), (1e-7, "angstrom"):
+        values = phantom(np.float32)
+        vtk_write(vtk.vtkXMLImageDataWriter(), vtk_image(values, STEPS, FIRST), "phantom.vti")
+        shutil.rmtree("vdb.iso", ignore_errors=True)
+        for words in (["build", "phantom.vti", "--levels", "2", "--unit", unit, "-q", "-o", "vdb.iso"],
+                      ["export", "vdb.iso", "--to", "vdb", "--level", "0", "-q", "-o", "own.vdb"]):
+            got = run(*words)
+            expect(got.returncode == 0, got.stderr)
+        same("own.vdb", values, STEPS * scale, FIRST * scale, False, unit=unit, tolerance=1e-10 * scale)
+        with open("vdb.iso/pyramid.json", encoding="utf-8") as file:
+            expect(json.load(file)["unit"]["name"] == unit, "pyramid.json names another unit")
+        expect(f"unit       of its file: {unit}" in run("info", "vdb.iso").stdout, "info names another unit")
+
+
+@case
+def damaged_bytes():
+    """Files with a few wrong bytes are read, or refused in one line; the child may end, isoshade does not."""
+    random.seed(20261122)
+    files = ["phantom.h5", "phantom.nc", "packed.nc", "scaled.mnc", "phantom.gipl", "several.vdb", "colors.zarr/0/.zarray",
+             "colors.zarr/0/0.0.0.0.0", "colors.zarr/.zattrs"]
+    lacking = [name for name in files if not os.path.exists(name)]
+    expect(not lacking, f"{lacking} are of other cases, which come before")
+    for name in files:
+        with open(name, "rb") as file:
+            whole = file.read()
+        for number in range(6):
+            data = bytearray(whole)
+            for _ in range(random.choice((1, 2, 8))):
+                data[random.randrange(min(len(data), 4096) if number % 2 else len(data))] = random.choice((0, 127, 255))
+            with open(name, "wb") as file:
+                file.write(data)
+            got = run("info", name if "zarr" not in name else "colors.zarr", "--spacing", "1", "--channel", "0", "--frame", "0")
+            lines = got.stderr.strip().splitlines()
+            expect(got.returncode in (0, 2, 4, 5, 6) and len(lines) == (got.returncode != 0),
+                   f"{name}, change {number}: exit code {got.returncode}: {got.stderr[:300]}")
+        with open(name, "wb") as file:
+            file.write(whole)

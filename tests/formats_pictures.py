@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""Stacks of pictures, VTK's files, TIFF, MRC. Cases of formats_in.py."""
+import os
+
+import numpy as np
+
+from phantom import FIRST, SIZE, SPACING, STEPS, case, cut, phantom, refused, same, vtk_image, vtk_write
+
+
+@case
+def png_stack():
+    import vtk
+    os.makedirs("png", exist_ok=True)
+    values = phantom(np.uint16)
+    for k, pixels in enumerate(values):  # VTK counts rows from the bottom
+        vtk_write(vtk.vtkPNGWriter(), vtk_image(pixels[None, ::-1].copy()), f"png/slice{9 + k}.png")
+    refused("png", 4, "does not say the spacing of its voxels, as pictures do not; --spacing SXxSYxSZ does")
+    same("png", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    cut("png/slice10.png", "short.png")
+    os.replace("short.png", "png/slice10.png")
+    refused("png", 4, "slice10.png", ["--spacing", "1"])
+    vtk_write(vtk.vtkPNGWriter(), vtk_image(values[:1, 1:].copy()), "png/slice10.png")
+    refused("png", 4, "slices of different sizes", ["--spacing", "1"])
+
+
+@case
+def tiff_and_jpeg_stacks():
+    import tifffile
+    import vtk
+    from vtk.util import numpy_support
+    values = phantom(np.uint8)
+    for folder in "tiffs", "jpegs":
+        os.makedirs(folder, exist_ok=True)
+    decoded = []
+    for k, pixels in enumerate(values):
+        tifffile.imwrite(f"tiffs/slice{9 + k}.tif", pixels, photometric="minisblack", resolution=(72, 72))
+        writer = vtk.vtkJPEGWriter()
+        writer.SetQuality(90)
+        vtk_write(writer, vtk_image(pixels[None, ::-1].copy()), f"jpegs/slice{9 + k}.jpg")
+        reader = vtk.vtkJPEGReader()  # lossy: what VTK reads back
+        reader.SetFileName(f"jpegs/slice{9 + k}.jpg")
+        reader.Update()
+        decoded.append(numpy_support.vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(pixels.shape)[::-1])
+    for folder, wanted, last in ("tiffs", values, "slice15.tif"), ("jpegs", np.stack(decoded), "slice15.jpg"):
+        refused(folder, 4, "does not say the spacing of its voxels, as pictures do not")
+        same(folder, wanted, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+        cut(f"{folder}/{last}", "short", 0.5)
+        os.replace("short", f"{folder}/{last}")
+        refused(folder, 4, last, ["--spacing", "1"])
+        with open(f"{folder}/{last}", "wb") as file:
+            file.write(b"nothing of the kind")
+        refused(folder, 4, last, ["--spacing", "1"])
+
+
+# ---- VTK's legacy files ----
+
+@case
+def vtk_legacy():
+    import vtk
+    for dtype in np.uint8, np.int16, np.float32, np.float64:
+        for text in False, True:
+            writer = vtk.vtkStructuredPointsWriter()
+            (writer.SetFileTypeToASCII if text else writer.SetFileTypeToBinary)()
+            values = phantom(dtype)
+            if text and values.dtype.kind == "f":  # of few digits
+                values = np.round(values)
+            vtk_write(writer, vtk_image(values, np.diag(SPACING), [1, 2, 3]), "legacy.vtk")
+            if text and dtype == np.uint8:
+                refused("legacy.vtk", 4, "its samples are bytes as text (COLOR_SCALARS), which is not read")
+                continue
+            wanted = values if values.dtype != np.float64 else values.astype(np.float32)
+            same("legacy.vtk", wanted, np.diag(SPACING), [1, 2, 3], False)
+            cut("legacy.vtk", "cut.vtk")
+            refused("cut.vtk", 4, "truncated")
+    same("legacy.vtk", wanted, np.diag(SPACING) * 1e-6, np.array([1, 2, 3]) * 1e-6, False, ["--unit", "nm"], "nm")
+    writer = vtk.vtkRectilinearGridWriter()
+    writer.SetInputData(vtk.vtkRectilinearGrid())
+    writer.SetFileName("grid.vtk")
+    writer.Write()
+    refused("grid.vtk", 4, "a dataset of VTK's kind RECTILINEAR_GRID, must be STRUCTURED_POINTS")
+
+
+@case
+def vti():
+    import vtk
+    for dtype in np.uint8, np.int16, np.float32:
+        values = phantom(dtype)
+        for mode, encode, pack, big in ((2, False, False, False), (2, True, False, False), (2, True, True, False),
+                                        (2, False, True, True), (1, False, True, False), (1, False, False, True),
+                                        (0, False, False, False), (2, False, False, True)):
+            writer = vtk.vtkXMLImageDataWriter()
+            writer.SetDataMode(mode)  # text, inline binary, appended
+            writer.SetEncodeAppendedData(encode)
+            if not pack:
+                writer.SetCompressorTypeToNone()
+            writer.SetBlockSize(512)
+            (writer.SetByteOrderToBigEndian if big else writer.SetByteOrderToLittleEndian)()
+            written = np.round(values).astype(dtype) if mode == 0 else values
+            vtk_write(writer, vtk_image(written, STEPS, FIRST), "phantom.vti")
+            same("phantom.vti", written, ras=False)
+            cut("phantom.vti", "cut.vti", 0.7)
+            refused("cut.vti", 4, "truncated")
+    image = vtk_image(phantom(), np.diag(SPACING), [1, 2, 3])
+    image.SetExtent(-2, 8, 3, 15, 1, 7)
+    vtk_write(vtk.vtkXMLImageDataWriter(), image, "phantom.vti")
+    same("phantom.vti", phantom(), np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+
+
+# ---- TIFF by tifffile ----
+
+@case
+def tiff():
+    import tifffile
+    for dtype in np.uint8, np.uint16, np.int16, np.float32:
+        values = phantom(dtype)
+        tifffile.imwrite("plain.tif", values, photometric="minisblack")
+        refused("plain.tif", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
+        same("plain.tif", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    for more in {"bigtiff": True}, {"compression": "zlib"}, {"tile": (16, 16)}, {"byteorder": ">"}, {"rowsperstrip": 4}:
+        tifffile.imwrite("more.tif", values, photometric="minisblack", **more)
+        same("more.tif", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+        cut("more.tif", "cut.tif", 0.8)
+        refused("cut.tif", 4, "cut.tif", ["--spacing", "1"])
+    tifffile.imwrite("colors.tif", np.zeros((9, 9, 3), np.uint8), photometric="rgb")
+    refused("colors.tif", 2, "has 3 channels a voxel")
+
+
+@case
+def tiff_imagej():
+    import tifffile
+    values = phantom(np.uint16)
+    about = {"spacing": 2500.0, "unit": "nm", "axes": "ZYX"}
+    tifffile.imwrite("imagej.tif", values, imagej=True, resolution=(1 / 750, 1 / 500), metadata=about)
+    # the resolution is a quotient of 32 bits
+    same("imagej.tif", values, np.diag(SPACING) / 1000, None, False, unit="nm", tolerance=1e-6)
+    tifffile.imwrite("imagej.tif", values, imagej=True, resolution=(1 / 0.75, 1 / 0.5),
+                     metadata={"spacing": 2.5, "unit": "\\u00B5m", "axes": "ZYX"})
+    same("imagej.tif", values, np.diag(SPACING) / 1000, None, False, unit="um", tolerance=1e-6)
+    tifffile.imwrite("flat.tif", values, imagej=True, resolution=(1, 1), metadata={"unit": "um", "axes": "ZYX"})
+    refused("flat.tif", 4, "does not say the spacing between its slices")
+    both = np.stack([values, values], 1)
+    tifffile.imwrite("channels.tif", both, imagej=True, metadata={"axes": "ZCYX"})
+    refused("channels.tif", 2, "has 2 channels a voxel")
+
+
+@case
+def tiff_ome():
+    import tifffile
+    values = phantom(np.uint16)
+    about = {"axes": "ZYX", "PhysicalSizeX": 0.75, "PhysicalSizeY": 0.5, "PhysicalSizeZ": 2500.0,
+             "PhysicalSizeZUnit": "nm"}
+    tifffile.imwrite("phantom.ome.tif", values, metadata=about)  # micrometers where no unit is named
+    same("phantom.ome.tif", values, np.diag(SPACING) / 1000, None, False)
+    tifffile.imwrite("unknown.ome.tif", values, metadata={**about, "PhysicalSizeZUnit": "parsec"})
+    refused("unknown.ome.tif", 4, 'its unit is "parsec"')
+    tifffile.imwrite("flat.ome.tif", values, metadata={"axes": "ZYX", "PhysicalSizeX": 1, "PhysicalSizeY": 1})
+    refused("flat.ome.tif", 4, "does not say the spacing between its slices")
+
+
+# ---- MRC by mrcfile ----
+
+@case
+def mrc():
+    import mrcfile
+    for dtype in np.int8, np.int16, np.uint16, np.float32:
+        values = phantom(dtype) if dtype != np.int8 else (phantom() % 100).astype(np.int8)
+        with mrcfile.new("phantom.mrc", overwrite=True) as file:
+            file.set_data(values)
+            file.set_volume()
+            file.voxel_size = tuple(SPACING)
+            file.header.origin = (1, 2, 3)
+        same("phantom.mrc", values, np.diag(SPACING) * 1e-7, np.array([1, 2, 3]) * 1e-7, False, unit="angstrom",
+             tolerance=1e-13)
+    with mrcfile.open("phantom.mrc", "r+") as file:
+        file.header.origin = (0, 0, 0)
+        file.header.nxstart, file.header.nystart, file.header.nzstart = 4, -5, 6
+        file.header.mapc, file.header.mapr, file.header.maps = 3, 1, 2
+        file.header.cella = tuple(SPACING * SIZE)
+        file.header.mx, file.header.my, file.header.mz = SIZE
+    turned = np.zeros((3, 3))
+    for file_axis, cell_axis in enumerate((2, 0, 1)):
+        turned[cell_axis, file_axis] = SPACING[cell_axis] * 1e-7
+    same("phantom.mrc", values, turned, turned @ [4, -5, 6], False, tolerance=1e-13)
+    with mrcfile.open("phantom.mrc", "r+") as file:
+        file.header.mapc, file.header.mapr, file.header.maps = 1, 2, 3
+        file.header.nxstart = file.header.nystart = file.header.nzstart = 0
+        file.header.cellb.gamma = 120
+    steps = np.diag(SPACING) * 1e-7
+    steps[:, 1] = SPACING[1] * 1e-7 * np.array([-0.5, np.sqrt(0.75), 0])
+    same("phantom.mrc", values, steps, np.zeros(3), False, tolerance=1e-13)
+    cut("phantom.mrc", "cut.mrc")
+    refused("cut.mrc", 4, "truncated: holds")
+    with open("short.mrc", "wb") as file, open("phantom.mrc", "rb") as whole:
+        file.write(whole.read(300))
+    refused("short.mrc", 4, "an MRC header has 1024")
