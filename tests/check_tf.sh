@@ -98,7 +98,7 @@ refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --t
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
-refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, triangle' "$ISOSHADE" tf blend "$tf" -o x
+refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x
 refuse level_too_high 5 'level 7' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json

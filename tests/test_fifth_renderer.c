@@ -146,7 +146,8 @@ static void what_it_does_not_have_is_refused_by_name(void **state)
 {
     (void)state;
     iso_renderers renderers = {0};
-    iso_pyramid p = {.level_count = 1};
+    iso_level level = {0};
+    iso_pyramid p = {.level_count = 1, .levels = &level};
     const iso_view view = {.width = 1, .height = 1};
     iso_render_options opt = iso_render_defaults(&iso_renderer_shifted);
     iso_image image;
