@@ -33,6 +33,8 @@ static iso_volume make_volume(const size_t size[3], iso_type type, char *path)
         }
     }
     assert_ok(iso_volume_save(&v, path, false, &err));
+    iso_volume_destroy(&v);
+    assert_ok(iso_volume_load(path, &v, &err)); /* with what the file's header adds, such as the unit */
     return v;
 }
 
