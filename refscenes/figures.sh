@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
-#   sh refscenes/figures.sh              those that take minutes: hero report levels roi adaptive-tf seams failures palettes
+#   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
 #   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
 set -eu
@@ -19,6 +19,11 @@ screenshot() { # page, picture, width, height
 }
 
 hero() { sh refscenes/hero.sh "$out/hero.jpg"; } # README.md
+sheet() { # doc/transfer-functions.md
+    "$isoshade" scenes $templates/ch2bet.nii.gz --tf auto --tf mri-brain --tf ct-vessels --tf angiography --size 160 \
+        -q -o "$work/sheet.png" >/dev/null
+    cp "$work/sheet.png" "$out"
+}
 report() { # doc/method/comparison.md
     "$isoshade" validate $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --quick --with gl --levels 2 --size 256 \
         -q -o build/figures/report # the page shows the command
@@ -70,10 +75,10 @@ chart() { # doc/results/chart.md
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
 
-[ $# -gt 0 ] || set -- hero report levels roi adaptive-tf seams failures palettes
+[ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"

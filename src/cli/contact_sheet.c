@@ -78,6 +78,8 @@ static iso_status write_sheet(FILE *gp, void *user, iso_error *err)
 {
     const mosaic *m = user;
     const iso_contact_sheet *s = m->sheet;
+    /* The longest names of presets and views fit below a picture. */
+    const double points = 5.5 * fmin(1, (double)s->side / 176);
     (void)err;
     fprintf(gp,
             "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n"
@@ -91,8 +93,8 @@ static iso_status write_sheet(FILE *gp, void *user, iso_error *err)
         snprintf(text, sizeof text, "%zu  %.120s", i + 1, s->panels[i].label);
         fputs("set label ", gp);
         iso_gnuplot_put_quoted(gp, text);
-        fprintf(gp, " at %zu,%zu left front noenhanced font ',5.5'\n", s->panels[i].left,
-                m->height - (s->panels[i].top + s->side + LABEL / 2 + 1));
+        fprintf(gp, " at %zu,%zu left front noenhanced font ',%.2f'\n", s->panels[i].left,
+                m->height - (s->panels[i].top + s->side + LABEL / 2 + 1), points);
     }
     fputs("plot ", gp);
     iso_gnuplot_put_quoted(gp, m->raw);
