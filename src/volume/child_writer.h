@@ -63,6 +63,19 @@ struct ChildProgram {
     std::string (*cause)(const std::exception &e);
 };
 
+/* A library's message may quote bytes of a damaged file: as one short line of plain text. */
+inline std::string plain(const std::string &message)
+{
+    const size_t most = 200;
+    std::string text;
+    for (const char c : message) {
+        const bool is_plain = c > ' ' && c < 127;
+        if (is_plain || (!text.empty() && text.back() != ' '))
+            text += is_plain ? c : ' ';
+    }
+    return text.size() <= most ? text : text.substr(0, most) + " ...";
+}
+
 /* Runs what may throw. */
 template <typename Work> iso_child_answer guarded(const ChildProgram &program, const std::string &path, Work work)
 {
@@ -75,7 +88,7 @@ template <typename Work> iso_child_answer guarded(const ChildProgram &program, c
     } catch (const std::bad_alloc &) {
         answer.status = ISO_E_MEMORY, text = path + ": out of memory";
     } catch (const std::exception &e) {
-        answer.status = ISO_E_FORMAT, text = path + ": " + program.cause(e);
+        answer.status = ISO_E_FORMAT, text = path + ": " + plain(program.cause(e));
     }
     for (char &c : text)
         c = c == '\n' ? ' ' : c;
