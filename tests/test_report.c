@@ -434,6 +434,13 @@ static void gates_decide_too(void **state)
     read_text(path, &xml);
     assert_non_null(strstr(xml, "pixels beyond chance 3, at most 0"));
     assert_null(strstr(xml, "error bar")); /* it was held */
+    free(xml);
+    row.gates[0].value = NAN;
+    row.gates[1].value = 0;
+    assert_ok(iso_report_add_agreement(r, &row, &err));
+    assert_ok(iso_report_write_junit(r, path, &err));
+    read_text(path, &xml);
+    assert_non_null(strstr(xml, "error bar is no number, at most 0.0004"));
     json_decref(facts);
     free(xml);
     free(path);
