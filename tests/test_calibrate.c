@@ -118,6 +118,29 @@ static void a_renderer_that_fails_in_any_check_is_refused_with_its_reason(void *
     }
 }
 
+static iso_status render_a_hole(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *why)
+{
+    const iso_status status = iso_renderer_reference.render(q, image, stats, why);
+    for (int c = 0; c < 4 && status == ISO_OK; ++c)
+        image->rgba[4 * (image->width * image->height / 2) + (size_t)c] = NAN;
+    return status;
+}
+
+/* One pixel that is no number, with good ones behind it. */
+static void what_is_no_number_passes_no_check(void **state)
+{
+    (void)state;
+    iso_renderer_info holed = iso_renderer_reference;
+    holed.render = render_a_hole;
+    for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i) {
+        iso_calibration c;
+        iso_error why = {""};
+        const iso_status status = iso_calibrate_check(&renderers, &holed, NULL, i, &c, &why);
+        if (status == ISO_OK && c.passed)
+            fail_msg("%s: passed with %g", c.check, c.value);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -127,6 +150,7 @@ int main(void)
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
         cmocka_unit_test(a_renderer_that_fails_in_any_check_is_refused_with_its_reason),
+        cmocka_unit_test(what_is_no_number_passes_no_check),
         cmocka_unit_test(both_projections_have_their_view_vector_checked),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);

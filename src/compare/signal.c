@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "compare/statistics.h"
+
 static int ascending(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -22,10 +24,8 @@ static double p99_of(double *values, size_t count)
 static void measure_pixel(const float *rgba, const double background[3], double *color, double *alpha)
 {
     *color = 0;
-    for (int c = 0; c < 3; ++c) {
-        const double d = fabs((double)rgba[c] - background[c]);
-        *color = d <= *color ? *color : d;
-    }
+    for (int c = 0; c < 3; ++c)
+        *color = iso_larger(*color, fabs((double)rgba[c] - background[c]));
     *alpha = fabs((double)rgba[3]);
 }
 

@@ -18,6 +18,7 @@
 #ifndef ISO_STATISTICS_H
 #define ISO_STATISTICS_H
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "image/image.h"
@@ -79,5 +80,11 @@ iso_status iso_samples_test(const iso_samples *s, const iso_noise_options *opt, 
 
 /* P(|T| >= t) of Student's distribution. */
 double iso_student_two_sided(double t, double degrees_of_freedom);
+
+/* The larger of two differences; what is no number stays so, whatever is compared with it later. */
+static inline double iso_larger(double worst, double difference)
+{
+    return worst >= difference || isnan(worst) ? worst : difference;
+}
 
 #endif

@@ -2,6 +2,7 @@
 /* verdict.c - what a row's figures say: its verdict, and how far it is from its limits. */
 #include <math.h>
 
+#include "compare/statistics.h"
 #include "report/report.h"
 
 /* The largest metric over its limit. Infinite where nothing can be measured. */
@@ -20,7 +21,7 @@ double iso_report_severity(const iso_report_agreement *row)
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; ++i)
         if (pairs[i][1] > 0) {
             asked = true;
-            worst = pairs[i][0] / pairs[i][1] <= worst ? worst : pairs[i][0] / pairs[i][1];
+            worst = iso_larger(worst, pairs[i][0] / pairs[i][1]);
         }
     if (!asked && row->gate_count == 0)
         return m->max_abs > 0 ? INFINITY : 0;

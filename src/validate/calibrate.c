@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compare/statistics.h"
 #include "render/sampler.h"
 
 enum { pixels = 32, tf_entries = 17 };
@@ -102,10 +103,8 @@ static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_in
 static double largest_difference(const stage *s)
 {
     double worst = 0;
-    for (size_t i = 0; i < pixels * pixels * 4; ++i) {
-        double d = fabs((double)s->got.rgba[i] - (double)s->expected.rgba[i]);
-        worst = d <= worst ? worst : d; /* NaN stays */
-    }
+    for (size_t i = 0; i < pixels * pixels * 4; ++i)
+        worst = iso_larger(worst, fabs((double)s->got.rgba[i] - (double)s->expected.rgba[i]));
     return worst;
 }
 
