@@ -141,6 +141,33 @@ static void what_is_no_number_passes_no_check(void **state)
     }
 }
 
+static int wrong_channel;
+
+static iso_status render_a_faint_channel(const iso_render_request *q, iso_image *image, iso_render_stats *stats,
+                                         iso_error *why)
+{
+    const iso_status status = iso_renderer_reference.render(q, image, stats, why);
+    for (size_t i = 0; status == ISO_OK && i < image->width * image->height; ++i)
+        image->rgba[4 * i + (size_t)wrong_channel] *= 0.98F;
+    return status;
+}
+
+/* A fiftieth less of red, green, blue or alpha alone. */
+static void each_channel_is_looked_at(void **state)
+{
+    (void)state;
+    iso_renderer_info faint = iso_renderer_reference;
+    faint.render = render_a_faint_channel;
+    const int slab = iso_calibration_number("slab");
+    for (wrong_channel = 0; wrong_channel < 4; ++wrong_channel) {
+        iso_calibration c;
+        iso_error why = {""};
+        assert_int_equal(iso_calibrate_check(&renderers, &faint, NULL, slab, &c, &why), ISO_OK);
+        if (c.passed)
+            fail_msg("channel %d: passed with %g", wrong_channel, c.value);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -151,6 +178,7 @@ int main(void)
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
         cmocka_unit_test(a_renderer_that_fails_in_any_check_is_refused_with_its_reason),
         cmocka_unit_test(what_is_no_number_passes_no_check),
+        cmocka_unit_test(each_channel_is_looked_at),
         cmocka_unit_test(both_projections_have_their_view_vector_checked),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
