@@ -206,7 +206,8 @@ enum { SIDE = 24 };
 /* Cells round seven points, of which each has a label, within a ball. */
 static int cell_of(int x, int y, int z)
 {
-    static const int points[7][3] = {{4, 5, 6}, {18, 4, 9}, {7, 19, 5}, {16, 17, 8}, {5, 7, 19}, {19, 8, 18}, {11, 18, 18}};
+    static const int points[7][3] = {{4, 5, 6},  {18, 4, 9},  {7, 19, 5},  {16, 17, 8},
+                                     {5, 7, 19}, {19, 8, 18}, {11, 18, 18}};
     int best = 0, least = 1 << 30;
     for (int i = 0; i < 7; ++i) {
         const int dx = x - points[i][0], dy = y - points[i][1], dz = z - points[i][2], d = dx * dx + dy * dy + dz * dz;
@@ -220,12 +221,29 @@ static int cell_of(int x, int y, int z)
 }
 
 typedef int (*value_of)(int x, int y, int z);
-static int labels(int x, int y, int z) { return cell_of(x, y, z); }
-static int mask(int x, int y, int z) { return cell_of(x, y, z) ? 255 : 0; }
-static int nested(int x, int y, int z) { (void)y, (void)z; return x / 8; }
-static int slope(int x, int y, int z) { (void)y, (void)z; return x; }
+static int labels(int x, int y, int z)
+{
+    return cell_of(x, y, z);
+}
+static int mask(int x, int y, int z)
+{
+    return cell_of(x, y, z) ? 255 : 0;
+}
+static int nested(int x, int y, int z)
+{
+    (void)y, (void)z;
+    return x / 8;
+}
+static int slope(int x, int y, int z)
+{
+    (void)y, (void)z;
+    return x;
+}
 /* Flat regions with a noise of one bit, as few bits of a scanner have them. */
-static int noisy(int x, int y, int z) { return 4 * cell_of(x, y, z) + ((x * 73 + y * 179 + z * 283) * 2654435761u >> 31 & 1); }
+static int noisy(int x, int y, int z)
+{
+    return 4 * cell_of(x, y, z) + ((x * 73 + y * 179 + z * 283) * 2654435761u >> 31 & 1);
+}
 
 static iso_label_facts look_at(value_of value, bool all)
 {

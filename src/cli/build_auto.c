@@ -4,28 +4,18 @@
 #include <stdio.h>
 
 #include "base/json.h"
+#include "cli/build_for.h"
 #include "plan/auto_choice.h"
-#include "plan/scene_levels.h"
 #include "pyramid/agreement.h"
 #include "tf/tf.h"
 
 /* Refused before anything is read. */
 static iso_status check(const iso_build_auto *b, iso_error *err)
 {
-    iso_volume_source *source = NULL;
     if (b->budget_bytes < ISO_AUTO_LEAST_BYTES)
         return iso_fail(err, ISO_E_USAGE, "--budget is %d, directions alone take %d bytes a voxel", b->budget_bytes,
                         ISO_AUTO_LEAST_BYTES);
-    iso_status status = iso_volume_input_open(b->volume, b->input, &source, err);
-    if (status != ISO_OK)
-        return status;
-    const iso_volume *v = iso_source_volume(source);
-    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type) / 1048576;
-    if (needed > b->memory_mb)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: --auto works in memory and needs %.0f MB, --memory is %g", b->volume,
-                          needed, b->memory_mb);
-    iso_source_close(source);
-    return status;
+    return iso_cli_check_memory("--auto", b->volume, b->input, b->memory_mb, err);
 }
 
 static iso_status choose(const iso_build_auto *b, const iso_volume *v, const iso_pyramid_options *opt,

@@ -16,7 +16,7 @@ typedef struct iso_build_auto {
     double memory_mb;
 } iso_build_auto;
 
-/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed; ISO_E_USAGE: a pyramid. */
+/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed. */
 iso_status iso_cli_build_auto(const iso_build_auto *b, const iso_pyramid_options *opt, iso_error *err);
 
 #endif

@@ -9,19 +9,18 @@
 #include "plan/scene_levels.h"
 #include "scene/scene.h"
 
-/* Refused before anything is read. */
-static iso_status check(const iso_build_for *b, iso_error *err)
+iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input, double memory_mb,
+                                iso_error *err)
 {
     iso_volume_source *source = NULL;
-    iso_status status = iso_volume_input_open(b->volume, b->input, &source, err);
+    iso_status status = iso_volume_input_open(volume, input, &source, err);
     if (status != ISO_OK)
         return status;
     const iso_volume *v = iso_source_volume(source);
     const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type) / 1048576;
-    if (needed > b->memory_mb)
-        status = iso_fail(err, ISO_E_MEMORY,
-                          "%s: levels for a scene are made in memory and need %.0f MB, --memory is %g", b->volume,
-                          needed, b->memory_mb);
+    if (needed > memory_mb)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: %s works in memory and needs %.0f MB, --memory is %g", volume, option,
+                          needed, memory_mb);
     iso_source_close(source);
     return status;
 }
@@ -90,7 +89,7 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     iso_pyramid p = {0};
     iso_scene_level levels[32];
     iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
-    iso_status status = check(b, err);
+    iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->memory_mb, err);
     if (status == ISO_OK)
         status = iso_scene_load(b->scene, &scene, err);
     if (status == ISO_OK)

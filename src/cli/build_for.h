@@ -14,8 +14,12 @@ typedef struct iso_build_for {
     double memory_mb;
 } iso_build_for;
 
-/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed; ISO_E_USAGE: a pyramid. */
+/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed. */
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err);
+
+/* Before anything is read: ISO_E_MEMORY where levels that are made in memory, for `option`, need more than memory_mb. */
+iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input, double memory_mb,
+                                iso_error *err);
 
 /* "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people; returns text. */
 struct iso_scene_level;

@@ -40,18 +40,31 @@ typedef struct sheet {
     json_t *left_out;
 } sheet;
 
+/* What an option gave, a list that ends with NULL; none of it is dropped in silence. */
+static iso_status take(const char *option, char *const *given, const char *kept[MOST_CHOICES], size_t *count,
+                       iso_error *err)
+{
+    size_t all = 0;
+    while (given && given[all])
+        ++all;
+    if (all > MOST_CHOICES)
+        return iso_fail(err, ISO_E_USAGE, "%s is given %zu times, at most %d fit on a sheet", option, all,
+                        MOST_CHOICES);
+    for (*count = 0; *count < all; ++*count)
+        kept[*count] = given[*count];
+    return ISO_OK;
+}
+
 static iso_status choose(sheet *s, iso_error *err)
 {
     static const char *const usual_views[] = {"front", "left", "top", "iso"};
     const scenes_arguments *a = s->arguments;
-    iso_status status = ISO_OK;
-    for (size_t i = 0; a->views && a->views[i] && s->view_count < MOST_CHOICES; ++i)
-        s->views[s->view_count++] = a->views[i];
+    iso_status status = take("--view", a->views, s->views, &s->view_count, err);
+    if (status == ISO_OK)
+        status = take("--tf", a->tfs, s->tfs, &s->tf_count, err);
     for (size_t i = 0; !a->views && i < sizeof usual_views / sizeof *usual_views; ++i)
         s->views[s->view_count++] = usual_views[i];
-    for (size_t i = 0; a->tfs && a->tfs[i] && s->tf_count < MOST_CHOICES; ++i)
-        s->tfs[s->tf_count++] = a->tfs[i];
-    for (size_t i = 0; !a->tfs && i < iso_tf_preset_names.count && s->tf_count < MOST_CHOICES; ++i)
+    for (size_t i = 0; !a->tfs && i < iso_tf_preset_names.count; ++i)
         s->tfs[s->tf_count++] = iso_names_name(&iso_tf_preset_names, i);
     for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i)
         status = iso_viewpoint_parse(s->views[i], &s->viewpoints[i], err);

@@ -204,7 +204,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene), *input = iso_volume_input_line(&a->input);
+    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene),
+         *input = iso_volume_input_line(&a->input);
     iso_validation v = {.pyramid = pyramid,
                         .scene = scene,
                         .view = &view,
@@ -225,8 +226,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
-                                   &view, err);
+        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid),
+                                   iso_pyramid_hi(pyramid), &view, err);
     if (status == ISO_OK)
         status = check_visible(a, cli, pyramid, &view, err);
     if (status == ISO_OK)

@@ -133,7 +133,8 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
     if (a->cli->quiet)
         return;
     if (t->tf.fit_range)
-        printf("%s: %zu points over the volume's range, opacities for %g mm\n", output_of(a), t->tf.point_count, unit_mm);
+        printf("%s: %zu points over the volume's range, opacities for %g mm\n", output_of(a), t->tf.point_count,
+               unit_mm);
     else
         printf("%s: %zu points from %g to %g, opacities for %g mm\n", output_of(a), t->tf.point_count, t->table.lo,
                t->table.hi, unit_mm);

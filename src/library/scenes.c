@@ -76,8 +76,9 @@ iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const is
     iso_status status = check_size("width", width, &changed.width, err);
     if (status == ISO_OK)
         status = check_size("height", height, &changed.height, err);
-    return status == ISO_OK ? iso_scene_resolve(&changed, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err)
-                            : status;
+    return status == ISO_OK
+               ? iso_scene_resolve(&changed, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err)
+               : status;
 }
 
 void iso_scene_free(iso_scene *scene)

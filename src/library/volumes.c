@@ -62,7 +62,8 @@ static iso_status volume_or_nothing(iso_status status, iso_volume **volume)
 iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err)
 {
     *volume = calloc(1, sizeof **volume);
-    return *volume ? volume_or_nothing(iso_volume_input_load(path, &(iso_volume_input){0}, *volume, err), volume) : no_memory(err);
+    return *volume ? volume_or_nothing(iso_volume_input_load(path, &(iso_volume_input){0}, *volume, err), volume)
+                   : no_memory(err);
 }
 
 static iso_status check_finite(const iso_volume *v, iso_error *err)

@@ -39,7 +39,8 @@ static iso_status load_scene_views(const char *path, size_t turns, const iso_pyr
             return status;
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
         if (status == ISO_OK)
-            status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count], err);
+            status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count],
+                                       err);
         *count += status == ISO_OK;
         iso_scene_destroy(&scene);
     }

@@ -20,7 +20,8 @@ static const struct {
 } scalar_filters[] =
     {
         [ISO_SCALAR_MEAN] = {"mean", "means of 2x2x2 voxels"},
-        [ISO_SCALAR_MAJORITY] = {"majority", "of labels: the one that most of 2x2x2 voxels have; the largest of several"},
+        [ISO_SCALAR_MAJORITY] = {"majority",
+                                 "of labels: the one that most of 2x2x2 voxels have; the largest of several"},
         [ISO_SCALAR_GAUSS] = {"gauss", "a Gaussian of --gauss-radius and --gauss-sigma"},
         [ISO_SCALAR_LEAST_SQUARES] = {"least-squares",
                                       "what trilinear lookup shows is nearest to level 0; from level 0"},

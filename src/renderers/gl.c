@@ -90,9 +90,9 @@ const iso_renderer_info iso_renderer_gl = {
     .name = "gl",
     .title = "OpenGL ray caster",
     .color = "#0072b2",
-    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME |
-              ISO_READS_SOURCE | ISO_READS_QUADRATURE | ISO_READS_SHADE_TABLE | ISO_READS_EXACT_LOOKUPS |
-              ISO_READS_SHADERS,
+    .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_BRICKS |
+              ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_READS_QUADRATURE | ISO_READS_SHADE_TABLE |
+              ISO_READS_EXACT_LOOKUPS | ISO_READS_SHADERS,
     .quadratures = 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
     .relative_cost = 1,

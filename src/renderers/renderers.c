@@ -83,8 +83,7 @@ typedef struct asked_trait {
     const char *what;
 } asked_trait;
 
-static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
-                                bool isosurface)
+static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface)
 {
     const asked_trait asked[] = {{isosurface, ISO_HAS_ISOSURFACES, "isosurfaces"},
                                  {view->clip_count > 0, ISO_HAS_CLIP_PLANES, "clip planes"},
@@ -98,8 +97,7 @@ static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p
     return (asked_trait){0};
 }
 
-const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
-                               bool isosurface)
+const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface)
 {
     return find_lacking(r, p, view, isosurface).what;
 }
@@ -117,12 +115,12 @@ static iso_status check(const iso_render_request *q, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
                         iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
     /* What lies between two labels is neither a third one nor a surface. */
-    if (q->pyramid->levels[0].labels &&
-        (q->options->isosurface || q->view->roi || q->view->tf_2d ||
-         q->options->quadrature == ISO_QUADRATURE_PREINTEGRATED))
-        return iso_fail(err, ISO_E_USAGE,
-                        "label maps are rendered by samples of a one-dimensional transfer function alone: no isosurface, "
-                        "pre-integration or region of interest (--no-labels interpolates)");
+    if (q->pyramid->levels[0].labels && (q->options->isosurface || q->view->roi || q->view->tf_2d ||
+                                         q->options->quadrature == ISO_QUADRATURE_PREINTEGRATED))
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "label maps are rendered by samples of a one-dimensional transfer function alone: no isosurface, "
+            "pre-integration or region of interest (--no-labels interpolates)");
     return ISO_OK;
 }
 

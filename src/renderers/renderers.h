@@ -227,8 +227,7 @@ static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_inf
 iso_render_options iso_render_defaults(const iso_renderer_info *r);
 
 /* What the view or an isosurface needs and the renderer does not have, such as "clip planes"; or NULL. */
-const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view,
-                               bool isosurface);
+const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface);
 
 /* Asks frames for steps as iso_renderer_info.ask_steps does. */
 void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count,

@@ -27,8 +27,8 @@ static void get_direction(iso_json_reader *r, const json_t *object, const char *
 
 static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
 {
-    static const char *const keys[] = {"projection", "fit",      "direction", "up",        "margin",
-                                       "fov_y_deg",  "position", "look_at",   "height_mm", "zoom",     NULL};
+    static const char *const keys[] = {"projection", "fit",     "direction", "up",   "margin", "fov_y_deg",
+                                       "position",   "look_at", "height_mm", "zoom", NULL};
     static const char *const projections[] = {"perspective", "orthographic", NULL};
     json_t *camera = iso_json_get_object(r, root, "camera", true);
     if (!camera)

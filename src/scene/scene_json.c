@@ -42,8 +42,9 @@ static json_t *clips_of(const iso_scene *s)
     json_t *list = json_array();
     for (size_t i = 0; i < s->clip_count; ++i) {
         const struct iso_scene_clip *c = &s->clips[i];
-        json_array_append_new(list, json_pack("{s:o, s:o}", "normal", vector(c->normal), isnan(c->at) ? "point_mm" : "at",
-                                              isnan(c->at) ? vector(c->point_mm) : json_real(c->at)));
+        json_array_append_new(list,
+                              json_pack("{s:o, s:o}", "normal", vector(c->normal), isnan(c->at) ? "point_mm" : "at",
+                                        isnan(c->at) ? vector(c->point_mm) : json_real(c->at)));
     }
     return list;
 }
@@ -51,11 +52,12 @@ static json_t *clips_of(const iso_scene *s)
 json_t *iso_scene_to_json(const iso_scene *s)
 {
     const iso_shading *h = &s->shading;
-    json_t *root = json_pack(
-        "{s:s, s:{s:I, s:I}, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:f, s:o}", "schema", "isoshade.scene/1", "image",
-        "width", (json_int_t)s->width, "height", (json_int_t)s->height, "camera", camera_of(s), "lights", lights_of(s),
-        "shading", "ambient", h->ambient, "diffuse", h->diffuse, "specular", h->specular, "power", h->power,
-        "background", iso_json_numbers(s->background, 3), "step_voxels", s->step_voxels, "tf", iso_tf_to_json(&s->tf));
+    json_t *root = json_pack("{s:s, s:{s:I, s:I}, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:f, s:o}", "schema",
+                             "isoshade.scene/1", "image", "width", (json_int_t)s->width, "height",
+                             (json_int_t)s->height, "camera", camera_of(s), "lights", lights_of(s), "shading",
+                             "ambient", h->ambient, "diffuse", h->diffuse, "specular", h->specular, "power", h->power,
+                             "background", iso_json_numbers(s->background, 3), "step_voxels", s->step_voxels, "tf",
+                             iso_tf_to_json(&s->tf));
     if (s->clip_count > 0)
         json_object_set_new(root, "clip_planes", clips_of(s));
     if (!s->agreement.assumed)

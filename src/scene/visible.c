@@ -18,15 +18,9 @@ typedef struct threshold {
 
 static bool counts(const threshold *t, double value)
 {
-    const iso_tf_table *tf = t->tf;
-    const double last = (double)(tf->count - 1);
-    double x = (value - tf->lo) / (tf->hi - tf->lo) * last;
-    x = x > 0 ? (x < last ? x : last) : 0;
-    size_t i = (size_t)x;
-    if (i + 1 >= tf->count)
-        i = tf->count - 2;
-    const double f = x - (double)i, a = (double)tf->entries[4 * i + 3], b = (double)tf->entries[4 * i + 7];
-    return (1 - f) * a + f * b >= t->extinction;
+    double rgbs[4];
+    iso_tf_lookup(t->tf, value, rgbs);
+    return rgbs[3] >= t->extinction;
 }
 
 static void box_sides_mm(const iso_geometry *g, double *longest, double *mean)

@@ -78,7 +78,8 @@ static void read_component(iso_json_reader *r, const json_t *component, iso_tf_c
 enum { MOST_COMPONENTS = 64, NAME_SIZE = 48 };
 
 /* Every component of every property; called "2", or "1.2" where there are several properties. */
-static size_t list_components(iso_json_reader *r, const json_t *properties, json_t **components, char (*names)[NAME_SIZE])
+static size_t list_components(iso_json_reader *r, const json_t *properties, json_t **components,
+                              char (*names)[NAME_SIZE])
 {
     size_t count = 0;
     for (size_t p = 0; p < json_array_size(properties); ++p) {

@@ -26,7 +26,8 @@ iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *
     scene.camera_direction = iso_view_spread((int)i, (int)v->consistency_views);
     scene.camera_up = iso_view_up(scene.camera_direction);
     scene.width = scene.height = v->consistency_size;
-    return iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid), view, err);
+    return iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid), view,
+                             err);
 }
 
 /* A level as a method shows it; adapted: under the level's own TF. */

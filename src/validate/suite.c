@@ -50,8 +50,8 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, iso_pyramid_lo(&pyramid), iso_pyramid_hi(&pyramid),
-                                   &view, err);
+        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, iso_pyramid_lo(&pyramid),
+                                   iso_pyramid_hi(&pyramid), &view, err);
     if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {

@@ -39,8 +39,8 @@ static void describe_step(double step, const char *unit, char *text, size_t size
         snprintf(text, size, " (%g%s%s apart)", step, *unit ? " " : "", unit);
 }
 
-iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes,
-                               size_t *frame, iso_error *err)
+iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes, size_t *frame,
+                             iso_error *err)
 {
     const size_t count = axes->frame.count;
     char step[64];
@@ -53,9 +53,10 @@ iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, co
                         hints->frame, count, step, count - 1);
     if (count == 1)
         return ISO_OK;
-    return iso_fail(err, ISO_E_USAGE,
-                    "%s: has %zu frames%s; --frame K chooses one, from 0 to %zu (build --frames all: a pyramid of each)",
-                    path, count, step, count - 1);
+    return iso_fail(
+        err, ISO_E_USAGE,
+        "%s: has %zu frames%s; --frame K chooses one, from 0 to %zu (build --frames all: a pyramid of each)", path,
+        count, step, count - 1);
 }
 
 /* "0 red, 1 green, 2 blue", or "0 to 2"; luminance where there is one. */
@@ -96,7 +97,8 @@ static iso_status choose_channel(const char *path, const iso_volume_hints *hints
     if (hints->channel)
         return iso_fail(err, ISO_E_USAGE, "%s: --channel is \"%s\", there are %zu channels: %s", path, hints->channel,
                         count, list);
-    return iso_fail(err, ISO_E_USAGE, "%s: has %zu channels a voxel; --channel chooses one of them: %s", path, count, list);
+    return iso_fail(err, ISO_E_USAGE, "%s: has %zu channels a voxel; --channel chooses one of them: %s", path, count,
+                    list);
 }
 
 /* Counts this axis among those of its place. */

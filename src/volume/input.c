@@ -134,8 +134,10 @@ static iso_status count_labels(const char *path, bool said, const iso_label_fact
 {
     *count = facts->is_map || said ? facts->count : 0; /* 0, too, where nothing was looked at */
     if (said && facts->has_too_many)
-        return iso_fail(err, ISO_E_RANGE, "%s: a label map, but with more than %d values, or some beyond -32768 to 65535 (--no-labels reads intensities)", path,
-                        ISO_LABELS_MAX_COUNT);
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "%s: a label map, but with more than %d values, or some beyond -32768 to 65535 (--no-labels reads intensities)",
+            path, ISO_LABELS_MAX_COUNT);
     return ISO_OK;
 }
 

@@ -13,7 +13,7 @@ typedef struct label_probe {
     size_t count;
     uint32_t changes[ROOM + 1][ROOM + 1]; /* from id to id, of neighbors along an axis */
     size_t once, twice;
-    bool is_known;   /* not to be labels */
+    bool is_known; /* not to be labels */
     bool has_too_many, reads_all;
     size_t size[3];
     uint16_t *plane[3]; /* ids of this plane and the two before it */

@@ -22,8 +22,8 @@ enum { ISO_LABELS_MAX_COUNT = 512, ISO_LABELS_MIN_VOXELS = 32, ISO_LABELS_MIN_CO
 #define ISO_LABELS_MAX_NEXT 0.75
 
 typedef struct iso_label_facts {
-    size_t count;       /* values that there are, at most ISO_LABELS_MAX_COUNT + 1 */
-    double twice, next; /* parts as above; 0 where nothing changes */
+    size_t count;              /* values that there are, at most ISO_LABELS_MAX_COUNT + 1 */
+    double twice, next;        /* parts as above; 0 where nothing changes */
     bool is_map, has_too_many; /* by this rule; more values than ISO_LABELS_MAX_COUNT, or too large ones */
 } iso_label_facts;
 

@@ -125,8 +125,7 @@ static iso_vec3 scaled(const double v[3], const double scale[3])
     return iso_v3(v[0] * scale[0], v[1] * scale[1], v[2] * scale[2]);
 }
 
-static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_volume_source *source,
-                                    iso_error *err)
+static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_volume_source *source, iso_error *err)
 {
     iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;

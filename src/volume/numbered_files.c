@@ -101,7 +101,8 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
     numbered_files files = {0};
     const iso_volume_hints none = {0};
     iso_extra_axes found = {0};
-    iso_status status = find_files(path, base, &files) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    iso_status status = find_files(path, base, &files) ? ISO_OK
+                                                       : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && files.count == 0)
         status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
     found.frame.count = files.count;

@@ -15,9 +15,11 @@
 size_t iso_source_bytes(const iso_volume_source *source)
 {
     const iso_source_choice *c = &source->choice;
-    const size_t one = iso_geometry_voxel_count(&source->header.geometry) * iso_type_bytes(iso_source_stored_type(source));
+    const size_t one = iso_geometry_voxel_count(&source->header.geometry) *
+                       iso_type_bytes(iso_source_stored_type(source));
     size_t cells, bytes;
-    return __builtin_mul_overflow(one, c->inside_count, &cells) || __builtin_mul_overflow(cells, c->volume_count, &bytes)
+    return __builtin_mul_overflow(one, c->inside_count, &cells) ||
+                   __builtin_mul_overflow(cells, c->volume_count, &bytes)
                ? SIZE_MAX / 2
                : bytes;
 }
@@ -323,4 +325,3 @@ const iso_volume *iso_source_volume(const iso_volume_source *source)
 {
     return &source->header;
 }
-

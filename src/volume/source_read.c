@@ -126,7 +126,8 @@ static bool read_plain(iso_volume_source *s, char *out, size_t bytes)
 /* The next planes of the file, which are no more than it has. */
 static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
-    const size_t sample = iso_type_bytes(iso_source_stored_type(s)), plane = iso_source_plane_bytes(s), bytes = plane * plane_count;
+    const size_t sample = iso_type_bytes(iso_source_stored_type(s)), plane = iso_source_plane_bytes(s),
+                 bytes = plane * plane_count;
     iso_status status = ISO_OK;
     if (s->preloaded)
         memcpy(out, s->preloaded + s->planes_read * plane, bytes);
@@ -180,10 +181,9 @@ void iso_source_apply_scale(iso_volume_source *s)
 static iso_status check_count(const iso_volume_source *s, size_t plane_count, iso_error *err)
 {
     const size_t planes = s->header.geometry.size[2];
-    return plane_count <= planes - s->planes_done
-               ? ISO_OK
-               : iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu", s->path,
-                          s->planes_done + plane_count, planes);
+    return plane_count <= planes - s->planes_done ? ISO_OK
+                                                  : iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu",
+                                                             s->path, s->planes_done + plane_count, planes);
 }
 
 /* Planes of the file, one by one, from which samples are picked or made. */

@@ -20,10 +20,11 @@ struct iso_volume_source {
     char *preloaded; /* all of them, of encodings that are read at once */
     bool swap_bytes;
     iso_type stored; /* the type in the file where header.type is another one: of scaled values, or luminance */
-    bool scaled; /* samples are made floats, slope * value + intercept */
+    bool scaled;     /* samples are made floats, slope * value + intercept */
     double slope, intercept;
     iso_source_choice choice;
-    size_t planes_done, planes_read; /* given to the caller; read from the file, which may have volumes behind each other */
+    size_t planes_done,
+        planes_read; /* given to the caller; read from the file, which may have volumes behind each other */
     /* Samples that are none of these: read_planes gives the next planes of the file, all its channels, in the machine's
      * byte order, and close_reader, which may be NULL, ends it. */
     void *reader;

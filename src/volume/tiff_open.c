@@ -11,7 +11,7 @@
 
 typedef struct tiff_reader {
     TIFF *tiff;
-    uint64_t *page;         /* offsets of the directories */
+    uint64_t *page; /* offsets of the directories */
     size_t page_count, next;
     size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
 } tiff_reader;
@@ -30,7 +30,7 @@ typedef struct tiff_notes {
     double frame_step;
     char frame_unit[16];
     char channel_name[ISO_NAMED_CHANNELS][ISO_CHANNEL_NAME_BYTES];
-    double spacing[3];               /* 0: not said */
+    double spacing[3]; /* 0: not said */
     char unit[3][32];
 } tiff_notes;
 
@@ -200,16 +200,18 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
 }
 
 /* Pages by their description's order; components of one page stand in its pixels. */
-static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_source *source, size_t *slices, iso_error *err)
+static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_source *source, size_t *slices,
+                         iso_error *err)
 {
     tiff_reader *r = source->reader;
     const size_t frames = n->frames > 1 ? n->frames : 1, all = n->channels > 1 ? n->channels : 1;
     const size_t inside = p->samples, channels = all % inside == 0 ? all / inside : all; /* OME counts both */
     *slices = n->slices > 0 ? n->slices : r->page_count / frames / channels;
-    if (*slices == 0 || *slices > r->page_count || (double)*slices * (double)frames * (double)channels != (double)r->page_count)
+    if (*slices == 0 || *slices > r->page_count ||
+        (double)*slices * (double)frames * (double)channels != (double)r->page_count)
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: truncated: has %zu pages, %s says %zu slices, %zu channels and %zu time steps", source->path,
-                        r->page_count, n->is_ome ? "OME" : "ImageJ", *slices, channels, frames);
+                        "%s: truncated: has %zu pages, %s says %zu slices, %zu channels and %zu time steps",
+                        source->path, r->page_count, n->is_ome ? "OME" : "ImageJ", *slices, channels, frames);
     if (inside > 1 && channels > 1)
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels of %zu components each, which is not read", source->path,
                         channels, inside);
@@ -332,8 +334,8 @@ static iso_status open_tiff(iso_volume_source *source, iso_error *err)
     tiff_notes notes = read_notes(r->tiff);
     iso_status status = find_pages(r, source->path, &page, err);
     if (status == ISO_OK && page.samples > 1 && page.planar != PLANARCONFIG_CONTIG)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components in planes of their own, which is not read", source->path,
-                          page.samples);
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components in planes of their own, which is not read",
+                          source->path, page.samples);
     if (status == ISO_OK && !our_type(&page, &source->header.type))
         status = iso_fail(err, ISO_E_FORMAT,
                           "%s: samples of %u bits, format %u, must be an integer of 8, 16 or 32 bits, "

@@ -14,18 +14,18 @@
 
 /* What a file says besides geometry and samples. */
 typedef struct iso_volume_notes {
-    bool world_is_ras;                   /* world = right, anterior, superior; else the file's own frame */
-    double scale_slope, scale_intercept; /* physical value = slope * sample + intercept; iso_source_apply_scale() */
+    bool world_is_ras;                       /* world = right, anterior, superior; else the file's own frame */
+    double scale_slope, scale_intercept;     /* physical value = slope * sample + intercept; iso_source_apply_scale() */
     double applied_slope, applied_intercept; /* the scale that samples have been given; slope 0: none */
-    char unit[16];                           /* of lengths, as the file or the caller names it; "" where none does: mm */
-    double unit_mm;                          /* which is so many mm */
-    size_t frame_count, frame;               /* time steps in the file, and the one that was read, from 0; 0: one volume */
-    double frame_step;                       /* from one to the next; 0: the file does not say */
-    char frame_unit[16];                     /* as the file calls it */
-    bool says_labels;                        /* the file itself says that it is a label map */
-    size_t label_count;                      /* of a label map (labels.h); 0: intensities */
-    size_t channel_count, channel;           /* numbers a voxel in the file, and the one that was read */
-    char channel_name[48];                   /* "": it has none */
+    char unit[16];                 /* of lengths, as the file or the caller names it; "" where none does: mm */
+    double unit_mm;                /* which is so many mm */
+    size_t frame_count, frame;     /* time steps in the file, and the one that was read, from 0; 0: one volume */
+    double frame_step;             /* from one to the next; 0: the file does not say */
+    char frame_unit[16];           /* as the file calls it */
+    bool says_labels;              /* the file itself says that it is a label map */
+    size_t label_count;            /* of a label map (labels.h); 0: intensities */
+    size_t channel_count, channel; /* numbers a voxel in the file, and the one that was read */
+    char channel_name[48];         /* "": it has none */
 } iso_volume_notes;
 
 typedef struct iso_volume {

@@ -118,11 +118,7 @@ public:
 
     std::vector<double> numbers(const std::string &array, const std::string &attribute) override
     {
-        const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
-        const Handle a(object >= 0 && H5Aexists(object, attribute.c_str()) > 0
-                           ? H5Aopen(object, attribute.c_str(), H5P_DEFAULT)
-                           : -1,
-                       H5Aclose);
+        const Handle a(open_attribute(array, attribute), H5Aclose);
         if (a < 0)
             return {};
         const Handle type(H5Aget_type(a), H5Tclose), space(H5Aget_space(a), H5Sclose);
@@ -135,11 +131,7 @@ public:
 
     std::string text(const std::string &array, const std::string &attribute) override
     {
-        const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
-        const Handle a(object >= 0 && H5Aexists(object, attribute.c_str()) > 0
-                           ? H5Aopen(object, attribute.c_str(), H5P_DEFAULT)
-                           : -1,
-                       H5Aclose);
+        const Handle a(open_attribute(array, attribute), H5Aclose);
         if (a < 0)
             return "";
         const Handle type(H5Aget_type(a), H5Tclose), space(H5Aget_space(a), H5Sclose);
@@ -203,6 +195,13 @@ public:
     }
 
 private:
+    /* For a Handle to close; -1 where there is none. The file stays open for it without its object. */
+    hid_t open_attribute(const std::string &array, const std::string &name) const
+    {
+        const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
+        return object >= 0 && H5Aexists(object, name.c_str()) > 0 ? H5Aopen(object, name.c_str(), H5P_DEFAULT) : -1;
+    }
+
     std::string path_;
     Handle file_;
     std::vector<std::string> names_;
