@@ -44,6 +44,14 @@ done
 "$ISOSHADE" render labels.nrrd --no-labels --scene "$scene" --with gl --size 24 --step 0.05 -q -o between.exr >out 2>err
 "$ISOSHADE" render labels.nrrd --scene "$scene" --with gl --size 24 --step 0.05 -q -o labels.exr >out 2>err
 notice interpolated_they_look_different "$ISOSHADE" compare labels.exr between.exr --max-rmse 4e-3
-refuse povray_does_not_draw_them 2 'label maps are rendered by reference and gl, not by povray' "$ISOSHADE" render labels.iso --scene "$scene" --with povray --size 8 -o x.exr
-refuse nor_is_a_scene_exported 2 'is a label map, which blender would interpolate' "$ISOSHADE" export labels.iso --to blender --scene "$scene" -o x.blend
+for with in povray cycles; do
+    "$ISOSHADE" render labels.iso --scene "$scene" --with $with --level 1 --size 24 --step 0.05 -q -o $with.exr >out 2>err || not_ok render "$(cat err)"
+    check "${with}_draws_them_too" "$ISOSHADE" compare reference.exr $with.exr --max-rmse 4e-3
+done
+expect they_go_to_blender 0 "$ISOSHADE" export labels.iso --to blender --scene "$scene" --levels 2 -o x.blend
+expect and_to_povray 0 "$ISOSHADE" export labels.iso --to povray --scene "$scene" -o pov
+check as_they_are grep -q 'pov_scalar.df3" interpolate 0' pov/pov.inc
+check but_directions_are_interpolated grep -q 'pov_dx.df3" interpolate 1' pov/pov.inc
+refuse no_finer_box_in_them 2 'is a label map, which --roi would interpolate' "$ISOSHADE" export labels.iso --to blender --scene "$scene" --level 1 --roi 4,4,4,12,12,12 -o y.blend
+refuse nor_a_surface 2 'is a label map, which --isosurface would interpolate' "$ISOSHADE" export labels.iso --to povray --scene "$scene" --isosurface 5 -o y
 exit $failed

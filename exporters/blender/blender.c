@@ -59,6 +59,23 @@ static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_ble
     return iso_vdb_save(&one, 0, 1, path, &options, progress, err);
 }
 
+/* Of label maps alone. */
+static iso_status describe_labels(json_t *about, const iso_pyramid *p, const iso_blender_levels *levels, double units,
+                                  const char *folder, iso_error *err)
+{
+    return p->levels[levels->first].labels ? iso_blender_describe_labels(about, p, levels, units, folder, err) : ISO_OK;
+}
+
+/* Takes `about`. */
+static iso_status run_described(iso_status status, json_t *about, const char *folder, const iso_blender_options *opt,
+                                const iso_progress *progress, iso_error *err)
+{
+    if (status == ISO_OK)
+        return iso_blender_run(about, folder, opt, progress, err);
+    json_decref(about);
+    return status;
+}
+
 /* ---- pictures ---- */
 
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
@@ -101,7 +118,8 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         json_object_set_new(about, "extinction_scale", json_boolean(view->extinction_scale));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "frames", iso_blender_describe_frames(voxel, folder, frames, count));
-        status = iso_blender_run(about, folder, &frames[0], progress, err);
+        status = describe_labels(about, p, &(iso_blender_levels){level, 1, view}, space.units, folder, err);
+        status = run_described(status, about, folder, &frames[0], progress, err);
     }
     if (status == ISO_OK)
         status = iso_blender_load_pictures(folder, view, count, pictures, err);
@@ -234,7 +252,9 @@ static iso_status write_files(const export_job *e, const char *folder, iso_outpu
     if (status == ISO_OK) {
         json_t *about = describe_export(e);
         json_object_set_new(about, "save", json_string(target));
-        status = iso_blender_run(about, folder, e->opt, progress, err);
+        status = describe_labels(about, e->p, &(iso_blender_levels){e->first, e->count, e->views}, e->space->units,
+                                 folder, err);
+        status = run_described(status, about, folder, e->opt, progress, err);
     }
     free(target);
     return status;

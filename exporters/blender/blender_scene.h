@@ -4,6 +4,7 @@
  *   blender.c        a level as a picture or as a file
  *   blender_plan.c   what a plan leaves of a volume
  *   describe.c       the description that the scripts read
+ *   labels.c         label maps as an image of class numbers
  *   run.c            a run of Blender with the scripts */
 #ifndef ISO_BLENDER_SCENE_H
 #define ISO_BLENDER_SCENE_H
@@ -57,6 +58,11 @@ json_t *iso_blender_describe_level(const iso_geometry *g, size_t k, size_t table
 /* The volume objects of a level: itself, and its region of interest. */
 void iso_blender_append_level(json_t *levels, const blender_level *level, const iso_view *view,
                               const iso_blender_space *space, const iso_blender_options *opt);
+
+/* Of a label map: the image of its class numbers in `folder`, where each of about's "levels" is in it, and tables by class
+ * instead of by value. */
+iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, const iso_blender_levels *levels,
+                                       double units, const char *folder, iso_error *err);
 
 /* ---- running Blender ---- */
 

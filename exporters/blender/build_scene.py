@@ -41,6 +41,8 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_last_row"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
         thing["isoshade_piece"] = float(level.get("piece", 0))
+        for key, value in level.get("labels", {}).items():
+            thing[f"isoshade_labels_{key}"] = [float(v) for v in value]
         for key, value in roi.items() if "roi" in level or several else ():
             thing[f"isoshade_roi_{key}"] = [float(v) for v in value]
         for hidden in ("hide_render", "hide_viewport") if several else ():

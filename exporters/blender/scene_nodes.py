@@ -122,14 +122,15 @@ def transfer_function_group(tf):
 
 
 def ramp_group(ramp):
-    """The first level's colour map by a ColorRamp of at most 32 stops: less exact, but easy to edit."""
+    """The first level's colour map by a ColorRamp of at most 32 stops: less exact, but easy to edit. Of classes a stop
+    each, constant from halfway to the class before: exact."""
     group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
     offset = group.math('SUBTRACT', group.given["Scalar"], ramp["lo"], label="from the range's start")
     u = group.math('MULTIPLY', offset, 1 / (ramp["hi"] - ramp["lo"]), label="fraction of the range", clamp=True)
     node = group.node('ShaderNodeValToRGB', "", {0: u})
     stops = node.color_ramp.elements
-    node.color_ramp.interpolation = 'LINEAR'
+    node.color_ramp.interpolation = 'CONSTANT' if ramp.get("constant") else 'LINEAR'
     while len(stops) < len(ramp["stops"]):
         stops.new(1.0)
     for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
@@ -236,6 +237,48 @@ def piece_group(about):
     return group.finish(Piece=texel["Color"])
 
 
+def label_image(path):
+    """Class numbers, red + 256 green, as bytes that nothing changes on their way to the shader; packed."""
+    image = bpy.data.images.load(path)
+    image.name = "isoshade labels"
+    image.colorspace_settings.name = 'Non-Color'
+    image.alpha_mode = 'CHANNEL_PACKED'
+    image.pack()
+    return image
+
+
+def label_group(about):
+    """The class of the voxel that a position lies in. Cycles interpolates what is in a grid; what is in an image it looks
+    up without, so that the slices of each level stand as tiles in one (exporters/blender/labels.c)."""
+    group = Group("isoshade labels", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Cells", (1, 1, 1)),
+                                      ('NodeSocketVector', "Size", (1, 1, 1)), ('NodeSocketVector', "Tiles", (1, 0, 0))],
+                  [('NodeSocketFloat', "Class")])
+    image = label_image(about["labels"]["image"])
+    width, height = image.size
+    to_box = about["world_to_box"]
+    part = group.vector('ADD', dots(group, [row[:3] for row in to_box], group.given["Position"], "position in the box"),
+                        [row[3] for row in to_box])
+    last = group.vector('SUBTRACT', group.given["Size"], (1, 1, 1), label="last voxel")
+    voxel = group.vector('FLOOR', group.vector('MULTIPLY', part, group.given["Cells"]))
+    voxel = group.vector('MINIMUM', group.vector('MAXIMUM', voxel, (0, 0, 0)), last, label="voxel")
+    x, y, z = group.node('ShaderNodeSeparateXYZ', "voxel", {0: voxel}).outputs
+    nx, ny, _ = group.node('ShaderNodeSeparateXYZ', "size", {0: group.given["Size"]}).outputs
+    across, first, _ = group.node('ShaderNodeSeparateXYZ', "tiles in a row, first row", {0: group.given["Tiles"]}).outputs
+    down = group.math('FLOOR', group.math('DIVIDE', group.math('ADD', z, 0.5), across), label="row of tiles")
+    over = group.math('SUBTRACT', z, group.math('MULTIPLY', down, across), label="tile in it")
+    column = group.math('MULTIPLY_ADD', over, nx, x, label="column of pixels")
+    row = group.math('ADD', group.math('MULTIPLY_ADD', down, ny, y), first, label="row of pixels, from above")
+    u = group.math('MULTIPLY_ADD', column, 1 / width, 0.5 / width)
+    v = group.math('MULTIPLY_ADD', row, -1 / height, 1 - 0.5 / height)
+    where = group.node('ShaderNodeCombineXYZ', "", {0: u, 1: v}).outputs[0]
+    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Closest', extension='EXTEND',
+                       projection='FLAT').outputs
+    low, high, _ = group.node('ShaderNodeSeparateXYZ', "red, green", {0: texel["Color"]}).outputs
+    low = group.math('ROUND', group.math('MULTIPLY', low, 255.0))
+    high = group.math('ROUND', group.math('MULTIPLY', high, 255.0))
+    return group.finish(Class=group.math('MULTIPLY_ADD', high, 256.0, low, label="class"))
+
+
 def shade_group(light_count, eps):
     """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
 
@@ -275,7 +318,6 @@ def isoshade_group(about, frame):
     for i in range(lights):
         inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
     group = Group("isoshade", inputs, [('NodeSocketShader', "Volume")])
-    scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density")
     direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
     table = group.node('ShaderNodeAttribute', "table of the level", {}, attribute_type='OBJECT',
                        attribute_name="isoshade_table")
@@ -283,6 +325,14 @@ def isoshade_group(about, frame):
     step = group.node('ShaderNodeAttribute', "ray step of the level", {}, attribute_type='OBJECT',
                       attribute_name="isoshade_step")
     position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
+    scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density").outputs["Fac"]
+    if "labels" in about:
+        tiles = {name: group.node('ShaderNodeAttribute', f"labels' {name}", {}, attribute_type='OBJECT',
+                                  attribute_name=f"isoshade_labels_{name}").outputs["Vector"] for name in ("cells", "size", "tiles")}
+        found = group.call(label_group(about), Position=position, Cells=tiles["cells"], Size=tiles["size"],
+                           Tiles=tiles["tiles"])["Class"]
+        # Cycles shows no volume of which a shader asks no grid: it is asked for one that is too faint to add anything.
+        scalar = group.math('MULTIPLY_ADD', scalar, 1e-30, found, label="class")
     incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
     # Its length is the object's own units to one of the world along the ray: extinction follows the object's scale.
     travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
@@ -293,9 +343,9 @@ def isoshade_group(about, frame):
         part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="second_value")
         last = group.node('ShaderNodeAttribute', "last row of the 2D transfer function", {}, attribute_type='OBJECT', attribute_name="isoshade_last_row")
         where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the 2D transfer function")
-    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar.outputs["Fac"],
+    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar,
                        Table=table.outputs["Vector"], Row=where)
-    ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar.outputs["Fac"])
+    ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar)
     use_ramp = group.given["Use Ramp"]
     color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),

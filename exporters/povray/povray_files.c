@@ -24,9 +24,19 @@ iso_status iso_povray_no_memory(iso_error *err)
     return iso_fail(err, ISO_E_MEMORY, "povray: no memory");
 }
 
+/* Labels are from -32768 to 65535 (volume/labels.h), whatever type holds them. */
+static iso_df3_coding label_coding(const iso_level *level)
+{
+    if (level->min >= 0)
+        return level->max <= 255 ? (iso_df3_coding){8, 0, 255} : (iso_df3_coding){16, 0, 65535};
+    return level->max <= 32767 ? (iso_df3_coding){16, -32768, 32767} : (iso_df3_coding){32, -32768, 4294934527.0};
+}
+
 /* Whole samples where the type has them. */
 static iso_df3_coding scalar_coding(const iso_level *level, unsigned bits)
 {
+    if (level->labels)
+        return label_coding(level);
     switch (level->stored_type) {
     case ISO_U8: return (iso_df3_coding){8, 0, 255};
     case ISO_I8: return (iso_df3_coding){8, -128, 127};

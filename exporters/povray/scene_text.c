@@ -10,17 +10,24 @@
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
 
-/* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. */
-static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix)
+/* "function { ... }" of one DF3 file in voxel coordinates, v in [0, 1]. Interpolated, a sample is at the center of its
+ * voxel; else it fills its voxel: half a voxel lies between POV-Ray's two ways. */
+static void write_lookup_as(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix,
+                            bool interpolated)
 {
     const size_t *n = s->voxels->geometry.size;
-    const double scale = s->lattice_scale, *offset = s->lattice_offset;
+    const double scale = s->lattice_scale, *offset = s->lattice_offset, rim = interpolated ? 0.5 : 1;
     fprintf(f,
-            "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate 1\n"
+            "#declare %s = function { pattern { density_file df3 \"%s_%s.df3\" interpolate %d\n"
             "    scale <%.17g, %.17g, %.17g> translate <%.17g, %.17g, %.17g> } }\n",
-            identifier, s->name, suffix, (double)(n[0] + 2) / scale, (double)(n[1] + 2) / scale,
-            (double)(n[2] + 2) / scale, (offset[0] - 0.5) / scale, (offset[1] - 0.5) / scale,
-            (offset[2] - 0.5) / scale);
+            identifier, s->name, suffix, interpolated, (double)(n[0] + 2) / scale, (double)(n[1] + 2) / scale,
+            (double)(n[2] + 2) / scale, (offset[0] - rim) / scale, (offset[1] - rim) / scale,
+            (offset[2] - rim) / scale);
+}
+
+static void write_lookup(FILE *f, const iso_povray_scene *s, const char *identifier, const char *suffix)
+{
+    write_lookup_as(f, s, identifier, suffix, true);
 }
 
 static const char *object_name(const iso_povray_scene *s)
@@ -99,7 +106,9 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     const double steps = s->direction.bits == 8 ? 255 : s->direction.bits == 16 ? 65535 : 4294967295.0;
     fprintf(f, "// ---- the data -------------------------------------------------------------\n"
                "// Each file has a rim of one voxel, against the wrap-around of `interpolate`.\n");
-    write_lookup(f, s, "Iso_Stored", "scalar");
+    if (s->voxels->labels)
+        fprintf(f, "// A label map: no value between two labels is one, so that it is looked up without interpolation.\n");
+    write_lookup_as(f, s, "Iso_Stored", "scalar", !s->voxels->labels);
     fprintf(f,
             "// in the units of the data\n"
             "#declare Iso_Value = function (x, y, z) { %.17g + %.17g * Iso_Stored(x, y, z) }\n"

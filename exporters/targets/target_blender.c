@@ -12,6 +12,11 @@
 static void tell_ramp(const iso_export_job *job, const iso_tf_table *table)
 {
     iso_color_ramp ramp;
+    if (job->pyramid->levels[job->level].labels) {
+        if (job->notes)
+            fprintf(job->notes, "label map: exact as an image of class numbers and a color map with an entry a class\n");
+        return;
+    }
     iso_color_ramp_fit(table, &ramp);
     if (job->results)
         json_object_set_new(job->results, "color_ramp",

@@ -59,7 +59,7 @@ const iso_renderer_info iso_renderer_cycles = {
     .title = "Blender Cycles",
     .stages = {"OpenVDB grids", "Blender"},
     .color = "#d55e00",
-    .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_READS_SAMPLES | ISO_READS_SEED,
+    .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_READS_SAMPLES | ISO_READS_SEED,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,
     .version = version,

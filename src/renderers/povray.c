@@ -90,7 +90,7 @@ const iso_renderer_info iso_renderer_povray = {
     .title = "POV-Ray",
     .stages = {"povray: writing DF3", "povray: rendering"},
     .color = "#009e73",
-    .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME |
+    .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME |
               ISO_READS_INTERVALS | ISO_READS_PLANES,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,

@@ -135,8 +135,9 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
         status = compare(v, p, m, level, &view, &adapted_tf, err);
     if (status == ISO_OK && covered && level > 0)
         status = compare_scaled(v, p, m, level, &view, err);
+    const bool has_2d = covered && level > 0 && !p->levels[0].labels; /* labels have no second value */
     for (int second = ISO_SECOND_VALUE_DEVIATION;
-         second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && covered && level > 0; ++second)
+         second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && has_2d; ++second)
         status = compare_tf_2d(v, p, m, level, &view, (iso_second_value)second, err);
     return status;
 }
