@@ -9,6 +9,20 @@ expect the_table_runs 0 "$ISOSHADE" "${few[@]}" shells.nrrd --methods default,or
 check it_has_both_levels test "$(grep -c '^named, level' out)" = 2
 check and_each_method_at_each_and_at_all_together test "$(grep -c '^gauss ' out)" = 3
 check the_csv_has_a_line_a_case_and_method test "$(wc -l <table.csv)" = $((1 + 4 * $(sed 1d table.csv | cut -d, -f2-4 | sort -u | wc -l)))
+# A run that was ended goes on: what its table has is not measured again, and the whole is the same.
+cp out first.txt && grep -E '^held|,opaque,|,shell,' table.csv >part.csv
+expect a_run_goes_on 0 "$ISOSHADE" "${few[@]}" shells.nrrd --methods default,original,on-the-fly,gauss --have part.csv --csv again.csv
+check it_measures_what_is_missing bash -c '! grep -E "^shells.nrrd +(opaque|shell) " out && grep -qE "^shells.nrrd +soft " out'
+check and_has_the_same_cases cmp <(sort table.csv) <(sort again.csv)
+expect tables_are_printed_without_volumes 0 "$ISOSHADE" bench levels -q --have part.csv
+check of_the_cases_that_they_have grep -q '^named, level 1: 2 cases' out
+expect of_all_cases 0 "$ISOSHADE" bench levels -q --have again.csv
+check they_are_those_of_the_first_run cmp <(sed -n '/^named, level 1/,$p' first.txt) <(sed -n '/^named, level 1/,$p' out)
+refuse a_table_twice 4 'part.csv: line 2: an earlier line' "$ISOSHADE" bench levels -q --have table.csv,part.csv
+refuse a_table_of_other_views 4 'not "2 views' "$ISOSHADE" bench levels shells.nrrd --quick --levels 3 -q --have part.csv
+refuse a_table_of_another_volume 2 '24x24x24 voxels there, and is 16x16x16 now' "$ISOSHADE" "${few[@]}" shells.nrrd --json --crop 16 --have part.csv
+refuse a_file_that_is_no_table 4 shells.nrrd "$ISOSHADE" bench levels -q --have shells.nrrd
+refuse a_method_that_was_not_measured 2 '--against fitted' "$ISOSHADE" bench levels -q --have part.csv --against fitted
 expect json_runs 0 "$ISOSHADE" "${few[@]}" shells.nrrd constant.nrrd --held shells.nrrd --methods original,gauss --against original --json
 check its_keys python3 - out <<'PY'
 import json, sys

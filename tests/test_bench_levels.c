@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bench/levels_report.h"
+#include "bench/volumes.h"
 #include "test.h"
 
 enum { BASE = 0, OTHER = 1 };
@@ -213,6 +214,28 @@ static void methods_are_chosen_by_whole_names(void **state)
         assert_true(wanted[m]);
 }
 
+/* The middle of an odd and of an even axis; the shorter axis stays. Voxels keep their values and their places. */
+static void a_crop_keeps_the_middle_where_it_is(void **state)
+{
+    (void)state;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){7, 8, 3}, (double[]){1, 2, 0.5});
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_U16, "crop", &err));
+    for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
+        ((uint16_t *)v.data)[i] = (uint16_t)i;
+    assert_ok(iso_bench_crop_to_middle(&v, 4, &err));
+    assert_int_equal(v.geometry.size[0], 4);
+    assert_int_equal(v.geometry.size[1], 4);
+    assert_int_equal(v.geometry.size[2], 3);
+    for (size_t i = 0; i < 4 * 4 * 3; ++i) {
+        const size_t x = i % 4 + 1, y = i / 4 % 4 + 2, z = i / 16;
+        assert_int_equal(((uint16_t *)v.data)[i], x + 7 * (y + 8 * z));
+    }
+    const iso_vec3 was = iso_geometry_to_world(&g, iso_v3(1, 2, 0)), is = iso_geometry_to_world(&v.geometry, iso_v3(0, 0, 0));
+    assert_true(was.x == is.x && was.y == is.y && was.z == is.z);
+    iso_volume_destroy(&v);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +247,7 @@ int main(void)
         cmocka_unit_test(errors_are_over_what_either_image_shows),
         cmocka_unit_test(minifying_takes_means_of_boxes_that_the_border_cuts),
         cmocka_unit_test(methods_are_chosen_by_whole_names),
+        cmocka_unit_test(a_crop_keeps_the_middle_where_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

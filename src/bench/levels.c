@@ -52,7 +52,43 @@ static iso_status list_volumes(iso_levels_run *run, iso_error *err)
             run->volumes[run->volume_count++] = at;
         at = comma ? comma + 1 : NULL;
     }
-    return run->volume_count > 0 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume named");
+    return run->volume_count > 0 || run->have ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume named");
+}
+
+/* ---- cases of earlier runs ---- */
+
+/* Tables with commas between them. Where no volume is named they say themselves what they were measured with. */
+static iso_status read_tables(iso_levels_run *run, iso_error *err)
+{
+    iso_level_cases *c = &run->cases;
+    iso_status status = ISO_OK;
+    if (run->volume_count > 0)
+        snprintf(c->settings, sizeof c->settings, "%d views of %d pixels; step %g; %s; %s", run->views, run->size,
+                 run->step_voxels, run->renderer->name, run->unshaded ? "unshaded" : "shaded");
+    for (char *at = run->have; at && *at && status == ISO_OK;) {
+        char *comma = strchr(at, ',');
+        if (comma)
+            *comma = 0;
+        status = iso_level_cases_read_csv(c, at, err);
+        at = comma ? comma + 1 : NULL;
+    }
+    run->had_count = c->count;
+    return status == ISO_OK || status == ISO_E_IO ? status : iso_fail_in(err, status, "--have");
+}
+
+/* Only methods that all cases were measured by can be held against each other. */
+static iso_status keep_methods_of_all(iso_levels_run *run, iso_error *err)
+{
+    iso_level_cases *c = &run->cases;
+    for (size_t m = 0; m < iso_level_method_count(); ++m) {
+        const bool asked = c->wanted[m];
+        for (size_t i = 0; i < c->count; ++i)
+            c->wanted[m] = c->wanted[m] && c->cases[i].results[m].measured;
+        if (asked && !c->wanted[m] && run->volume_count > 0 && !run->cli->json)
+            printf("%s: not in the tables, since not all cases were measured by it\n", iso_level_method_at(m)->name);
+    }
+    return c->wanted[c->against] ? ISO_OK
+                                 : iso_fail(err, ISO_E_USAGE, "--against %s: not measured in all cases", run->against);
 }
 
 static iso_status check_options(iso_levels_run *run, iso_error *err)
@@ -68,7 +104,11 @@ static iso_status check_options(iso_levels_run *run, iso_error *err)
         status = iso_words_check_range("--budget", run->budget_seconds, 0, 1e6, err);
     if (status == ISO_OK)
         status = choose(run, err);
-    return status == ISO_OK ? list_volumes(run, err) : status;
+    if (status == ISO_OK && run->crop)
+        status = iso_words_check_range("--crop", run->crop, 16, 4096, err);
+    if (status == ISO_OK)
+        status = list_volumes(run, err);
+    return status == ISO_OK ? read_tables(run, err) : status;
 }
 
 static void report(const iso_levels_run *run)
@@ -81,6 +121,7 @@ static void report(const iso_levels_run *run)
                                      run->levels, "shaded", !run->unshaded, "step_voxels", run->step_voxels, "with",
                                      run->renderer->name));
     json_object_set_new(root, "against", json_string(iso_level_method_at(run->cases.against)->name));
+    json_object_set_new(root, "settings", json_string(run->cases.settings));
     json_object_set_new(root, "complete", json_boolean(!run->out_of_time));
     json_object_set_new(root, "blocks", iso_levels_report(&run->cases, !run->cli->json));
     json_object_set_new(root, "cases", iso_level_cases_to_json(&run->cases));
@@ -100,7 +141,7 @@ static iso_status run_all(iso_levels_run *run, iso_error *err)
     iso_status status = check_options(run, err);
     run->start_seconds = iso_clock_seconds();
     iso_cli_expect(run->cli, &(iso_cli_stage){"levels", 1}, 1);
-    if (status == ISO_OK && !run->cli->json) {
+    if (status == ISO_OK && !run->cli->json && run->volume_count > 0) {
         printf("DSSIM; o: the original TF was kept\n%-24s %-12s k", "volume", "tf");
         for (size_t m = 0; m < iso_level_method_count(); ++m)
             if (run->cases.wanted[m])
@@ -112,6 +153,8 @@ static iso_status run_all(iso_levels_run *run, iso_error *err)
             status = iso_levels_run_volume(run, &progress, err);
     if (status == ISO_OK && run->csv)
         status = iso_level_cases_write_csv(&run->cases, run->csv, err);
+    if (status == ISO_OK)
+        status = keep_methods_of_all(run, err);
     if (status == ISO_OK)
         report(run);
     iso_level_cases_destroy(&run->cases);
@@ -153,7 +196,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "two views of 96 pixels", NULL},
         {"budget", 0, POPT_ARG_DOUBLE, &r.budget_seconds, 0, "begins no transfer function after so many seconds",
          "SECONDS"},
-        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "all cases as a table", "FILE"},
+        {"crop", 0, POPT_ARG_INT, &r.crop, 0, "of larger volumes the middle N voxels along each axis", "N"},
+        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "all cases as a table, written anew after each transfer function",
+         "FILE"},
+        {"have", 0, POPT_ARG_STRING, &r.have, 0, "tables of earlier runs: what they have is not measured again",
+         "FILE,FILE"},
         ISO_CLI_INPUT_OPTIONS(&r.input),
         POPT_TABLEEND,
     };
@@ -166,6 +213,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_end(&cli);
     free(r.held);
     free(r.csv);
+    free(r.have);
     return status;
 }
 
@@ -182,9 +230,11 @@ const iso_command iso_bench_levels = {
         "Rivals, methods of the literature, are rendered by the reference, all others as --with says.\n"
         "Errors, means over the views: DSSIM = (1 - SSIM) / 2, RMSE and FLIP over what either image shows; and minified, where\n"
         "both images are averaged so that a pixel is about one voxel of the level. The tables hold their ratios to one method's,\n"
-        "in two blocks: the volumes named, and those of --held. Left out and counted: what shows nothing, what no method errs in.",
+        "in two blocks: the volumes named, and those of --held. Left out and counted: what shows nothing, what no method errs in.\n"
+        "A run that was ended goes on with --have TABLE --csv TABLE; without a volume --have prints what the tables come to.",
     .lists = lists,
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "  isoshade bench levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly\n",
+                "  isoshade bench levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly --csv shells.csv\n"
+                "  isoshade bench levels --have shells.csv --methods default,original\n",
     .run = run,
 };

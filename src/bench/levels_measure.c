@@ -11,6 +11,7 @@
 #include "bench/level_tfs.h"
 #include "bench/look.h"
 #include "bench/surface.h"
+#include "bench/volumes.h"
 #include "scene/subject.h"
 
 enum { OPAQUE = 0 };
@@ -52,14 +53,12 @@ static iso_status build_one(const iso_levels_run *run, const iso_volume *v, cons
     return status;
 }
 
-static iso_status build_pyramids(const iso_levels_run *run, pyramid_set *set, iso_error *err)
+static iso_status build_pyramids(const iso_levels_run *run, const iso_volume *v, pyramid_set *set, iso_error *err)
 {
-    iso_volume v = {0};
-    iso_status status = iso_volume_input_load(run->volumes[run->at], &run->input, &v, err);
+    iso_status status = ISO_OK;
     for (size_t m = 0; m < iso_level_method_count() && status == ISO_OK; ++m)
         if (run->cases.wanted[m])
-            status = build_one(run, &v, iso_level_method_at(m), set, err);
-    iso_volume_destroy(&v);
+            status = build_one(run, v, iso_level_method_at(m), set, err);
     return status;
 }
 
@@ -77,6 +76,56 @@ static void destroy_pyramids(pyramid_set *set)
 }
 
 /* ---- images ---- */
+
+/* ---- cases ---- */
+
+/* What a case of the volume at work is told from others by. */
+static iso_level_case case_like(const iso_levels_run *run, const char *tf, size_t level)
+{
+    return (iso_level_case){.volume = iso_path_base(run->volumes[run->at]),
+                            .tf = tf,
+                            .level = level,
+                            .held = run->at >= run->named_count};
+}
+
+/* As earlier runs measured it; NULL: they did not. */
+static iso_level_case *find_had(const iso_levels_run *run, const iso_level_case *like)
+{
+    iso_level_case *one = iso_level_cases_find(&run->cases, like);
+    return one && one < run->cases.cases + run->had_count ? one : NULL;
+}
+
+static bool is_wanted_level(const iso_levels_run *run, size_t level)
+{
+    return run->level == 0 || (size_t)run->level == level;
+}
+
+/* Nothing is left to be measured of the volume at work under a transfer function. */
+static bool has_tf(const iso_levels_run *run, int t)
+{
+    for (size_t level = 1; level < (size_t)run->levels; ++level) {
+        const iso_level_case like = case_like(run, iso_levels_tf_names[t], level), *had = find_had(run, &like);
+        for (size_t m = 0; m < iso_level_method_count() && is_wanted_level(run, level); ++m)
+            if (run->cases.wanted[m] && !(had && had->results[m].measured))
+                return false;
+    }
+    return true;
+}
+
+/* A table of another volume by the same name would be taken for this one's. */
+static iso_status check_size(const iso_levels_run *run, const iso_volume *v, iso_error *err)
+{
+    for (size_t i = 0; i < run->had_count; ++i) {
+        const iso_level_case *one = &run->cases.cases[i];
+        const size_t *had = one->size, *size = v->geometry.size;
+        if (strcmp(one->volume, iso_path_base(run->volumes[run->at])) == 0 && memcmp(had, size, sizeof one->size) != 0)
+            return iso_fail(err, ISO_E_USAGE, "--have: %s was %zux%zux%zu voxels there, and is %zux%zux%zu now",
+                            one->volume, had[0], had[1], had[2], size[0], size[1], size[2]);
+    }
+    return ISO_OK;
+}
+
+/* ---- measuring ---- */
 
 /* A volume under one transfer function. */
 typedef struct bench_subject {
@@ -183,6 +232,7 @@ static iso_status run_method(iso_levels_run *run, bench_subject *b, size_t level
     iso_status status = iso_level_show(m, &s, &shown, err);
     if (status != ISO_OK)
         return status;
+    r->measured = true;
     r->kept_original = m->treatment == ISO_LEVEL_TF_ADAPTED && shown.judgment.use_original;
     c->box = box_of(p, level, &b->views[0]);
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
@@ -212,17 +262,19 @@ static void print_case(const iso_levels_run *run, const iso_level_case *c)
 
 static iso_status run_level(iso_levels_run *run, bench_subject *b, size_t level, iso_error *err)
 {
-    iso_level_case *c = iso_level_cases_add(&run->cases);
-    if (!c)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a case");
-    c->volume = iso_path_base(run->volumes[run->at]);
-    c->tf = b->tf;
-    c->level = level;
-    c->held = run->at >= run->named_count;
+    const iso_level_case like = case_like(run, b->tf, level);
+    iso_level_case *c = find_had(run, &like);
+    if (!c) {
+        c = iso_level_cases_add(&run->cases);
+        if (!c)
+            return iso_fail(err, ISO_E_MEMORY, "no memory for a case");
+        *c = like;
+        memcpy(c->size, b->pyramids->first->levels[0].geometry.size, sizeof c->size);
+    }
     c->finest_alpha = b->finest_alpha;
     iso_status status = ISO_OK;
     for (size_t m = 0; m < iso_level_method_count() && status == ISO_OK; ++m)
-        if (run->cases.wanted[m])
+        if (run->cases.wanted[m] && !c->results[m].measured)
             status = run_method(run, b, level, iso_level_method_at(m), c, err);
     if (status == ISO_OK)
         print_case(run, c);
@@ -274,7 +326,7 @@ static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, int t, iso
     }
     iso_status status = render_finest(run, &tf, &b, err);
     for (size_t level = 1; level < set->first->level_count && status == ISO_OK; ++level)
-        if (run->level == 0 || (size_t)run->level == level)
+        if (is_wanted_level(run, level))
             status = run_level(run, &b, level, err);
     for (int i = 0; i < run->views; ++i) {
         iso_view_destroy(&b.views[i]);
@@ -293,13 +345,25 @@ bool iso_levels_has_time(iso_levels_run *run)
 iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progress, iso_error *err)
 {
     pyramid_set set = {0};
-    iso_status status = build_pyramids(run, &set, err);
+    iso_volume v = {0};
+    iso_status status = iso_volume_input_load(run->volumes[run->at], &run->input, &v, err);
+    if (status == ISO_OK && run->crop)
+        status = iso_bench_crop_to_middle(&v, (size_t)run->crop, err);
+    if (status == ISO_OK)
+        status = check_size(run, &v, err);
     for (int t = 0; t < ISO_LEVELS_TF_COUNT && status == ISO_OK; ++t) {
-        if (run->wanted_tf[t] && iso_levels_has_time(run))
-            status = run_tf(run, &set, t, err);
+        if (run->wanted_tf[t] && !has_tf(run, t) && iso_levels_has_time(run)) {
+            if (!set.first)
+                status = build_pyramids(run, &v, &set, err);
+            if (status == ISO_OK)
+                status = run_tf(run, &set, t, err);
+            if (status == ISO_OK && run->csv)
+                status = iso_level_cases_write_csv(&run->cases, run->csv, err);
+        }
         iso_progress_report(progress, "levels",
                             ((double)run->at + (t + 1.0) / ISO_LEVELS_TF_COUNT) / (double)run->volume_count);
     }
     destroy_pyramids(&set);
+    iso_volume_destroy(&v);
     return status;
 }

@@ -7,39 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "compare/quartiles.h"
 #include "compare/ssim.h"
 
-enum { FIGURES = 6, MOST_LEVELS = 16, WORST = 3 };
-static const char *const figure_keys[FIGURES] = {"dssim",          "rmse",          "flip",
-                                                 "dssim_minified", "rmse_minified", "flip_minified"};
-
-static double figure_of(const struct iso_level_result *r, int figure)
-{
-    const iso_level_error *e = figure < 3 ? &r->full : &r->minified;
-    return figure % 3 == 0 ? e->dssim : figure % 3 == 1 ? e->rmse : e->flip;
-}
-
-iso_level_case *iso_level_cases_add(iso_level_cases *c)
-{
-    if (c->count == c->room) {
-        const size_t room = c->room ? 2 * c->room : 16;
-        iso_level_case *more = realloc(c->cases, room * sizeof *more);
-        if (!more)
-            return NULL;
-        c->cases = more;
-        c->room = room;
-    }
-    c->cases[c->count] = (iso_level_case){0};
-    return &c->cases[c->count++];
-}
-
-void iso_level_cases_destroy(iso_level_cases *c)
-{
-    free(c->cases);
-    *c = (iso_level_cases){0};
-}
+enum { FIGURES = ISO_LEVEL_CASE_FIGURES, MOST_LEVELS = 16, WORST = 3 };
 
 const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_case *one)
 {
@@ -47,7 +18,7 @@ const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_ca
     for (size_t m = 0; m < iso_level_method_count(); ++m)
         for (int f = 0; f < FIGURES && c->wanted[m]; ++f) {
             shown = fmax(shown, one->results[m].alpha);
-            error = fmax(error, figure_of(&one->results[m], f));
+            error = fmax(error, iso_level_result_figure(&one->results[m], f));
         }
     if (!(one->finest_alpha >= ISO_SSIM_FOREGROUND))
         return "level 0 shows nothing";
@@ -97,8 +68,8 @@ static summary summarize(const iso_level_cases *c, bool held, size_t level, size
             const iso_level_case *one = &c->cases[i];
             if (one->held != held || one->level != level || iso_level_case_left_out(c, one))
                 continue;
-            const double ratio = iso_level_ratio(figure_of(&one->results[method], f),
-                                                 figure_of(&one->results[c->against], f));
+            const double ratio = iso_level_ratio(iso_level_result_figure(&one->results[method], f),
+                                                 iso_level_result_figure(&one->results[c->against], f));
             ratios[count++] = ratio;
             if (f > 0)
                 continue;
@@ -119,7 +90,7 @@ static json_t *summary_to_json(const summary *s, const iso_level_method *m)
                           m->fetches, "worse_count", (int)s->worse, "much_worse_count", (int)s->much_worse);
     json_t *ratios = json_object(), *worst = json_array();
     for (int f = 0; f < FIGURES; ++f)
-        json_object_set_new(ratios, figure_keys[f],
+        json_object_set_new(ratios, iso_level_figure_keys[f],
                             json_pack("{s:o, s:o, s:o, s:o}", "geometric_mean",
                                       iso_json_number(s->ratios[f].geometric_mean), "median",
                                       iso_json_number(s->ratios[f].median), "lower_quartile",
@@ -185,14 +156,22 @@ static double mean_of_levels(const iso_level_cases *c, size_t first, size_t meth
     const iso_level_case *own = &c->cases[first];
     double sum = 0;
     *levels = 0;
-    for (size_t i = first; i < c->count && is_same_pair(own, &c->cases[i]); ++i) {
+    for (size_t i = first; i < c->count; ++i) {
         const iso_level_case *one = &c->cases[i];
-        if (iso_level_case_left_out(c, one))
+        if (!is_same_pair(own, one) || iso_level_case_left_out(c, one))
             continue;
-        sum += log(iso_level_ratio(figure_of(&one->results[method], 0), figure_of(&one->results[c->against], 0)));
+        sum += log(iso_level_ratio(iso_level_result_figure(&one->results[method], 0), iso_level_result_figure(&one->results[c->against], 0)));
         ++*levels;
     }
     return *levels > 0 ? sum / (double)*levels : 0;
+}
+
+static bool is_first_of_pair(const iso_level_cases *c, size_t at)
+{
+    for (size_t i = 0; i < at; ++i)
+        if (is_same_pair(&c->cases[i], &c->cases[at]))
+            return false;
+    return true;
 }
 
 iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held, size_t method)
@@ -201,10 +180,11 @@ iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held,
     double loss = 0;
     for (size_t i = 0; i < c->count; ++i) {
         const iso_level_case *one = &c->cases[i];
-        const bool is_first = i == 0 || !is_same_pair(&c->cases[i - 1], one);
         size_t levels;
+        if (one->held != held || !is_first_of_pair(c, i))
+            continue;
         const double own = mean_of_levels(c, i, method, &levels);
-        if (one->held != held || !is_first || levels == 0)
+        if (levels == 0)
             continue;
         double best = own;
         for (size_t m = 0; m < iso_level_method_count(); ++m)
@@ -300,37 +280,8 @@ json_t *iso_level_cases_to_json(const iso_level_cases *c)
                                   "box_pixels", (int)one->box, "kept_original", one->results[m].kept_original,
                                   "left_out", iso_level_case_left_out(c, one));
             for (int f = 0; f < FIGURES; ++f)
-                json_object_set_new(o, figure_keys[f], iso_json_number(figure_of(&one->results[m], f)));
+                json_object_set_new(o, iso_level_figure_keys[f], iso_json_number(iso_level_result_figure(&one->results[m], f)));
             json_array_append_new(all, o);
         }
     return all;
-}
-
-iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path, iso_error *err)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *memory = open_memstream(&text, &size);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a table of %zu cases", c->count);
-    fprintf(memory, "held,volume,tf,level,method,left_out");
-    for (int f = 0; f < FIGURES; ++f)
-        fprintf(memory, ",%s", figure_keys[f]);
-    fputc('\n', memory);
-    for (size_t i = 0; i < c->count; ++i)
-        for (size_t m = 0; m < iso_level_method_count(); ++m) {
-            const iso_level_case *one = &c->cases[i];
-            const char *why = iso_level_case_left_out(c, one);
-            if (!c->wanted[m])
-                continue;
-            fprintf(memory, "%d,%s,%s,%zu,%s,%s", one->held, one->volume, one->tf, one->level,
-                    iso_level_method_at(m)->name, why ? why : "");
-            for (int f = 0; f < FIGURES; ++f)
-                fprintf(memory, ",%.6g", figure_of(&one->results[m], f));
-            fputc('\n', memory);
-        }
-    fclose(memory);
-    iso_status status = iso_file_write(path, text, size, err);
-    free(text);
-    return status;
 }

@@ -22,10 +22,10 @@ extern const char *const iso_levels_tf_names[ISO_LEVELS_TF_COUNT];
 typedef struct iso_levels_run {
     const iso_cli *cli;
     iso_volume_input input;
-    int views, size, levels, level, unshaded, quick;
+    int views, size, levels, level, unshaded, quick, crop;
     double step_voxels, budget_seconds, start_seconds;
     const char *with, *tfs, *methods, *against;
-    char *held, *csv;
+    char *held, *csv, *have;
     bool wanted_tf[ISO_LEVELS_TF_COUNT];
     const iso_renderer_info *renderer;
     iso_renderers renderers;
@@ -34,12 +34,13 @@ typedef struct iso_levels_run {
     size_t at; /* the volume at work */
     bool out_of_time;
     iso_level_cases cases;
+    size_t had_count; /* of them: those of earlier runs, which stand first */
 } iso_levels_run;
 
 /* Whether the budget is not yet spent. */
 bool iso_levels_has_time(iso_levels_run *run);
 
-/* All cases of the volume number run->at. */
+/* All cases of the volume number run->at, but for what earlier runs measured. */
 iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progress, iso_error *err);
 
 #endif

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "bench/volumes.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/file.h"
 #include "scene/subject.h"
 
@@ -12,6 +15,33 @@ iso_status iso_bench_check_pictures(const iso_bench_pictures *p, iso_error *err)
     if (status == ISO_OK)
         status = iso_words_check_range("--size", p->size, 16, 4096, err);
     return status == ISO_OK ? iso_words_check_range("--levels", p->levels, 2, p->most_levels, err) : status;
+}
+
+iso_status iso_bench_crop_to_middle(iso_volume *v, size_t n, iso_error *err)
+{
+    const iso_geometry whole = v->geometry;
+    iso_geometry part = whole;
+    size_t first[3];
+    for (int a = 0; a < 3; ++a) {
+        part.size[a] = whole.size[a] < n ? whole.size[a] : n;
+        part.box_index[a] = (double)part.size[a];
+        first[a] = (whole.size[a] - part.size[a]) / 2;
+    }
+    part.origin_mm = iso_geometry_to_world(&whole, iso_v3((double)first[0], (double)first[1], (double)first[2]));
+    const size_t voxel = iso_type_bytes(v->type), row = part.size[0] * voxel;
+    char *data = malloc(iso_geometry_voxel_count(&part) * voxel), *to = data;
+    if (!data)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a crop of %zu voxels", iso_geometry_voxel_count(&part));
+    for (size_t z = 0; z < part.size[2]; ++z)
+        for (size_t y = 0; y < part.size[1]; ++y, to += row)
+            memcpy(to,
+                   (const char *)v->data +
+                       voxel * (first[0] + whole.size[0] * (first[1] + y + whole.size[1] * (first[2] + z))),
+                   row);
+    free(v->data);
+    v->data = data;
+    v->geometry = part;
+    return ISO_OK;
 }
 
 static iso_status visit_volume(const iso_bench_volumes *volumes, size_t i, iso_bench_visit visit, void *user,

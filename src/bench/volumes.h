@@ -17,6 +17,9 @@ typedef struct iso_bench_pictures {
 /* ISO_E_USAGE with the option's name. */
 iso_status iso_bench_check_pictures(const iso_bench_pictures *pictures, iso_error *err);
 
+/* Leaves of the axes that have more than n voxels the middle n. ISO_E_MEMORY. */
+iso_status iso_bench_crop_to_middle(iso_volume *v, size_t n, iso_error *err);
+
 /* A pyramid under a transfer function. */
 typedef struct iso_bench_visited {
     const char *volume; /* the file's name */
