@@ -133,6 +133,60 @@ static void a_killed_caller_leaves_nothing_running(void **state)
     close(fds[1]);
 }
 
+static void count_lines(void *user, const char *line)
+{
+    (void)line;
+    ++*(int *)user;
+}
+
+/* It answers each line with two, the second of them the sign, and ends at the line "end" by the exit code 3. */
+static const char *const answering[] = {
+    "/bin/sh", "-c",
+    "echo hello; echo done; while read -r l; do [ \"$l\" = end ] && echo an error is here && exit 3; echo \"$l\"; echo done; done",
+    NULL};
+
+static void a_program_that_stays_answers_line_by_line(void **state)
+{
+    (void)state;
+    iso_process *p;
+    int lines = 0;
+    bool ended = true;
+    const iso_process_options options = {.line = count_lines, .user = &lines};
+    assert_ok(iso_process_start(answering, NULL, &p, &err));
+    for (int i = 1; i <= 3; ++i) {
+        assert_ok(iso_process_listen(p, "done", &options, &ended, &err));
+        assert_false(ended);
+        assert_int_equal(lines, 2 * i);
+        iso_process_say(p, i < 3 ? "again" : "end");
+    }
+    iso_error why = {""};
+    assert_int_equal(iso_process_listen(p, "done", &options, &ended, &why), ISO_E_PROGRAM);
+    assert_true(ended);
+    assert_non_null(strstr(why.text, "exit code 3: an error is here"));
+    iso_process_end(p);
+
+    /* Told nothing more, it ends by itself; one that has gone meanwhile is told of at the next line. */
+    assert_ok(iso_process_start(answering, NULL, &p, &err));
+    assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
+    iso_process_end(p);
+    const char *brief[] = {"/bin/sh", "-c", "echo done; exit 0", NULL};
+    assert_ok(iso_process_start(brief, NULL, &p, &err));
+    assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
+    for (int i = 0; i < 100; ++i)
+        iso_process_say(p, "is anybody there?");
+    assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
+    assert_true(ended);
+    iso_process_end(p);
+
+    /* Its end is seen although a child of its own, which waits for a line, holds its output. */
+    const char *parent[] = {"/bin/sh", "-c", "exec 3<&0; cat <&3 & exit 4", NULL};
+    assert_ok(iso_process_start(parent, NULL, &p, &err));
+    assert_status(iso_process_listen(p, "done", NULL, &ended, &err), ISO_E_PROGRAM);
+    assert_true(ended);
+    iso_process_end(p);
+    iso_process_end(NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -141,6 +195,7 @@ int main(void)
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),
         cmocka_unit_test(a_killed_caller_leaves_nothing_running),
+        cmocka_unit_test(a_program_that_stays_answers_line_by_line),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -12,7 +12,7 @@
  * ray enters or leaves the second object Cycles draws a new random offset for its steps,
  * which leaves an error of first order in the step; averaging over seeds removes it.
  *
- * Before each scene Blender renders a tiny known volume and looks where it is:
+ * Before its first scene Blender renders a tiny known volume and looks where it is:
  * versions differ by half a voxel in where they put a grid. A build that puts it
  * anywhere else is refused: ISO_E_UNTRUSTED. */
 #ifndef ISO_EXPORT_BLENDER_H
@@ -32,12 +32,19 @@ typedef struct iso_cycles_stats {
     double peak_rss_bytes; /* of the process */
 } iso_cycles_stats;
 
+/* A Blender that stays for the next scene, which spares its start. Pictures are those of a Blender of their own, and one
+ * that fails at a scene ends: the next scene has a new one. */
+typedef struct iso_blender_session iso_blender_session;
+/* NULL: nothing to do. */
+void iso_blender_session_end(iso_blender_session *session);
+
 typedef struct iso_blender_options {
     double step_voxels; /* Cycles' step in the level's smallest spacing */
     int samples;        /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
     int threads;
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
+    iso_blender_session **session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */
 } iso_blender_options;
 iso_blender_options iso_blender_defaults(void);
 

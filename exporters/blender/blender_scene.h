@@ -66,7 +66,8 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
 
 /* ---- running Blender ---- */
 
-/* Writes scripts, description and calibration volume into the folder and runs them. Takes `about`. */
+/* Has a description worked off: by the Blender of the options' session, else by one that is started for it. What it needs
+ * is written into the folder. Takes `about`. */
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err);
 /* The seed that Cycles is given. It does not look at the last bit (the seeds 2 and 3 have the same noise), so that seeds in a

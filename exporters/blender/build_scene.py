@@ -2,6 +2,7 @@
 """Builds the Blender scene of an isoshade volume, and saves or renders it.
 
 Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json
+Paths of further descriptions are read from stdin, a line each, until it ends; "isoshade: finished" follows each.
 describe.c writes the description, plain numbers in Blender units; nothing is decided here but how Blender is told. The picture
 is that of scene/scene.h:
 
@@ -78,13 +79,15 @@ def save(about, shift):
     bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=True, relative_remap=False)
 
 
-def main():
-    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+def work(path, shift):
+    """One description; shift: where this Blender puts voxels, None: not yet known. Returns it."""
+    with open(path, encoding="utf-8") as file:
         about = json.load(file)
     print("isoshade: progress 0.1 Blender", flush=True)
-    shift = calibrate(about["calibration"])
+    if shift is None:
+        shift = calibrate(about["calibration"])
     if "probe" in about:
-        return
+        return shift
     print("isoshade: progress 0.3 Blender", flush=True)
     scene = build(about, shift)
     if "frames" in about:
@@ -94,6 +97,16 @@ def main():
     if "save" in about:
         save(about, shift)
     print("isoshade: progress 1 Blender", flush=True)
+    return shift
+
+
+def main():
+    """The description that is named, then those whose paths come as lines, as long as there are any."""
+    shift = work(sys.argv[sys.argv.index("--") + 1], None)
+    print("isoshade: finished", flush=True)
+    for line in sys.stdin:
+        shift = work(line.rstrip("\n"), shift)
+        print("isoshade: finished", flush=True)
 
 
 try:

@@ -126,10 +126,95 @@ static iso_status write_script(const char *path, iso_error *err)
     return status;
 }
 
+/* ---- one Blender, for one scene or for several ---- */
+
+struct iso_blender_session {
+    iso_process *process;
+    char *blender; /* the program */
+    int threads;
+};
+
+void iso_blender_session_end(iso_blender_session *session)
+{
+    if (!session)
+        return;
+    iso_process_end(session->process);
+    free(session->blender);
+    free(session);
+}
+
+/* What a run of Blender needs. */
+typedef struct blender_run {
+    const char *blender, *folder, *script, *description, *calibration;
+    int threads;
+} blender_run;
+
+static iso_status start(const blender_run *run, iso_blender_session **session, iso_error *err)
+{
+    char threads[16];
+    snprintf(threads, sizeof threads, "%d", run->threads);
+    const char *argv[] = {
+        run->blender, "-b",        "--factory-startup", "-noaudio",       "--python-exit-code", "9", "-t", threads, "-P",
+        run->script,  "--",        run->description,    NULL};
+    iso_status status = write_script(run->script, err);
+    if (status == ISO_OK)
+        status = save_calibration_volume(run->calibration, err);
+    if (status != ISO_OK)
+        return status;
+    iso_blender_session *s = calloc(1, sizeof *s);
+    if (!s || !(s->blender = strdup(run->blender)))
+        status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK)
+        status = iso_process_start(argv, run->folder, &s->process, err);
+    if (status != ISO_OK) {
+        iso_blender_session_end(s);
+        return status;
+    }
+    s->threads = run->threads;
+    *session = s;
+    return ISO_OK;
+}
+
+/* The one that is there, if it is what a new one would be; it is told the description, which a new one starts with. */
+static iso_status tell(const blender_run *run, iso_blender_session **session, iso_error *err)
+{
+    if (*session && (*session)->threads == run->threads && strcmp((*session)->blender, run->blender) == 0) {
+        iso_process_say((*session)->process, run->description);
+        return ISO_OK;
+    }
+    iso_blender_session_end(*session);
+    *session = NULL;
+    return start(run, session, err);
+}
+
+static iso_status run_blender(const blender_run *run, const iso_blender_options *opt, const iso_progress *progress,
+                              iso_error *err)
+{
+    iso_blender_session *own = NULL, **session = opt->session ? opt->session : &own;
+    listener l = {.progress = progress, .stats = opt->stats};
+    const iso_process_options options = {.line = take_line, .user = &l};
+    bool ended = true;
+    iso_status status = tell(run, session, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_process_listen((*session)->process, "isoshade: finished", &options, &ended, err);
+    if (status != ISO_OK && l.lack[0])
+        status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
+    else if (status != ISO_OK && l.refusal[0])
+        status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", run->blender, l.refusal);
+    else if (status != ISO_OK && l.failure[0])
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", run->blender, l.failure);
+    if (ended || !opt->session) {
+        iso_blender_session_end(*session);
+        *session = NULL;
+    }
+    return status;
+}
+
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err)
 {
-    char *blender = NULL, threads[16];
+    char *blender = NULL;
     char *script = iso_path_join(folder, "build_scene.py");
     char *description = iso_path_join(folder, "description.json");
     char *calibration = iso_path_join(folder, "calibration.vdb");
@@ -137,25 +222,10 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
                         json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
     iso_status status = iso_process_find("blender", "blender", &blender, err);
     if (status == ISO_OK)
-        status = write_script(script, err);
-    if (status == ISO_OK)
-        status = save_calibration_volume(calibration, err);
-    if (status == ISO_OK)
         status = iso_json_save(description, about, err);
     if (status == ISO_OK) {
-        snprintf(threads, sizeof threads, "%d", iso_threads(opt->threads));
-        const char *argv[] = {
-            blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t", threads, "-P",
-            script,  "--", description,         NULL};
-        listener l = {.progress = progress, .stats = opt->stats};
-        iso_process_options options = {.directory = folder, .line = take_line, .user = &l};
-        status = iso_process_run(argv, &options, err);
-        if (status != ISO_OK && l.lack[0])
-            status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
-        else if (status != ISO_OK && l.refusal[0])
-            status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", blender, l.refusal);
-        else if (status != ISO_OK && l.failure[0])
-            status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", blender, l.failure);
+        const blender_run run = {blender, folder, script, description, calibration, iso_threads(opt->threads)};
+        status = run_blender(&run, opt, progress, err);
     }
     json_decref(about);
     free(calibration);

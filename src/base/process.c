@@ -12,6 +12,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -63,6 +64,8 @@ typedef struct line_log {
     char last[512];  /* the last line that was not empty */
     char error[512]; /* the last line that speaks of an error */
     const iso_process_options *options;
+    const char *until; /* the line that is waited for; NULL: none */
+    bool is_there;     /* it came */
 } line_log;
 
 static void end_line(line_log *log)
@@ -74,6 +77,7 @@ static void end_line(line_log *log)
             memcpy(log->error, log->last, sizeof log->error);
         if (log->options->line)
             log->options->line(log->options->user, log->line);
+        log->is_there = log->is_there || (log->until && strcmp(log->line, log->until) == 0);
     }
     log->used = 0;
 }
@@ -127,10 +131,17 @@ static void restore_signals(void)
     pthread_mutex_unlock(&watched.lock);
 }
 
-typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED } drain_end;
+static bool has_ended(pid_t pid)
+{
+    siginfo_t info = {0};
+    return waitid(P_PID, (id_t)pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid;
+}
 
-/* Reads until the child closes its output. */
-static drain_end drain(int fd, line_log *log, double timeout_seconds)
+typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAITS } drain_end;
+
+/* Reads until the child closes its output, or says the line that is waited for. talking: a child of its own may hold the
+ * output while it waits for a line, so that its end counts too. */
+static drain_end drain(int fd, pid_t talking, line_log *log, double timeout_seconds)
 {
     double start = iso_clock_seconds();
     for (char buffer[4096];;) {
@@ -142,6 +153,8 @@ static drain_end drain(int fd, line_log *log, double timeout_seconds)
             return DRAIN_TIMED_OUT;
         if (ready < 0 && errno != EINTR)
             return DRAIN_CLOSED;
+        if (ready == 0 && talking && has_ended(talking))
+            break;
         if (ready <= 0)
             continue;
         ssize_t n = read(fd, buffer, sizeof buffer);
@@ -149,21 +162,32 @@ static drain_end drain(int fd, line_log *log, double timeout_seconds)
             break;
         if (n > 0)
             take_output(log, buffer, (size_t)n);
+        if (log->is_there)
+            return DRAIN_WAITS;
     }
     end_line(log);
     return DRAIN_CLOSED;
 }
 
-static void run_child(const char *const argv[], const char *directory, int out)
+struct iso_process {
+    pid_t pid;
+    int in, out; /* its stdin, -1: nothing to be read from; its stdout and stderr */
+    char name[64];
+    line_log log;
+};
+
+/* in: what it reads from; below 0: nothing. */
+static void run_child(const char *const argv[], const char *directory, int in, int out)
 {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* a killed isoshade leaves nothing running */
     if (directory && chdir(directory) != 0)
         _exit(126);
-    int nothing = open("/dev/null", O_RDONLY); /* no stdio: other threads may have held its locks at the fork */
-    if (nothing < 0)
+    if (in < 0)
+        in = open("/dev/null", O_RDONLY); /* no stdio: other threads may have held its locks at the fork */
+    if (in < 0)
         _exit(126);
-    dup2(nothing, STDIN_FILENO);
+    dup2(in, STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
     close(out);
@@ -171,43 +195,142 @@ static void run_child(const char *const argv[], const char *directory, int out)
     _exit(127);
 }
 
+static void close_both(const int fds[2])
+{
+    for (int i = 0; i < 2; ++i)
+        if (fds[i] >= 0)
+            close(fds[i]);
+}
+
+/* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
+static iso_status begin(const char *const argv[], const char *directory, bool talks, iso_process *p, iso_error *err)
+{
+    int in[2] = {-1, -1}, out[2];
+    *p = (iso_process){.in = -1};
+    snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
+    if (pipe2(out, O_CLOEXEC) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", p->name, strerror(errno));
+    if (talks && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) != 0) {
+        close_both(out);
+        return iso_fail(err, ISO_E_IO, "%s: no socket: %s", p->name, strerror(errno));
+    }
+    p->pid = fork();
+    if (p->pid < 0) {
+        close_both(in);
+        close_both(out);
+        return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", p->name, strerror(errno));
+    }
+    if (p->pid == 0)
+        run_child(argv, directory, in[0], out[1]);
+    if (talks)
+        close(in[0]);
+    close(out[1]);
+    p->in = in[1];
+    p->out = out[0];
+    return ISO_OK;
+}
+
+/* Waits for a program that has closed its output, or ends it. */
+static int reap(iso_process *p, bool kill_it)
+{
+    int result = 0;
+    if (p->in >= 0)
+        close(p->in);
+    close(p->out);
+    p->in = p->out = -1;
+    if (kill_it)
+        kill(-p->pid, SIGKILL);
+    while (waitpid(p->pid, &result, 0) < 0 && errno == EINTR) {
+    }
+    return result;
+}
+
+static iso_status listen_to(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
+                            iso_error *err)
+{
+    line_log *log = &p->log;
+    log->options = options;
+    log->until = until;
+    log->is_there = false;
+    log->last[0] = log->error[0] = 0;
+    const drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, options->timeout_seconds);
+    *ended = end != DRAIN_WAITS;
+    if (!*ended)
+        return ISO_OK;
+    const int result = reap(p, end != DRAIN_CLOSED);
+    if (end == DRAIN_STOPPED)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
+    if (end == DRAIN_TIMED_OUT)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, options->timeout_seconds);
+    if (WIFSIGNALED(result))
+        return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", p->name, WTERMSIG(result),
+                        log->last);
+    if (WEXITSTATUS(result) != 0)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: exit code %d: %s", p->name, WEXITSTATUS(result),
+                        log->error[0] ? log->error : log->last);
+    return ISO_OK;
+}
+
+static const iso_process_options no_options = {0};
+
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err)
 {
-    static const iso_process_options none = {0};
-    options = options ? options : &none;
-    const char *name = iso_path_base(argv[0]);
-    int fds[2];
-    if (pipe2(fds, O_CLOEXEC) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", name, strerror(errno));
+    iso_process p;
+    bool ended;
+    options = options ? options : &no_options;
     watch_signals();
-    pid_t pid = fork();
-    if (pid < 0) {
-        restore_signals();
-        close(fds[0]);
-        close(fds[1]);
-        return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", name, strerror(errno));
-    }
-    if (pid == 0)
-        run_child(argv, options->directory, fds[1]);
-    close(fds[1]);
-    line_log log = {.options = options};
-    drain_end end = drain(fds[0], &log, options->timeout_seconds);
-    close(fds[0]);
-    if (end != DRAIN_CLOSED)
-        kill(-pid, SIGKILL);
-    int result = 0;
-    while (waitpid(pid, &result, 0) < 0 && errno == EINTR) {
-    }
+    iso_status status = begin(argv, options->directory, false, &p, err);
+    if (status == ISO_OK)
+        status = listen_to(&p, NULL, options, &ended, err);
     restore_signals();
-    if (end == DRAIN_STOPPED)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", name, (int)stop_signal);
-    if (end == DRAIN_TIMED_OUT)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", name, options->timeout_seconds);
-    if (WIFSIGNALED(result))
-        return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", name, WTERMSIG(result),
-                        log.last);
-    if (WEXITSTATUS(result) != 0)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: exit code %d: %s", name, WEXITSTATUS(result),
-                        log.error[0] ? log.error : log.last);
-    return ISO_OK;
+    return status;
+}
+
+/* ---- one that stays ---- */
+
+iso_status iso_process_start(const char *const argv[], const char *directory, iso_process **process, iso_error *err)
+{
+    iso_process *p = malloc(sizeof *p);
+    *process = NULL;
+    if (!p)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory to start it", iso_path_base(argv[0]));
+    const iso_status status = begin(argv, directory, true, p, err);
+    if (status == ISO_OK)
+        *process = p;
+    else
+        free(p);
+    return status;
+}
+
+void iso_process_say(iso_process *p, const char *line)
+{
+    const char *const parts[] = {line, "\n"};
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t left = strlen(parts[i]), all = left; left > 0;) {
+            const ssize_t n = send(p->in, parts[i] + (all - left), left, MSG_NOSIGNAL);
+            if (n < 0 && errno != EINTR)
+                return;
+            left -= n > 0 ? (size_t)n : 0;
+        }
+}
+
+/* Signals are watched while there is something to wait for. In between they end this process, and the program with it. */
+iso_status iso_process_listen(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
+                              iso_error *err)
+{
+    watch_signals();
+    const iso_status status = listen_to(p, until, options ? options : &no_options, ended, err);
+    restore_signals();
+    return status;
+}
+
+void iso_process_end(iso_process *p)
+{
+    const iso_process_options patience = {.timeout_seconds = 10};
+    bool ended;
+    if (p && p->in >= 0) {
+        shutdown(p->in, SHUT_RDWR);
+        iso_process_listen(p, NULL, &patience, &ended, NULL);
+    }
+    free(p);
 }

@@ -27,4 +27,21 @@ typedef struct iso_process_options {
  * does not outlive this process. Threads may each run one; a signal ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 
+/* ---- a program that stays and takes one order after the other ---- */
+
+/* It reads lines from its stdin. Belongs to the thread that starts it, and ends with it at the latest. */
+typedef struct iso_process iso_process;
+iso_status iso_process_start(const char *const argv[], const char *directory, iso_process **process, iso_error *err);
+
+/* Sends a line. A program that has ended says so when it is listened to. */
+void iso_process_say(iso_process *process, const char *line);
+
+/* Takes output until a line is `until`: then the program waits for its next line. *ended: it came to its end instead, which
+ * is told as iso_process_run() does; nothing more can be said to it. options->directory is not looked at. */
+iso_status iso_process_listen(iso_process *process, const char *until, const iso_process_options *options, bool *ended,
+                              iso_error *err);
+
+/* Closes its input, and gives it ten seconds to end by itself. NULL: nothing to do. */
+void iso_process_end(iso_process *process);
+
 #endif

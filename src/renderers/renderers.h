@@ -74,7 +74,7 @@ typedef struct iso_render_request {
 
 /* What a renderer can do, and which options it reads; it ignores the others. */
 typedef enum iso_trait {
-    ISO_IS_PROGRAM = 1 << 0, /* started for each request, which takes seconds, and given an export, which carries
+    ISO_IS_PROGRAM = 1 << 0, /* started for its images, which takes seconds, and given an export, which carries
                                       * decoded directions; else it runs in this process */
     ISO_IS_RANDOM = 1 << 1,  /* its images have noise: it is run with several seeds */
     ISO_HAS_LIMIT = 1 << 2,  /* its error falls with the square of its ray step */
