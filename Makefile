@@ -191,7 +191,7 @@ $(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(chil
 	@mkdir -p $(@D)
 	$(call say,ITK)$(CXX) $(child_flags) -isystem /usr/include/$(itk) \
 		$(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*))) -o $@ $(filter %.cc,$^) \
-		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmCommon
+		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon
 $(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h)
 	@mkdir -p $(@D)
 	$(call say,HDF)$(CXX) $(child_flags) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs))) -o $@ \

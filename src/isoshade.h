@@ -133,7 +133,7 @@ typedef struct iso_volume iso_volume;
 
 /* Opens a file or a folder of slices by its content (doc/formats-in.md), values with the file's slope and intercept.
  * ISO_E_IO; ISO_E_FORMAT: not of these formats, or damaged; ISO_E_RANGE: voxels that are NaN or infinite; ISO_E_MISSING:
- * read by ITK, which is not installed; ISO_E_MEMORY. */
+ * a program that reads such files (isoshade-itk, -arrays, -vdb) is not installed; ISO_E_MEMORY. */
 iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err);
 
 /* Copies samples of that type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order. ISO_E_USAGE: an unknown type;

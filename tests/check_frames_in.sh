@@ -26,4 +26,16 @@ refuse one_frame_only 2 'has one frame' "$ISOSHADE" build f_1.nrrd --frames all 
 refuse frames_is_all 2 '--frames is "3", must be all' "$ISOSHADE" build f_1.nrrd --frames 3 -o x.iso
 refuse all_or_one 2 '--frames all and --frame' "$ISOSHADE" build 'f_%d.nrrd' --frames all --frame 1 -o x.iso
 refuse no_frame_is_named 2 'f_%d.nrrd: has 2 frames; --frame K chooses one, from 0 to 1' "$ISOSHADE" render 'f_%d.nrrd' -o x.png
+
+# Labels are looked for in all frames: an intensity among them decides nothing in silence.
+planes() { for v in "$@"; do head -c 64 /dev/zero | tr '\0' "\\$v"; done; }
+volume() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n'; cat; }
+planes 001 001 001 007 007 003 003 003 | volume >s_0.nrrd
+planes 001 001 007 007 007 003 003 003 | volume >s_1.nrrd
+check labels_in_all_frames "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 -o s.iso
+check by_majority grep -q majority s_0001.iso/pyramid.json
+planes 001 002 003 004 005 006 007 010 | volume >s_2.nrrd
+refuse frames_of_two_kinds 2 'frame 1 looks like a label map, frame 2 does not: --labels or --no-labels' \
+    "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 -o t.iso
+check or_it_is_said "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 --no-labels -o t.iso
 exit $failed

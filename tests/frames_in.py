@@ -4,6 +4,8 @@
     frames_in.py ISOSHADE [CASE ...]      as formats_in.py, with the phantom varied in each frame and each channel
 """
 import json
+import os
+import shutil
 import subprocess
 import sys
 
@@ -279,6 +281,181 @@ def numbered_files():
     same("./step_%d.vti", values[2], ras=False, options=["--frame", "2"])
     refused("none_%04d.vti", 3, "none_%04d.vti: no file has a number in this place")
     refused("step_%04d.txt", 3, "no file has a number")
+
+
+# ---- DICOM: several times of a place, in one folder or in one file ----
+
+def dicom_times(folder, values, stamp, order=5):
+    """A file for each slice of each time, by stamp(dataset, time, slice); the files' names say nothing."""
+    from formats_medical import dicom_slice
+    import pydicom
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    for t, volume in enumerate(values):
+        for k, pixels in enumerate(volume):
+            number = t * len(volume) + k
+            path = f"{folder}/{(number * order) % (len(values) * len(volume)):03d}.dcm"
+            dicom_slice(path, pixels, FIRST + STEPS[:, 2] * k, "1.2.3.44", number + 1)
+            d = pydicom.dcmread(path)
+            stamp(d, t, k)
+            d.save_as(path, write_like_original=False)
+
+
+def set_words(**words):
+    def stamp(d, t, k):
+        for name, value in words.items():
+            setattr(d, name, value(t, k))
+    return stamp
+
+
+@case
+def dicom_time():
+    values = series()
+    stamps = {
+        (40, "ms"): set_words(TemporalPositionIdentifier=lambda t, k: t + 1, TemporalResolution=lambda t, k: 40),
+        (33, "ms"): set_words(TriggerTime=lambda t, k: 33 * t),
+        # each slice at its own time: the order at each place
+        (2, "s"): set_words(AcquisitionTime=lambda t, k: f"1000{2 * t:02d}.{(k * 3) % 7:02d}0000"),
+        (0, ""): set_words(AcquisitionNumber=lambda t, k: t + 1),
+        (4.5, "ms"): set_words(EchoTime=lambda t, k: 1.5 + 4.5 * t, AcquisitionTime=lambda t, k: f"1000{k:02d}"),
+    }
+    for said, stamp in stamps.items():
+        dicom_times("times", values, stamp)
+        same("times", values[2], options=["--frame", "2"])
+        about = info("times", "--frame", "1")
+        expect((about["frames"], about["frame_step"], about["frame_unit"]) == (3, *said), f"frames {about['frames']}, "
+               f"{about['frame_step']} {about['frame_unit']} apart, not {said}")
+    dicom_times("times", values, set_words(TriggerTime=lambda t, k: 33 * t))
+    each_frame("times", values, (33, "ms"), unit="mm")
+    os.remove("times/004.dcm")
+    refused("times", 4, "2 to 3 slices at a place (a time step is not complete?)", ["--frame", "0"])
+    dicom_times("times", values, set_words(ContentTime=lambda t, k: f"1000{t:02d}"))
+    refused("times", 4, "3 slices at each place, which no time, echo or b-value alone tells apart", ["--frame", "0"])
+    dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageOrientationPatient", [1, 0, 0, 0, 1, 0]) if k == 3 else None)
+    refused("times", 4, "slices of different directions or spacings")
+    dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageType", ["ORIGINAL", "PRIMARY", "M", "MOSAIC"]))
+    refused("times", 4, "a mosaic of slices in one picture")
+
+
+@case
+def dicom_multiframe_time():
+    """One file whose frames are in the order of places, then of times, and backwards."""
+    import pydicom
+    from pydicom.dataset import Dataset
+    from formats_medical import dicom_slice
+    values = series()
+    dicom_slice("enhanced.dcm", values[0, 0], FIRST, "1.2.3.45", 1)
+    d = pydicom.dcmread("enhanced.dcm")
+    d.SOPClassUID = d.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.4.1"
+    shared, orientation, measures = Dataset(), Dataset(), Dataset()
+    orientation.ImageOrientationPatient, measures.PixelSpacing = d.ImageOrientationPatient, d.PixelSpacing
+    measures.SliceThickness = "1"
+    shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [orientation], [measures]
+    order = [(t, k) for k in range(values.shape[1]) for t in range(3)][::-1]
+    d.SharedFunctionalGroupsSequence, d.PerFrameFunctionalGroupsSequence = [shared], []
+    d.NumberOfFrames, d.PixelData = len(order), b"".join(values[t, k].tobytes() for t, k in order)
+    for word in "ImageOrientationPatient", "ImagePositionPatient", "PixelSpacing", "SliceThickness", "RescaleSlope", "RescaleIntercept":
+        delattr(d, word)
+
+    def write(path, **more):
+        frames = []
+        for t, k in order:
+            frame, position, content, heart = Dataset(), Dataset(), Dataset(), Dataset()
+            position.ImagePositionPatient = [f"{c:.11f}" for c in LPS @ (FIRST + STEPS[:, 2] * k)]
+            content.TemporalPositionIndex, heart.NominalCardiacTriggerDelayTime = t + 1, 25.0 * t
+            frame.PlanePositionSequence, frame.FrameContentSequence = [position], [content]
+            frame.CardiacSynchronizationSequence = [heart]
+            for word, value in more.items():
+                setattr(frame, word, value(t, k))
+            frames.append(frame)
+        d.PerFrameFunctionalGroupsSequence = frames
+        d.save_as(path, write_like_original=False)
+
+    write("enhanced.dcm")
+    each_frame("enhanced.dcm", values, (25, "ms"), unit="mm")
+
+    def scale(t, k):
+        own = Dataset()
+        own.RescaleIntercept, own.RescaleSlope, own.RescaleType = "0", str(1 + k), "US"
+        return [own]
+
+    write("scaled.dcm", PixelValueTransformationSequence=scale)
+    refused("scaled.dcm", 4, "have different rescale slopes or intercepts", ["--frame", "0"])
+    # neither a place a frame nor a spacing: pictures of one place in a row, as of ultrasound
+    d.PerFrameFunctionalGroupsSequence, measures.SliceThickness = [], None
+    del d.PerFrameFunctionalGroupsSequence, d.SharedFunctionalGroupsSequence
+    d.save_as("cine.dcm", write_like_original=False)
+    refused("cine.dcm", 4, "does not say the spacing between its frames")
+
+
+# ---- lists of files, and arrays with a time ----
+
+@case
+def listed_files():
+    """ParaView's .pvd and VTK's .series, as their documentation has them; the files by VTK."""
+    import vtk
+    values = series()
+    os.makedirs("parts", exist_ok=True)
+    for t, one in enumerate(values):
+        vtk_write(vtk.vtkXMLImageDataWriter(), vtk_image(one, STEPS, FIRST), f"parts/a&b{7 - t}.vti")
+    pvd = "".join(f'    <DataSet timestep="{0.5 * t}" group="" part="0" file="parts/a&amp;b{7 - t}.vti"/>\n' for t in (2, 0, 1))
+    with open("list.pvd", "w", encoding="ascii") as file:
+        file.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+                   f"  <Collection>\n{pvd}  </Collection>\n</VTKFile>\n")
+    with open("list.vti.series", "w", encoding="ascii") as file:
+        json.dump({"file-series-version": "1.0",
+                   "files": [{"name": f"parts/a&b{7 - t}.vti", "time": 0.5 * t} for t in range(3)]}, file)
+    for path in "list.pvd", "list.vti.series":
+        each_frame(path, values, (0.5, ""), ras=False)
+        cut(path, "cut." + path)
+        refused("cut." + path, 4, "cut." + path, ["--frame", "0"])
+    with open("list.pvd", encoding="ascii") as file:
+        text = file.read()
+    for change, code, words in ((('timestep="0.5"', 'timestep="1.0"'), 4, "two files of the time 1"),
+                                (('timestep="0.5"', 'timestep="x"'), 4, "has no finite time"),
+                                (("a&amp;b6", "gone"), 3, "parts/gone.vti: cannot be opened")):
+        with open("wrong.pvd", "w", encoding="ascii") as file:
+            file.write(text.replace(*change))
+        refused("wrong.pvd", code, words, ["--frame", "1"])
+    with open("uneven.pvd", "w", encoding="ascii") as file:
+        file.write(text.replace('timestep="1.0"', 'timestep="7"'))
+    expect(info("uneven.pvd", "--frame", "1")["frame_step"] == 0, "uneven times have no step")
+    with open("empty.series", "w", encoding="ascii") as file:
+        file.write('{"file-series-version": "1.0", "files": []}')
+    refused("empty.series", 4, "lists no files")
+
+
+@case
+def array_times():
+    import h5py
+    import netCDF4
+    from formats_arrays import zarr_array, zarr_group
+    values = series(3, np.uint16)
+    for kind in "NETCDF3_CLASSIC", "NETCDF4":
+        with netCDF4.Dataset("time.nc", "w", format=kind) as file:
+            for name, n, step, unit in (("time", 3, 6, "hours since 2000-01-01"), ("z", 7, 2.5, "mm"), ("y", 13, 0.5, "mm"),
+                                        ("x", 11, 0.75, "mm")):
+                file.createDimension(name, n)
+                at = file.createVariable(name, "f8", (name,))
+                at[:], at.units = np.arange(n) * step, unit
+            file.createVariable("t", "i2", ("time", "z", "y", "x"))[:] = values.astype(np.int16)
+        each_frame("time.nc", values.astype(np.int16), (6, "hours"), steps=np.diag(SPACING), first=np.zeros(3), ras=False)
+    group = zarr_group("time.zarr")
+    zarr_array(group, "0", values)
+    group.attrs["multiscales"] = [{
+        "version": "0.4",
+        "axes": [{"name": "t", "type": "time", "unit": "second"}] + [
+            {"name": n, "type": "space", "unit": "millimeter"} for n in "zyx"],
+        "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [0.2, *SPACING[::-1]]}]}]}]
+    each_frame("time.zarr", values, (0.2, "second"), steps=np.diag(SPACING), first=np.zeros(3), ras=False)
+    with h5py.File("time.h5", "w") as file:
+        data = file.create_dataset("v", data=values)
+        for axis, (name, step) in enumerate((("time", 2), ("z", 2.5), ("y", 0.5), ("x", 0.75))):
+            file[name] = np.arange(values.shape[axis]) * step
+            file[name].attrs["units"] = "s" if name == "time" else "mm"
+            file[name].make_scale(name)
+            data.dims[axis].attach_scale(file[name])
+    each_frame("time.h5:v", values, (2, "s"), steps=np.diag(SPACING), first=np.zeros(3), ras=False)
 
 
 if __name__ == "__main__":

@@ -196,7 +196,7 @@ static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, c
         input.frame = number;
         build_job frame = *job;
         frame.input = &input;
-        char *name = iso_frames_name(output, k);
+        char *name = iso_frames_name(output, ".iso", k);
         status = name ? build_one(&frame, opt, name, &one, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
         free(name);
         if (one)
@@ -227,11 +227,9 @@ static iso_status check_frames(const build_options *in, const iso_volume_input *
 static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, iso_error *err)
 {
     const char *path = job->cli->arguments[0];
-    iso_volume_input input = *job->input;
     size_t labels = 0;
-    if (job->options->frames) /* all frames are what the first one is */
-        input.frame = "0";
-    const iso_status status = iso_volume_input_labels(path, &input, &labels, err);
+    const iso_status status = job->options->frames ? iso_frames_labels(path, job->input, &labels, err)
+                                                   : iso_volume_input_labels(path, job->input, &labels, err);
     if (status != ISO_OK || labels == 0)
         return status;
     if (job->options->scene || (job->options->scalar_filter && opt->scalar_filter != ISO_SCALAR_MAJORITY))

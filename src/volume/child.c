@@ -151,6 +151,8 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
                          iso_error *err)
 {
     iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
+    axes.frame_step = h->frame_step;
+    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%.15s", h->frame_unit);
     for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
         snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%.47s", h->channel_name[c]);
     iso_status status = iso_source_choose(source, &axes, err);

@@ -37,6 +37,8 @@ typedef struct iso_child_header {
     double box[3];           /* the box in index coordinates, where it is smaller than the grid; 0: as the grid */
     size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
     char channel_name[32][48];
+    double frame_step; /* how far frames are apart; 0: not said */
+    char frame_unit[16];
     char unspaced[160]; /* "", or which spacing the file does not say: "between its slices" */
 } iso_child_header;
 

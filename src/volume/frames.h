@@ -47,9 +47,15 @@ void iso_source_convert(const iso_volume_source *source, const void *cells, size
 /* Whether samples are those of the file, one after the other. */
 bool iso_source_is_plain(const iso_volume_source *source);
 
-/* `path` has a place for numbers, such as "name_%04d.nrrd" has, and is no file itself: *file becomes the one of the frame
- * that hints name (to be freed), *count their number, and *frame the chosen. Else *file is NULL. ISO_E_USAGE as above. */
-iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, char **file, size_t *count,
-                               size_t *frame, iso_error *err);
+/* A frame in a file of its own. */
+typedef struct iso_frame_file {
+    char *path; /* of the chosen frame, to be freed; NULL: the frames are in one file, or there is one */
+    size_t count, frame;
+    double step; /* of time, where a list says so (file_list.h); else 0 */
+} iso_frame_file;
+
+/* `path` has a place for numbers, such as "name_%04d.nrrd" has, and is no file itself; or it is a list of files. ISO_E_USAGE
+ * as above. */
+iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err);
 
 #endif

@@ -54,7 +54,38 @@ iso_status iso_frames_measure(const char *path, const iso_volume_input *input, s
     return status;
 }
 
-char *iso_frames_name(const char *output, size_t frame)
+iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err)
+{
+    size_t frames = 1, with = 0, without = 0;
+    *count = 0;
+    for (size_t k = 0; k < frames; ++k) {
+        char number[24];
+        size_t labels = 0;
+        iso_volume_source *source;
+        iso_volume_input one = *input;
+        snprintf(number, sizeof number, "%zu", k);
+        one.frame = number;
+        iso_status status = k == 0 ? iso_volume_input_open(path, &one, &source, err) : ISO_OK;
+        if (status == ISO_OK && k == 0) {
+            frames = iso_source_volume(source)->notes.frame_count;
+            iso_source_close(source);
+        }
+        if (status == ISO_OK)
+            status = iso_volume_input_labels(path, &one, &labels, err);
+        if (status != ISO_OK)
+            return status;
+        *(labels ? &with : &without) = k + 1;
+        *count = labels > *count ? labels : *count;
+    }
+    if (with && without && !input->labels)
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "%s: frame %zu looks like a label map, frame %zu does not: --labels or --no-labels says which all are",
+            path, with - 1, without - 1);
+    return ISO_OK;
+}
+
+char *iso_frames_name(const char *output, const char *suffix, size_t frame)
 {
     const char *place = strchr(output, '%'), *end = strrchr(output, '.');
     const size_t digits = place ? 1 + strspn(place + 1, "0123456789") : 0;
@@ -62,9 +93,9 @@ char *iso_frames_name(const char *output, size_t frame)
     int n;
     if (place && place[digits] == 'd')
         n = asprintf(&name, "%.*s%04zu%s", (int)(place - output), output, frame, place + digits + 1);
-    else if (end && strcmp(end, ".iso") == 0)
-        n = asprintf(&name, "%.*s_%04zu.iso", (int)(end - output), output, frame);
+    else if (end && *suffix && strcmp(end, suffix) == 0)
+        n = asprintf(&name, "%.*s_%04zu%s", (int)(end - output), output, frame, suffix);
     else
-        n = asprintf(&name, "%s_%04zu.iso", output, frame);
+        n = asprintf(&name, "%s_%04zu%s", output, frame, suffix);
     return n < 0 ? NULL : name;
 }

@@ -8,7 +8,10 @@
 /* Reads all frames, plane by plane. ISO_E_USAGE where there is one only; ISO_E_RANGE for NaN and infinite voxels. */
 iso_status iso_frames_measure(const char *path, const iso_volume_input *input, size_t *count, double range[2],
                               iso_error *err);
-/* "out_0003.iso" of "out.iso" and "out_%04d.iso"; to be freed, NULL when memory ends. */
-char *iso_frames_name(const char *output, size_t frame);
+/* As iso_volume_input_labels(), of all frames: the most labels that one has. ISO_E_USAGE where some look like label maps and
+ * others do not, and the input does not say which they are. */
+iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
+/* "out_0003.iso" of "out.iso" and "out_%04d.iso", where the suffix is ".iso"; to be freed, NULL when memory ends. */
+char *iso_frames_name(const char *output, const char *suffix, size_t frame);
 
 #endif

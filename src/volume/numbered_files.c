@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* numbered_files.c - frames in files of their own, whose names have a number. */
+/* numbered_files.c - frames in files of their own, whose names have a number or are listed. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <stdlib.h>
@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "volume/file_list.h"
 #include "volume/frames.h"
 
 typedef struct numbered {
@@ -89,28 +90,58 @@ static bool find_files(const char *path, const char *base, numbered_files *files
     return well;
 }
 
-iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, char **file, size_t *count,
-                               size_t *frame, iso_error *err)
+static iso_status choose_file(const char *path, const iso_volume_hints *hints,
+                              const char *chosen_of(const void *, size_t), const void *files, iso_frame_file *found,
+                              iso_error *err)
+{
+    const iso_volume_hints none = {0};
+    const iso_extra_axes axes = {.frame = {.count = found->count}, .frame_step = found->step};
+    iso_status status = iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err);
+    if (status == ISO_OK && !(found->path = strdup(chosen_of(files, found->frame))))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    return status;
+}
+
+static const char *numbered_at(const void *files, size_t i)
+{
+    return ((const numbered_files *)files)->file[i].name;
+}
+
+static const char *listed_at(const void *list, size_t i)
+{
+    return ((const iso_file_list *)list)->file[i].path;
+}
+
+static iso_status of_list(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
+{
+    iso_file_list list;
+    iso_status status = iso_file_list_read(path, &list, err);
+    found->count = list.count;
+    found->step = list.step;
+    if (status == ISO_OK)
+        status = choose_file(path, hints, listed_at, &list, found, err);
+    iso_file_list_destroy(&list);
+    return status;
+}
+
+iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
 {
     struct stat st;
     size_t bytes;
     const char *base = iso_path_base(path);
-    *file = NULL;
+    *found = (iso_frame_file){0};
+    if (iso_file_list_is_one(path))
+        return of_list(path, hints, found, err);
     if (!find_place(base, &bytes) || stat(path, &st) == 0)
         return ISO_OK;
     numbered_files files = {0};
-    const iso_volume_hints none = {0};
-    iso_extra_axes found = {0};
     iso_status status = find_files(path, base, &files) ? ISO_OK
                                                        : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && files.count == 0)
         status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
-    found.frame.count = files.count;
+    found->count = files.count;
     if (status == ISO_OK)
-        status = iso_frames_choose(path, hints ? hints : &none, &found, frame, err);
-    if (status == ISO_OK && !(*file = strdup(files.file[*frame].name)))
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    *count = files.count;
+        status = choose_file(path, hints, numbered_at, &files, found, err);
     free_files(&files);
     return status;
 }

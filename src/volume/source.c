@@ -270,20 +270,20 @@ static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_
 iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
                                 iso_error *err)
 {
-    char *file;
-    size_t count, frame;
+    iso_frame_file found;
     *source = NULL;
-    iso_status status = iso_frames_of_files(path, hints, &file, &count, &frame, err);
-    if (status != ISO_OK || !file) /* one file of frames, or of one */
+    iso_status status = iso_frames_of_files(path, hints, &found, err);
+    if (status != ISO_OK || !found.path) /* one file of frames, or of one */
         return status == ISO_OK ? open_one(path, hints, source, err) : status;
     iso_volume_hints own = hints ? *hints : (iso_volume_hints){0};
     own.frame = NULL;
-    status = open_one(file, &own, source, err);
-    free(file);
+    status = open_one(found.path, &own, source, err);
+    free(found.path);
     if (status != ISO_OK)
         return status;
-    (*source)->header.notes.frame_count = count;
-    (*source)->header.notes.frame = frame;
+    (*source)->header.notes.frame_count = found.count;
+    (*source)->header.notes.frame = found.frame;
+    (*source)->header.notes.frame_step = found.step > 0 ? found.step : 0;
     return ISO_OK;
 }
 

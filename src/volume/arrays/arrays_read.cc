@@ -132,6 +132,8 @@ public:
             fail(ISO_E_FORMAT, shown_ + ": has no samples: " + sizes_of(array_));
         header.type = array_.type;
         place(*store_, array_, axes_.space, shown_, header);
+        if (header.frames > 1)
+            take_frame_step(*store_, array_, static_cast<size_t>(axes_.frame), header);
         scales_ = take_scale(*store_, array_, header.size[2], shown_, header);
         if (!scales_.slope.empty())
             header.type = ISO_F32;

@@ -150,6 +150,24 @@ bool place_by_element_size(Store &store, const Array &array, const size_t (&spac
 
 } // namespace
 
+void take_frame_step(Store &store, const Array &array, size_t axis, iso_child_header &header)
+{
+    double step = 0;
+    std::string unit, uneven;
+    if (!store.frame_step(array, axis, step, unit)) {
+        const std::string coordinate = store.coordinate(array, axis);
+        const auto at = coordinate.empty() ? std::vector<double>() : store.values(coordinate);
+        if (at.size() != array.size[axis] || at.size() < 2 || !take_steps(at, step, uneven))
+            return;
+        unit = store.text(coordinate, "units");
+        unit = unit.substr(0, unit.find(" since ")); /* "days since 1970-01-01" */
+    }
+    if (std::isfinite(step) && step > 0) {
+        header.frame_step = step;
+        snprintf(header.frame_unit, sizeof header.frame_unit, "%s", unit.c_str());
+    }
+}
+
 void place(Store &store, const Array &array, const size_t (&space)[3], const std::string &path,
            iso_child_header &header)
 {

@@ -9,6 +9,9 @@
 void place(Store &store, const Array &array, const size_t (&space)[3], const std::string &path,
            iso_child_header &header);
 
+/* How far the samples along the axis of frames are apart, and in what, where the file says so evenly (within 1 %). */
+void take_frame_step(Store &store, const Array &array, size_t axis, iso_child_header &header);
+
 /* MINC scales each slice for itself. */
 struct SliceScales {
     std::vector<double> slope, intercept; /* empty, or of each plane */

@@ -39,6 +39,11 @@ public:
     {
         return false;
     }
+    /* The same of the step between frames. */
+    virtual bool frame_step(const Array &, size_t /* axis */, double & /* step */, std::string & /* unit */)
+    {
+        return false;
+    }
     /* Names of channels; empty where the format has none. */
     virtual std::vector<std::string> channel_names(const Array &)
     {

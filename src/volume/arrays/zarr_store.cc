@@ -190,6 +190,20 @@ public:
         return true;
     }
 
+    bool frame_step(const Array &array, size_t axis, double &step, std::string &unit) override
+    {
+        const Image image = image_of(array.name);
+        std::vector<double> scale(array.size.size(), 1), shift(array.size.size(), 0);
+        if (!image.level)
+            return false;
+        const bool scaled = transform(json_object_get(image.level, "coordinateTransformations"), scale, shift);
+        const bool whole = transform(json_object_get(image.image, "coordinateTransformations"), scale, shift);
+        unit = word(json_array_get(json_object_get(image.image, "axes"), axis), "unit");
+        /* A scale of 1 without a unit is what writers put where they know none. */
+        step = (scaled || whole) && !(scale[axis] == 1 && unit.empty()) ? scale[axis] : 0;
+        return true;
+    }
+
 private:
     /* Of a multiscale image: all of it, and the level that an array is. */
     struct Image {

@@ -14,16 +14,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "volume/itk/slice.h"
+#include "volume/itk/multiframe.h"
 
 namespace {
-
-std::string number(double value)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
 
 /* ---- folders ---- */
 
@@ -115,7 +108,7 @@ const Series &choose(const std::vector<Series> &all, const char *wanted, const s
 
 class Reader : public PlaneReader {
 public:
-    Reader(const std::string &path, const char *series)
+    Reader(const std::string &path, const char *series, size_t frame) : frame_(frame)
     {
         if (!std::filesystem::is_directory(path))
             open_file(path);
@@ -133,8 +126,9 @@ public:
 
 private:
     std::vector<Slice> slices_;
-    std::vector<char> whole_; /* of a file that holds all planes */
-    size_t next_ = 0;
+    std::vector<char> whole_;   /* of a file that holds all planes */
+    std::vector<size_t> order_; /* of its frames; empty: as they are */
+    size_t frame_, next_ = 0;
 
     void take_header(const Slice &s, size_t planes)
     {
@@ -164,14 +158,69 @@ private:
             fail(ISO_E_FORMAT, path + ": is one slice; a volume is the folder of its slices");
         take_header(s, s.size[2]);
         if (is_patient(s))
-            set_patient();
+            take_frames(s);
         if (!is_patient(s) && s.io->GetSpacing(2) <= 0)
             snprintf(header.unspaced, sizeof header.unspaced, "of its voxels");
         slices_.push_back(s);
     }
 
-    /* Sorted along the normal of their planes, which have to be as far from each other everywhere. The step from one to
-     * the next is what their positions say: under a tilted gantry it is oblique to the planes. */
+    /* One file, whose frames may stand in any order, at several times. */
+    void take_frames(const Slice &s)
+    {
+        const FramePlanes found = planes_in(s.path, s.size[2]);
+        if (found.planes.empty()) {
+            set_patient();
+            if (!found.is_spaced)
+                snprintf(header.unspaced, sizeof header.unspaced, "between its frames");
+            return;
+        }
+        const Stack stack = stack_of(found.planes, found.u, found.v, frame_, s.path);
+        if (stack.planes.size() < 2)
+            fail(ISO_E_FORMAT, s.path + ": one slice, " + std::to_string(stack.frames) + " times; a volume has more");
+        order_ = stack.planes;
+        header.size[2] = order_.size();
+        for (size_t r = 0; r < 3; ++r) {
+            header.step[0][r] = found.u[r];
+            header.step[1][r] = found.v[r];
+        }
+        take_stack(stack, found.planes[order_[0]].first);
+    }
+
+    /* Of a slice of a series, what the stack needs. */
+    static Plane plane_of(const Slice &s)
+    {
+        Plane plane;
+        const auto &words = s.io->GetMetaDataDictionary();
+        std::string text;
+        plane.name = s.path;
+        plane.first = s.first;
+        for (const auto &key : plane_keys) {
+            text.clear();
+            itk::ExposeMetaData<std::string>(words, key.tag, text);
+            plane.keys.push_back(trimmed(text));
+        }
+        text.clear();
+        itk::ExposeMetaData<std::string>(words, "0020|0110", text);
+        plane.resolution_ms = strtod(text.c_str(), nullptr);
+        text.clear();
+        itk::ExposeMetaData<std::string>(words, "0008|0008", text);
+        if (text.find("MOSAIC") != std::string::npos)
+            fail(ISO_E_FORMAT, s.path + ": a mosaic of slices in one picture, which is not read; dcm2niix converts it");
+        return plane;
+    }
+
+    void take_stack(const Stack &stack, const Vector &first)
+    {
+        header.frames = stack.frames;
+        header.frame_step = stack.frame_step;
+        snprintf(header.frame_unit, sizeof header.frame_unit, "%s", stack.frame_unit.c_str());
+        for (int r = 0; r < 3; ++r) {
+            header.first[r] = first[static_cast<size_t>(r)];
+            header.step[2][r] = stack.step[static_cast<size_t>(r)];
+        }
+        set_patient();
+    }
+
     void open_series(const Series &series, const std::string &folder)
     {
         for (const auto &file : series.files)
@@ -182,39 +231,30 @@ private:
             slices_.clear();
             return open_file(only.path);
         }
-        const Vector &u = slices_[0].step[0], &v = slices_[0].step[1];
-        const Vector n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        const auto along = [&n](const Slice &s) { return n[0] * s.first[0] + n[1] * s.first[1] + n[2] * s.first[2]; };
-        std::sort(slices_.begin(), slices_.end(), [&](const Slice &a, const Slice &b) { return along(a) < along(b); });
-        take_header(slices_[0], slices_.size());
-        for (int r = 0; r < 3; ++r)
-            header.step[2][r] = (slices_.back().first[r] - slices_[0].first[r]) /
-                                static_cast<double>(slices_.size() - 1);
-        check_steps(folder);
-        set_patient();
+        check_turned(folder);
+        std::vector<Plane> planes;
+        for (const auto &s : slices_)
+            planes.push_back(plane_of(s));
+        const Stack stack = stack_of(planes, slices_[0].step[0], slices_[0].step[1], frame_, folder);
+        if (stack.planes.size() < 2)
+            fail(ISO_E_FORMAT, folder + ": one slice, " + std::to_string(stack.frames) + " times; a volume has more");
+        take_header(slices_[0], stack.planes.size());
+        std::vector<Slice> chosen;
+        for (const size_t i : stack.planes)
+            chosen.push_back(slices_[i]);
+        slices_ = chosen;
+        take_stack(stack, slices_[0].first);
     }
 
-    /* A missing slice, time steps, or echoes of one place. */
-    void check_steps(const std::string &folder) const
+    void check_turned(const std::string &folder) const
     {
-        const double *mean = header.step[2], length = std::hypot(mean[0], mean[1], mean[2]);
-        double widest = 0, off_by = 0;
-        std::string behind;
-        for (size_t i = 1; i < slices_.size(); ++i) {
-            Vector off;
-            for (int r = 0; r < 3; ++r)
-                off[r] = slices_[i].first[r] - slices_[i - 1].first[r];
-            const double step = std::hypot(off[0], off[1], off[2]);
-            if (step < 1e-4)
-                fail(ISO_E_FORMAT, folder + ": two slices at one place (time steps or echoes?): " +
-                                       slices_[i - 1].path + ", " + slices_[i].path);
-            off_by = std::max(off_by, std::hypot(off[0] - mean[0], off[1] - mean[1], off[2] - mean[2]));
-            if (step > widest)
-                widest = step, behind = slices_[i].path;
-        }
-        if (!(off_by <= 0.02 * length + 1e-3))
-            fail(ISO_E_FORMAT, folder + ": slices are not equally far apart (one is missing?): " + number(widest) +
-                                   " mm before " + behind + ", " + number(length) + " mm on average");
+        for (const auto &s : slices_)
+            for (size_t a = 0; a < 2; ++a)
+                for (size_t r = 0; r < 3; ++r)
+                    if (!(std::fabs(s.step[a][r] - slices_[0].step[a][r]) <=
+                          1e-3 * std::fabs(s.io->GetSpacing(0)) + 1e-6))
+                        fail(ISO_E_FORMAT, folder + ": slices of different directions or spacings: " + slices_[0].path +
+                                               ", " + s.path);
     }
 
     /* One size; and one type, or float where rescaling gives them several. */
@@ -280,10 +320,10 @@ private:
     {
         if (slices_.size() == 1) {
             if (whole_.empty()) {
-                whole_.resize(plane * header.size[2]);
+                whole_.resize(plane * slices_[0].size[2]);
                 read_samples(slices_[0], whole_.data(), whole_.size());
             }
-            memcpy(out, whole_.data() + next_ * plane, plane);
+            memcpy(out, whole_.data() + (order_.empty() ? next_ : order_[next_]) * plane, plane);
             return;
         }
         /* The reader again: it holds its file open, and thousands of them are too many. */
@@ -309,7 +349,7 @@ void be_silent()
 
 std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &wanted)
 {
-    return std::make_unique<Reader>(path, wanted.part.empty() ? nullptr : wanted.part.c_str());
+    return std::make_unique<Reader>(path, wanted.part.empty() ? nullptr : wanted.part.c_str(), wanted.frame);
 }
 
 } // namespace

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* file_list.h - files that list others, a time step each: ParaView's .pvd and VTK's .series; private to src/volume. */
+#ifndef ISO_VOLUME_FILE_LIST_H
+#define ISO_VOLUME_FILE_LIST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+typedef struct iso_listed_file {
+    double time;
+    char *path; /* beside the list, where its name is relative */
+} iso_listed_file;
+
+typedef struct iso_file_list {
+    iso_listed_file *file; /* by time; those of one time as they are listed */
+    size_t count, room;
+    double step; /* of time, where it is even within 1 %; else 0 */
+} iso_file_list;
+
+/* By its name. */
+bool iso_file_list_is_one(const char *path);
+/* ISO_E_FORMAT for a list that is damaged or empty, or that has several parts of a time step; ISO_E_IO; ISO_E_MEMORY.
+ * To be destroyed in every case. */
+iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *err);
+void iso_file_list_destroy(iso_file_list *list);
+
+#endif

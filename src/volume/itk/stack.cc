@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/itk/stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+const std::vector<PlaneKey> plane_keys = {
+    {"0020|0100", ""},      /* TemporalPositionIdentifier, and TemporalPositionIndex of frames */
+    {"0018|1060", "ms"},    /* TriggerTime, and NominalCardiacTriggerDelayTime of frames */
+    {"0054|1300", "ms"},    /* FrameReferenceTime */
+    {"0020|9241", "%"},     /* NominalPercentageOfCardiacPhase */
+    {"0008|002a", "clock"}, /* AcquisitionDateTime, and FrameAcquisitionDateTime of frames */
+    {"0008|0032", "clock"}, /* AcquisitionTime */
+    {"0020|0012", ""},      /* AcquisitionNumber */
+    {"0018|0081", "ms"},    /* EchoTime */
+    {"0018|9087", "s/mm2"}, /* DiffusionBValue */
+};
+
+namespace {
+
+constexpr double SAME_PLACE_MM = 1e-3;
+
+std::string number(double value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+/* Seconds of a clock, within a month of the same year; else the number. NAN where it is none. */
+double value_of(const std::string &text, const char *unit)
+{
+    char *end;
+    const double value = strtod(text.c_str(), &end);
+    if (end == text.c_str() || !std::isfinite(value))
+        return NAN;
+    if (std::string(unit) != "clock")
+        return value;
+    const double clock = std::fmod(value, 1e6), day = std::floor(value / 1e6);
+    const double hours = std::floor(clock / 1e4), minutes = std::floor(std::fmod(clock, 1e4) / 100);
+    return 86400 * std::fmod(day, 100) + 3600 * hours + 60 * minutes + std::fmod(clock, 100);
+}
+
+using Places = std::vector<std::vector<size_t>>; /* the planes at each place */
+
+Places places_of(const std::vector<Plane> &planes, const Vector &n)
+{
+    const auto along = [&](size_t i) {
+        const Vector &p = planes[i].first;
+        return n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+    };
+    std::vector<size_t> order(planes.size());
+    for (size_t i = 0; i < order.size(); ++i)
+        order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return along(a) < along(b); });
+    Places places;
+    for (const size_t i : order)
+        if (places.empty() || along(i) - along(places.back()[0]) > SAME_PLACE_MM)
+            places.push_back({i});
+        else
+            places.back().push_back(i);
+    return places;
+}
+
+[[noreturn]] void fail_at_one_place(const std::vector<Plane> &planes, const Places &places, const std::string &shown)
+{
+    size_t least = planes.size(), most = 0;
+    for (const auto &place : places)
+        least = std::min(least, place.size()), most = std::max(most, place.size());
+    const auto &place = *std::find_if(places.begin(), places.end(), [&](const auto &p) { return p.size() == most; });
+    const std::string two = planes[place[0]].name + ", " + planes[place[1]].name;
+    if (least == 1)
+        fail(ISO_E_FORMAT, shown + ": two slices at one place (time steps or echoes?): " + two);
+    if (least < most)
+        fail(ISO_E_FORMAT, shown + ": " + std::to_string(least) + " to " + std::to_string(most) +
+                               " slices at a place (a time step is not complete?), such as " + two);
+    fail(ISO_E_FORMAT, shown + ": " + std::to_string(most) +
+                           " slices at each place, which no time, echo or b-value alone tells apart, such as " + two);
+}
+
+/* Whether the key tells the planes of each place apart. */
+bool tells_apart(const std::vector<Plane> &planes, const Places &places, size_t key)
+{
+    for (const auto &place : places) {
+        std::set<double> values;
+        for (const size_t i : place) {
+            const double value = value_of(planes[i].keys[key], plane_keys[key].unit);
+            if (std::isnan(value) || !values.insert(value).second)
+                return false;
+        }
+    }
+    return true;
+}
+
+/* A key of as many values as there are frames comes before one by which each slice has its own time. */
+size_t choose_key(const std::vector<Plane> &planes, const Places &places, const std::string &shown)
+{
+    size_t found = plane_keys.size();
+    for (size_t key = plane_keys.size(); key-- > 0;)
+        if (tells_apart(planes, places, key))
+            found = key;
+    for (size_t key = found; key < plane_keys.size(); ++key) {
+        std::set<double> values;
+        for (const auto &plane : planes)
+            values.insert(value_of(plane.keys[key], plane_keys[key].unit));
+        if (values.size() == places[0].size() && tells_apart(planes, places, key))
+            return key;
+    }
+    if (found == plane_keys.size())
+        fail_at_one_place(planes, places, shown);
+    return found;
+}
+
+/* How far frames are apart, where they are so evenly (within 1 %): by the first key that is a time. */
+void take_frame_step(const std::vector<Plane> &planes, const std::vector<size_t> &place, Stack &stack)
+{
+    const double resolution = planes[place[0]].resolution_ms;
+    if (resolution > 0) {
+        stack.frame_step = resolution, stack.frame_unit = "ms";
+        return;
+    }
+    for (size_t key = 0; key < plane_keys.size(); ++key) {
+        const std::string unit = plane_keys[key].unit;
+        std::vector<double> at;
+        for (const size_t i : place)
+            at.push_back(value_of(planes[i].keys[key], plane_keys[key].unit));
+        const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
+        bool even = !unit.empty() && step > 0;
+        for (size_t i = 1; i < at.size(); ++i)
+            even = even && std::fabs(at[i] - at[i - 1] - step) <= 0.01 * step;
+        if (even) {
+            stack.frame_step = step, stack.frame_unit = unit == "clock" ? "s" : unit;
+            return;
+        }
+    }
+}
+
+/* A missing slice. */
+void check_steps(const std::vector<Plane> &planes, const Stack &stack, const std::string &shown)
+{
+    const Vector &mean = stack.step;
+    const double length = std::hypot(mean[0], mean[1], mean[2]);
+    double widest = 0, off_by = 0;
+    std::string behind;
+    for (size_t i = 1; i < stack.planes.size(); ++i) {
+        const Plane &plane = planes[stack.planes[i]];
+        Vector off;
+        for (size_t r = 0; r < 3; ++r)
+            off[r] = plane.first[r] - planes[stack.planes[i - 1]].first[r];
+        off_by = std::max(off_by, std::hypot(off[0] - mean[0], off[1] - mean[1], off[2] - mean[2]));
+        const double step = std::hypot(off[0], off[1], off[2]);
+        if (step > widest)
+            widest = step, behind = plane.name;
+    }
+    if (!(off_by <= 0.02 * length + 1e-3))
+        fail(ISO_E_FORMAT, shown + ": slices are not equally far apart (one is missing?): " + number(widest) +
+                               " mm before " + behind + ", " + number(length) + " mm on average");
+}
+
+} // namespace
+
+Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &v, size_t frame,
+               const std::string &shown)
+{
+    const Vector n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double length = std::hypot(n[0], n[1], n[2]);
+    Places places = places_of(planes, {n[0] / length, n[1] / length, n[2] / length});
+    Stack stack;
+    stack.frames = places[0].size();
+    for (const auto &place : places)
+        if (place.size() != stack.frames)
+            fail_at_one_place(planes, places, shown);
+    if (frame >= stack.frames)
+        fail(ISO_E_RANGE, shown + ": has no such frame");
+    if (stack.frames > 1) {
+        const size_t key = choose_key(planes, places, shown);
+        for (auto &place : places)
+            std::sort(place.begin(), place.end(), [&](size_t a, size_t b) {
+                const char *unit = plane_keys[key].unit;
+                return value_of(planes[a].keys[key], unit) < value_of(planes[b].keys[key], unit);
+            });
+        take_frame_step(planes, places[0], stack);
+    }
+    for (const auto &place : places)
+        stack.planes.push_back(place[frame]);
+    const Vector &first = planes[stack.planes.front()].first, &last = planes[stack.planes.back()].first;
+    for (size_t r = 0; r < 3 && places.size() > 1; ++r)
+        stack.step[r] = (last[r] - first[r]) / static_cast<double>(places.size() - 1);
+    check_steps(planes, stack, shown);
+    return stack;
+}
