@@ -19,6 +19,20 @@ expect a_smaller_budget 0 "$ISOSHADE" build v.nrrd --auto --tf "$tf" --levels 3 
 check leaves_out_what_needs_more grep -q 'scaled-damped [0-9.]* (above the budget)' out
 check and_takes_three_bytes grep -q '^chosen: .* 3 bytes a voxel' out
 
+# How the levels of a volume or a pyramid are shown.
+expect tf_adapt_chooses 0 "$ISOSHADE" tf adapt v.nrrd --auto --tf "$tf" --levels 3 -o chosen
+check a_design_a_level test "$(grep -c '^ *chosen: .* predicted error [0-9.]* of what small views' out)" = 2
+check files_are_there test -s chosen_level_1.tf.json -a -s chosen_level_2.tf.json
+expect of_a_pyramid_too 0 "$ISOSHADE" tf adapt small.iso --auto --budget 3 --tf "$tf" -o chosen --json
+has_keys of_each_level out auto chosen options bytes_per_voxel predicted
+check within_the_budget test "$(grep -c '"bytes_per_voxel": 3' out)" = 2
+"$ISOSHADE" build v.nrrd --scalar-filter gauss --levels 2 -q -o gauss.iso
+refuse another_filter 5 "--auto knows mean, damped" "$ISOSHADE" tf adapt gauss.iso --auto --tf "$tf" -o y
+refuse two_rules 2 "one of the two" "$ISOSHADE" tf adapt v.nrrd --auto --always --tf "$tf" -o y
+refuse too_small_a_budget_to_show 2 "directions alone take 3" \
+    "$ISOSHADE" tf adapt v.nrrd --auto --budget 2 --tf "$tf" -o y
+check nothing_is_written test ! -e y_level_1.tf.json
+
 refuse no_transfer_function 2 "with --tf FILE" "$ISOSHADE" build v.nrrd --auto -o x.iso
 refuse a_filter_that_is_given 2 "--auto chooses filters" \
     "$ISOSHADE" build v.nrrd --auto --tf "$tf" --scalar-filter mean -o x.iso

@@ -39,6 +39,8 @@ try eq1_goes_on_from_rank_to_rank 2 v.nrrd --direction-filter eq1 --levels 4
 try wide_filters_of_everything 3 f.nrrd --direction-filter eq1 --scalar-filter gauss --gauss-radius 3 --levels 3 --code region48
 try means_beside_gaussians 2 f.nrrd --direction-filter naive --scalar-filter gauss --levels 6 --keep-magnitude
 try least_squares_levels 3 v.nrrd --scalar-filter least-squares --levels 2
+try least_squares_directions 3 v.nrrd --direction-filter least-squares --levels 4 --keep-float
+try and_beside_damped_levels 2 f.nrrd --direction-filter least-squares --scalar-filter damped --levels 7
 try damped_levels 3 v.nrrd --scalar-filter damped --levels 7
 try least_squares_beside_eq1 2 f.nrrd --scalar-filter least-squares --direction-filter eq1 --levels 3
 try least_squares_above_the_carried_level 3 v.nrrd --scalar-filter least-squares --levels 7

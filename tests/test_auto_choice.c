@@ -81,8 +81,43 @@ static void the_default_stays_where_nothing_is_much_nearer(void **state)
             c.error[d][k] = iso_auto_design_at(d)->slope[k - 1] > 0 ? 1e3 : 0;
     choose(&c, ISO_AUTO_LEAST_BYTES);
     for (size_t d = 1; d < ISO_AUTO_DESIGNS; ++d)
-        assert_true(iso_auto_design_at(d)->bytes > ISO_AUTO_LEAST_BYTES || c.predicted[d] > 1);
+        assert_true(iso_auto_design_at(d)->bytes > ISO_AUTO_LEAST_BYTES || c.predicted[d] > 1 - ISO_AUTO_GAIN);
     assert_int_equal(c.chosen, 0);
+}
+
+/* Of a level that is there the designs with its own filter are chosen from, level by level. */
+static void a_level_is_shown_by_designs_of_its_own_filter(void **state)
+{
+    (void)state;
+    static const iso_scalar_filter filters[] = {ISO_SCALAR_MEAN, ISO_SCALAR_DAMPED, ISO_SCALAR_LEAST_SQUARES};
+    iso_auto_choice c = alike(0.1);
+    size_t chosen;
+    double gain;
+    iso_error failure;
+    for (size_t f = 0; f < 3; ++f)
+        for (size_t k = 1; k < 3; ++k)
+            for (int bytes = ISO_AUTO_LEAST_BYTES; bytes <= ISO_AUTO_MOST_BYTES; ++bytes) {
+                assert_ok(iso_auto_choose_level(&c, k, filters[f], bytes, &chosen, &gain, &err));
+                assert_int_equal(iso_auto_design_at(chosen)->scalar, filters[f]);
+                assert_true(iso_auto_design_at(chosen)->bytes <= bytes);
+                assert_at_most(gain, 1);
+            }
+    assert_ok(iso_auto_choose_level(&c, 1, ISO_SCALAR_MEAN, ISO_AUTO_LEAST_BYTES, &chosen, &gain, &err));
+    assert_int_equal(chosen, 0); /* small views decide: nothing of 3 bytes is predicted to be much nearer */
+    assert_within(gain, 1, 0);
+    assert_ok(iso_auto_choose_level(&c, 1, ISO_SCALAR_MEAN, ISO_AUTO_MOST_BYTES, &chosen, &gain, &err));
+    assert_int_equal(chosen, design("scaled"));
+    c.error[design("original")][2] = 1e-5; /* at one level alone */
+    assert_ok(iso_auto_choose_level(&c, 2, ISO_SCALAR_MEAN, ISO_AUTO_LEAST_BYTES, &chosen, &gain, &err));
+    assert_int_equal(chosen, design("original"));
+    assert_within(gain, exp(iso_auto_design_at(chosen)->prior[1]) *
+                            pow((1e-5 + 1e-6) / (0.1 + 1e-6), iso_auto_design_at(chosen)->slope[1]),
+                  1e-12);
+    assert_ok(iso_auto_choose_level(&c, 1, ISO_SCALAR_MEAN, ISO_AUTO_LEAST_BYTES, &chosen, &gain, &err));
+    assert_int_equal(chosen, 0);
+    assert_int_equal(iso_auto_choose_level(&c, 1, ISO_SCALAR_GAUSS, 4, &chosen, &gain, &failure), ISO_E_RANGE);
+    assert_non_null(strstr(failure.text, "gauss"));
+    assert_int_equal(iso_auto_choose_level(&c, 1, ISO_SCALAR_MEAN, 2, &chosen, &gain, &failure), ISO_E_RANGE);
 }
 
 /* What a level of this size can show: least squares give it back, means do not. */
@@ -125,6 +160,7 @@ int main(void)
         cmocka_unit_test(a_prediction_is_a_power_of_the_error),
         cmocka_unit_test(what_errs_least_by_far_is_chosen_within_the_budget),
         cmocka_unit_test(the_default_stays_where_nothing_is_much_nearer),
+        cmocka_unit_test(a_level_is_shown_by_designs_of_its_own_filter),
         cmocka_unit_test(a_level_that_is_right_has_no_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

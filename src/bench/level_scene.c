@@ -87,7 +87,7 @@ static iso_status show_design(const iso_auto_design *d, const iso_pyramid *p, co
 {
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = s->threads;
-    opt.fall_back = !d->scaled;
+    opt.fall_back = !d->always;
     iso_tf_table_destroy(&shown->tf);
     iso_status status = iso_adapt_level(p, d->adapted ? s->level : 0, s->tf, &opt, &shown->tf, &shown->judgment, err);
     if (status == ISO_OK && d->is_2d) {
@@ -135,4 +135,31 @@ iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *show
 iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
 {
     return make_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
+}
+
+static iso_status make_tf_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
+{
+    const iso_level *level0 = &s->pyramid->levels[0];
+    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
+    iso_pyramid_options opt = s->pyramid->options;
+    iso_auto_choice choice;
+    size_t design = 0;
+    double gain;
+    opt.threads = s->threads;
+    iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
+    if (status == ISO_OK)
+        status = iso_auto_choose_level(&choice, s->level, opt.scalar_filter, budget, &design, &gain, err);
+    if (status == ISO_OK)
+        status = show_design(iso_auto_design_at(design), s->pyramid, s, shown, err);
+    return status;
+}
+
+iso_status iso_level_make_tf_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_tf_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
+}
+
+iso_status iso_level_make_tf_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_tf_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
 }

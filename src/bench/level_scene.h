@@ -20,4 +20,8 @@ iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *show
 /* The same within the least budget, 3 bytes a voxel. */
 iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 
+/* How tf adapt --auto shows the subject's level, within 4 and 3 bytes. */
+iso_status iso_level_make_tf_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+iso_status iso_level_make_tf_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+
 #endif

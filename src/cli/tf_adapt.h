@@ -15,6 +15,7 @@ typedef struct iso_tf_arguments {
     iso_cli_transfer transfer;
     char *tf, *output, *volume, *scene, *size;
     int level, level_count;
+    int automatic, budget_bytes; /* --auto, --budget */
     const iso_cli *cli;
 } iso_tf_arguments;
 

@@ -11,88 +11,86 @@
  * after the other chose. Slopes are below 0 where what gains most at the voxels rings most. The 2D transfer function has
  * no error of its own here. */
 static const iso_auto_design designs[ISO_AUTO_DESIGNS] = {
-    {"default", "means, adapted TF", ISO_SCALAR_MEAN, true, false, false, 3, {0, 0, 0}, {0, 0, 0}},
-    {"original",
-     "means, original TF",
-     ISO_SCALAR_MEAN,
-     false,
-     false,
-     false,
-     3,
-     {0.040, 0.024, 0.113},
-     {0.18, 0.29, 0.06}},
-    {"damped",
-     "damped, original TF",
-     ISO_SCALAR_DAMPED,
-     false,
-     false,
-     false,
-     3,
-     {-0.170, -0.068, 0.024},
-     {0.09, 0.25, 0.07}},
-    {"damped-adapted",
-     "damped, adapted TF",
-     ISO_SCALAR_DAMPED,
-     true,
-     false,
-     false,
-     3,
-     {-0.180, -0.071, -0.037},
-     {0.16, 0.05, 0.01}},
-    {"least-squares",
-     "least squares, original TF",
-     ISO_SCALAR_LEAST_SQUARES,
-     false,
-     false,
-     false,
-     3,
-     {-0.179, -0.098, 0.001},
-     {-0.27, 0.29, 0.05}},
-    {"lsq-adapted",
-     "least squares, adapted TF",
-     ISO_SCALAR_LEAST_SQUARES,
-     true,
-     false,
-     false,
-     3,
-     {-0.301, -0.063, -0.042},
-     {-0.50, 0.15, 0.10}},
-    {"scaled",
-     "means, adapted TF, extinction scale",
-     ISO_SCALAR_MEAN,
-     true,
-     true,
-     false,
-     4,
-     {-0.273, -0.124, -0.113},
-     {0.00, 0.37, 0.05}},
-    {"scaled-original",
-     "means, original TF, extinction scale",
-     ISO_SCALAR_MEAN,
-     false,
-     true,
-     false,
-     4,
-     {-0.113, -0.048, -0.019},
-     {0.16, 0.37, 0.32}},
-    {"scaled-damped",
-     "damped, adapted TF, extinction scale",
-     ISO_SCALAR_DAMPED,
-     true,
-     true,
-     false,
-     4,
-     {-0.276, -0.172, -0.148},
-     {-0.04, 0.35, -0.02}},
-    {"tf-2d",
-     "means, 2D TF over value and deviation",
-     ISO_SCALAR_MEAN,
-     true,
-     false,
-     true,
-     4,
-     {-0.101, -0.064, -0.062},
-     {0.00, 0.00, 0.00}},
+    {.name = "default",
+     .summary = "means, adapted TF",
+     .scalar = ISO_SCALAR_MEAN,
+     .adapted = true,
+     .bytes = 3,
+     .prior = {0, 0, 0},
+     .slope = {0, 0, 0}},
+    {.name = "original",
+     .summary = "means, original TF",
+     .scalar = ISO_SCALAR_MEAN,
+     .bytes = 3,
+     .prior = {0.040, 0.024, 0.113},
+     .slope = {0.18, 0.29, 0.06}},
+    {.name = "always",
+     .summary = "means, TF adapted whatever small views say",
+     .scalar = ISO_SCALAR_MEAN,
+     .adapted = true,
+     .always = true,
+     .bytes = 3,
+     .prior = {0.002, -0.003, -0.025},
+     .slope = {0, 0, 0}},
+    {.name = "damped",
+     .summary = "damped, original TF",
+     .scalar = ISO_SCALAR_DAMPED,
+     .bytes = 3,
+     .prior = {-0.170, -0.068, 0.024},
+     .slope = {0.09, 0.25, 0.07}},
+    {.name = "damped-adapted",
+     .summary = "damped, adapted TF",
+     .scalar = ISO_SCALAR_DAMPED,
+     .adapted = true,
+     .bytes = 3,
+     .prior = {-0.180, -0.071, -0.037},
+     .slope = {0.16, 0.05, 0.01}},
+    {.name = "least-squares",
+     .summary = "least squares, original TF",
+     .scalar = ISO_SCALAR_LEAST_SQUARES,
+     .bytes = 3,
+     .prior = {-0.179, -0.098, 0.001},
+     .slope = {-0.27, 0.29, 0.05}},
+    {.name = "lsq-adapted",
+     .summary = "least squares, adapted TF",
+     .scalar = ISO_SCALAR_LEAST_SQUARES,
+     .adapted = true,
+     .bytes = 3,
+     .prior = {-0.301, -0.063, -0.042},
+     .slope = {-0.50, 0.15, 0.10}},
+    {.name = "scaled",
+     .summary = "means, adapted TF, extinction scale",
+     .scalar = ISO_SCALAR_MEAN,
+     .adapted = true,
+     .always = true,
+     .scaled = true,
+     .bytes = 4,
+     .prior = {-0.273, -0.124, -0.113},
+     .slope = {0.00, 0.37, 0.05}},
+    {.name = "scaled-original",
+     .summary = "means, original TF, extinction scale",
+     .scalar = ISO_SCALAR_MEAN,
+     .scaled = true,
+     .bytes = 4,
+     .prior = {-0.113, -0.048, -0.019},
+     .slope = {0.16, 0.37, 0.32}},
+    {.name = "scaled-damped",
+     .summary = "damped, adapted TF, extinction scale",
+     .scalar = ISO_SCALAR_DAMPED,
+     .adapted = true,
+     .always = true,
+     .scaled = true,
+     .bytes = 4,
+     .prior = {-0.276, -0.172, -0.148},
+     .slope = {-0.04, 0.35, -0.02}},
+    {.name = "tf-2d",
+     .summary = "means, 2D TF over value and deviation",
+     .scalar = ISO_SCALAR_MEAN,
+     .adapted = true,
+     .is_2d = true,
+     .bytes = 4,
+     .prior = {-0.101, -0.064, -0.062},
+     .slope = {0.00, 0.00, 0.00}},
 };
 
 const iso_auto_design *iso_auto_design_at(size_t index)
@@ -106,6 +104,8 @@ const char *iso_auto_options(const iso_auto_design *d)
         return "--adapt --tf-2d deviation";
     if (d->scaled)
         return d->adapted ? "--adapt --extinction-scale" : "--extinction-scale";
+    if (d->always)
+        return "--adapt --always";
     return d->adapted ? "--adapt" : "";
 }
 
@@ -186,20 +186,35 @@ iso_status iso_auto_measure(const iso_volume *v, const iso_pyramid_options *opt,
 /* Below this, both show what level 0 shows. */
 static const double no_error = 1e-6;
 
+/* The logarithm of the design's DSSIM over the default's at a level. */
+static double predict_level(const iso_auto_choice *c, size_t d, size_t k)
+{
+    const size_t at = k < 3 ? k - 1 : 2;
+    return designs[d].prior[at] +
+           designs[d].slope[at] * log((c->error[d][k] + no_error) / (c->error[0][k] + no_error));
+}
+
 static double predict(const iso_auto_choice *c, size_t d)
 {
     double sum = 0;
     for (size_t k = 1; k < c->level_count; ++k)
-        sum += designs[d].prior[k < 3 ? k - 1 : 2] +
-               designs[d].slope[k < 3 ? k - 1 : 2] * log((c->error[d][k] + no_error) / (c->error[0][k] + no_error));
+        sum += predict_level(c, d, k);
     return c->level_count > 1 ? exp(sum / (double)(c->level_count - 1)) : 1;
+}
+
+static iso_status check_budget(int bytes, iso_error *err)
+{
+    return bytes >= ISO_AUTO_LEAST_BYTES ? ISO_OK
+                                         : iso_fail(err, ISO_E_RANGE,
+                                                    "a budget of %d bytes a voxel: directions alone take %d", bytes,
+                                                    ISO_AUTO_LEAST_BYTES);
 }
 
 iso_status iso_auto_choose(iso_auto_choice *choice, int budget_bytes, iso_error *err)
 {
-    if (budget_bytes < ISO_AUTO_LEAST_BYTES)
-        return iso_fail(err, ISO_E_RANGE, "a budget of %d bytes a voxel: directions alone take %d", budget_bytes,
-                        ISO_AUTO_LEAST_BYTES);
+    const iso_status status = check_budget(budget_bytes, err);
+    if (status != ISO_OK)
+        return status;
     choice->chosen = 0;
     for (size_t d = 0; d < ISO_AUTO_DESIGNS; ++d) {
         choice->predicted[d] = predict(choice, d);
@@ -207,6 +222,38 @@ iso_status iso_auto_choose(iso_auto_choice *choice, int budget_bytes, iso_error 
         if (designs[d].bytes <= budget_bytes && nearer && choice->predicted[d] < 1 - ISO_AUTO_GAIN)
             choice->chosen = d;
     }
+    return ISO_OK;
+}
+
+/* The small views' choice, of levels with this filter. */
+static size_t judged_design(iso_scalar_filter scalar)
+{
+    size_t d = 0;
+    while (d < ISO_AUTO_DESIGNS && !(designs[d].scalar == scalar && designs[d].adapted && !designs[d].always))
+        ++d;
+    return d;
+}
+
+iso_status iso_auto_choose_level(const iso_auto_choice *choice, size_t level, iso_scalar_filter scalar,
+                                 int budget_bytes, size_t *design, double *gain, iso_error *err)
+{
+    const size_t judged = judged_design(scalar);
+    const iso_status status = check_budget(budget_bytes, err);
+    if (status != ISO_OK)
+        return status;
+    if (judged == ISO_AUTO_DESIGNS)
+        return iso_fail(err, ISO_E_RANGE, "scalar filter %s: --auto knows mean, damped and least-squares",
+                        iso_scalar_filter_name(scalar));
+    double least = predict_level(choice, judged, level) + log(1 - ISO_AUTO_GAIN);
+    *design = judged;
+    for (size_t d = 0; d < ISO_AUTO_DESIGNS; ++d) {
+        const double predicted = predict_level(choice, d, level);
+        if (designs[d].scalar == scalar && designs[d].bytes <= budget_bytes && predicted < least) {
+            least = predicted;
+            *design = d;
+        }
+    }
+    *gain = exp(predict_level(choice, *design, level) - predict_level(choice, judged, level));
     return ISO_OK;
 }
 

@@ -26,11 +26,12 @@ typedef struct iso_auto_design {
     const char *name, *summary;
     iso_scalar_filter scalar;
     bool adapted, scaled, is_2d; /* the transfer function is adapted; an extinction scale; a 2D transfer function */
+    bool always;                 /* adapted whatever small views say (tf/adapt.h) */
     int bytes;                   /* a voxel of a coarse level beside its scalar: three of its direction, and more */
     double prior[3], slope[3];   /* a and b, of levels 1, 2, and 3 and above */
 } iso_auto_design;
 
-enum { ISO_AUTO_DESIGNS = 10, ISO_AUTO_LEAST_BYTES = 3, ISO_AUTO_MOST_BYTES = 4 };
+enum { ISO_AUTO_DESIGNS = 11, ISO_AUTO_LEAST_BYTES = 3, ISO_AUTO_MOST_BYTES = 4 };
 #define ISO_AUTO_GAIN 0.02
 
 /* The first is the default. */
@@ -48,6 +49,14 @@ iso_status iso_auto_measure(const iso_volume *v, const iso_pyramid_options *opt,
                             iso_auto_choice *choice, const iso_progress *progress, iso_error *err);
 /* Predicts, and chooses the best of at most so many bytes. ISO_E_RANGE: fewer than ISO_AUTO_LEAST_BYTES. */
 iso_status iso_auto_choose(iso_auto_choice *choice, int budget_bytes, iso_error *err);
+
+/* How a level that is there already is shown best: of the designs with this scalar filter and at most so many bytes the one
+ * of least p_d,k. The small views' choice between the transfer functions stays unless another is predicted to be
+ * ISO_AUTO_GAIN nearer. doc/results/auto.md says how little that gains over one fixed design. *gain: its
+ * predicted DSSIM over that of the small views' choice. ISO_E_RANGE: a budget below ISO_AUTO_LEAST_BYTES; a filter that
+ * no design has. */
+iso_status iso_auto_choose_level(const iso_auto_choice *choice, size_t level, iso_scalar_filter scalar,
+                                 int budget_bytes, size_t *design, double *gain, iso_error *err);
 
 /* For pyramid.json (doc/formats.md). tf: its path. */
 json_t *iso_auto_to_json(const iso_auto_choice *choice, int budget_bytes, const char *tf);

@@ -88,6 +88,13 @@ void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k,
     store_codes(c, out, k, y, z, r);
 }
 
+void iso_emit_directions(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r)
+{
+    iso_cascade_out alone = *out;
+    alone.magnitude = NULL;
+    store_codes(c, &alone, k, y, z, r);
+}
+
 /* ---- filters of the own children, tile by tile ---- */
 
 typedef struct tile {
@@ -340,6 +347,10 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
         status = iso_cascade_gauss_create(c, err);
     if (status == ISO_OK)
         status = iso_cascade_spline_create(c, err);
+    if (status == ISO_OK)
+        status = iso_cascade_weighted_create(c, err);
+    if (c->weighted) /* what tiles make of their levels, and of those above */
+        c->opt.direction_filter = ISO_DIRECTION_MOMENTS;
     if (status != ISO_OK) {
         iso_cascade_destroy(c);
         return status;
@@ -354,6 +365,7 @@ void iso_cascade_destroy(iso_cascade *c)
         return;
     iso_cascade_gauss_destroy(c);
     iso_cascade_spline_destroy(c);
+    iso_cascade_weighted_destroy(c);
     free(c->carry);
     free(c);
 }
@@ -380,7 +392,7 @@ size_t iso_cascade_bytes(const iso_cascade *c)
     for (size_t i = 0; i < c->gauss_count; ++i)
         for (size_t k = 1; k < c->level_count; ++k)
             floats += c->gauss[i].slot_count * c->gauss[i].components * c->size[k][0] * c->size[k][1];
-    return (floats + iso_cascade_spline_floats(c)) * sizeof(float);
+    return (floats + iso_cascade_spline_floats(c) + iso_cascade_weighted_floats(c)) * sizeof(float);
 }
 
 size_t iso_cascade_carry_level(const iso_cascade *c)
@@ -393,6 +405,8 @@ size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_cou
     size_t planes = (plane_count >> level) + 1 + (level > 0 && c->gauss_count ? c->gauss[0].taps.count / 2 + 2 : 0);
     if (level > 0 && c->spline)
         planes += iso_cascade_spline_lag();
+    if (level > 0 && c->weighted)
+        planes += iso_cascade_weighted_lag();
     if (level > c->tile_top)
         planes = c->size[level][2];
     return planes < c->size[level][2] ? planes : c->size[level][2];
@@ -423,7 +437,9 @@ size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
     size_t near = level == 0 || c->scalar_means || c->state_count > 0 ? tile_complete(c, level, z) : SIZE_MAX;
     size_t far = c->gauss_count > 0 ? gauss_complete(c, level, z) : SIZE_MAX;
     size_t own = c->spline ? iso_cascade_spline_complete(c, level, z) : SIZE_MAX;
+    const size_t weighted = c->weighted ? iso_cascade_weighted_complete(c, level, z) : SIZE_MAX;
     near = near < far ? near : far;
+    near = near < weighted ? near : weighted;
     return near < own ? near : own;
 }
 
@@ -432,6 +448,10 @@ size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
     size_t from = z > 0 && c->gauss_count > 0 ? iso_cascade_gauss_from(c, z) : z;
     for (size_t k = 1; z > 0 && c->spline && k < c->level_count; ++k) {
         const size_t own = iso_cascade_spline_from(c, k, iso_cascade_complete(c, k, z));
+        from = own < from ? own : from;
+    }
+    for (size_t k = 1; z > 0 && c->weighted && k < c->level_count; ++k) {
+        const size_t own = iso_cascade_weighted_from(c, k, iso_cascade_complete(c, k, z));
         from = own < from ? own : from;
     }
     return from / iso_cascade_step(c) * iso_cascade_step(c);
@@ -459,7 +479,9 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
                            err);
     if (status == ISO_OK)
         status = iso_cascade_gauss_feed(c, in, z0, z1, out, err);
-    return status == ISO_OK ? iso_cascade_spline_feed(c, in, z0, z1, out, err) : status;
+    if (status == ISO_OK)
+        status = iso_cascade_spline_feed(c, in, z0, z1, out, err);
+    return status == ISO_OK ? iso_cascade_weighted_feed(c, in, z0, z1, out, err) : status;
 }
 
 void iso_cascade_get_agreement(const iso_cascade *c, size_t level, iso_agreement *sums)

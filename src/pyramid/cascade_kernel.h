@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_kernel.h - what cascade.c (filters that read only the children), cascade_gauss.c (Gaussian filters) and
- * cascade_spline.c (least squares) share; private to the three. */
+/* cascade_kernel.h - what cascade.c (filters that read only the children), cascade_gauss.c (Gaussian filters),
+ * cascade_spline.c (least squares) and cascade_weighted.c (least-squares directions) share; private to the four. */
 #ifndef ISO_PYRAMID_CASCADE_KERNEL_H
 #define ISO_PYRAMID_CASCADE_KERNEL_H
 
@@ -22,6 +22,8 @@ typedef struct gauss_channel {
 
 /* A least-squares level (cascade_spline.c). */
 typedef struct spline_level spline_level;
+/* Least-squares directions of a level (cascade_weighted.c). */
+typedef struct weighted_level weighted_level;
 
 struct iso_cascade {
     iso_pyramid_options opt;
@@ -43,6 +45,7 @@ struct iso_cascade {
     gauss_channel gauss[2];
     size_t gauss_count;
     spline_level *spline; /* [k] of level k >= 1; NULL: scalars have another filter */
+    weighted_level *weighted; /* [k] of level k >= 1 up to tile_top; NULL: directions have another filter */
 };
 
 /* Rows of one thread: floats of scratch, cut up by take(). */
@@ -77,6 +80,10 @@ void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y,
 void iso_emit_coarse(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z,
                      iso_state_row state, emit_rows *rows);
 
+/* Stores the row of directions rows->d of a coarse level, and no magnitude. */
+void iso_emit_directions(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z,
+                         emit_rows *rows);
+
 /* cascade_gauss.c */
 iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);
 void iso_cascade_gauss_destroy(iso_cascade *c);
@@ -98,5 +105,15 @@ size_t iso_cascade_spline_lag(void);
 size_t iso_cascade_spline_from(const iso_cascade *c, size_t level, size_t complete);
 iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                    const iso_cascade_out *out, iso_error *err);
+
+/* cascade_weighted.c; as those of cascade_spline.c. Its levels have moments until they are made. */
+iso_status iso_cascade_weighted_create(iso_cascade *c, iso_error *err);
+void iso_cascade_weighted_destroy(iso_cascade *c);
+size_t iso_cascade_weighted_floats(const iso_cascade *c);
+size_t iso_cascade_weighted_complete(const iso_cascade *c, size_t level, size_t z);
+size_t iso_cascade_weighted_lag(void);
+size_t iso_cascade_weighted_from(const iso_cascade *c, size_t level, size_t complete);
+iso_status iso_cascade_weighted_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
+                                     const iso_cascade_out *out, iso_error *err);
 
 #endif

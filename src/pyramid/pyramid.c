@@ -32,6 +32,8 @@ static const struct {
       [ISO_DIRECTION_EQ1] = {"eq1", "Eq. 1 of [diaz-garcia-2017]: a Gaussian times the gradient magnitude"},
       [ISO_DIRECTION_NAIVE] = {"naive", "means of the children's gradients, of length 1"},
       [ISO_DIRECTION_TENSOR] = {"tensor", "the main axis of summed outer products: opposite gradients agree"},
+      [ISO_DIRECTION_LEAST_SQUARES] = {"least-squares",
+                                       "what lookup shows is nearest to level 0's directions, weighted as moments"},
       [ISO_DIRECTION_AUTO] = {"auto", "moments or tensor, for each level by how its gradients agree"},
 };
 const iso_names iso_scalar_filter_names = ISO_NAMES_OF_ROWS("scalar filter", scalar_filters);

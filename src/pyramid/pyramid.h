@@ -20,6 +20,8 @@
  *   naive    the mean of the children's gradient vectors; stored unit.
  *   tensor   T = sum g g^T beside N; the main axis of T, on N's side, times L:
  *            opposite gradients agree on an axis where their mean vanishes.
+ *   least-squares  the directions whose trilinear lookup is nearest to level 0's, weighted by m^2: some rounds towards
+ *            them (doc/method/least-squares-levels.md), no longer than 1; levels above the fourth as moments.
  *   auto     a level each gets moments or tensor (agreement.h).
  * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the
  * length of the filtered gradient (eq1, naive).
@@ -56,6 +58,7 @@ typedef enum iso_direction_filter {
     ISO_DIRECTION_EQ1,
     ISO_DIRECTION_NAIVE,
     ISO_DIRECTION_TENSOR,
+    ISO_DIRECTION_LEAST_SQUARES,
     ISO_DIRECTION_COUNT,
     ISO_DIRECTION_AUTO =
         ISO_DIRECTION_COUNT /* one of these for each coarse level, by what is measured of its gradients */
