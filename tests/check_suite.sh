@@ -73,6 +73,7 @@ mkdir false bare
 sed 's/"constant --size/"noise --size/' "$suite/constant.scene.json" >false/false.scene.json
 refuse a_closed_form_that_is_none_is_refused 5 "off a linear field" validate --suite false -o no
 cp "$top/refscenes/shells.scene.json" "$top/refscenes/shells.tf.json" bare
+refuse scales_of_no_levels_are_refused 2 "which --suite does not judge" validate --suite false --extinction-scale -o no
 refuse a_scene_without_a_volume_is_refused 4 "nothing says what volume" validate --suite bare -o no
 refuse an_empty_folder_is_refused 2 "holds no .scene.json" validate --suite few/.. -o no
 refuse a_suite_takes_no_volume 2 "one too many" validate x.nrrd --suite few -o no

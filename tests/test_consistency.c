@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/levels.h"
 #include "validate/validate.h"
 #include "scene/views.h"
 #include "tests/validated.h"
@@ -189,6 +190,129 @@ static void a_refused_adaptation_is_said_with_the_originals_figures(void **state
     close_subject(&s);
 }
 
+/* ---- extinction scales ---- */
+
+static void open_scaled(subject *s, const char *name)
+{
+    open_subject(s, ISO_FIELD_SHELLS, name);
+    s->validation.scales = ISO_SCALES_ADAPTED;
+    assert_ok(iso_validate_scale(&s->validation, &err));
+}
+
+/* The verdict on a level, and what it says of the scale. */
+static const json_t *verdict_of(const subject *s, size_t level, const char **verdict, iso_levels_summary *sentence)
+{
+    const json_t *rows = json_object_get(iso_report_json(s->validation.report), "levels"),
+                 *row = json_array_get(rows, level - 1);
+    *sentence = iso_levels_summarize(rows);
+    *verdict = json_string_value(json_object_get(row, "verdict"));
+    assert_string_equal(json_string_value(json_object_get(row, "tf")), "scaled");
+    assert_int_equal(json_integer_value(json_object_get(row, "level")), level);
+    return json_object_get(row, "extinction_scale");
+}
+
+static void levels_are_judged_with_their_extinction_scales(void **state)
+{
+    (void)state;
+    subject s;
+    const char *verdict;
+    iso_levels_summary all;
+    open_scaled(&s, "scaled");
+    measure_levels(&s);
+    assert_int_equal(json_array_size(rows_of(&s)), (iso_method_count * 2 + 1) * (levels - 1));
+    for (size_t level = 1; level < levels; ++level) {
+        const json_t *scale = verdict_of(&s, level, &verdict, &all);
+        assert_true(json_is_true(json_object_get(scale, "held")));
+        assert_true(json_is_true(json_object_get(scale, "has_effect")));
+        assert_true(json_integer_value(json_object_get(scale, "scaled_voxels")) > 0);
+        assert_int_equal(json_integer_value(json_object_get(scale, "differing_voxels")), 0);
+        if (level == 1) /* directions of level 2 are too far off, scaled or not */
+            assert_string_equal(verdict, "agree");
+        assert_at_most(dissimilarity(&s, "moments+scaled", level), 0.95 * dissimilarity(&s, "moments+adapted", level));
+    }
+    close_subject(&s);
+}
+
+/* Planted: level 1 is handed over with the bytes of level 2, each for the eight voxels that it is the mean of. */
+static void the_scale_of_another_level_is_rejected(void **state)
+{
+    (void)state;
+    subject s;
+    const char *verdict;
+    iso_levels_summary all;
+    open_scaled(&s, "other");
+    iso_level_tf *tfs = s.validation.level_tfs;
+    const size_t *fine = s.pyramid.levels[1].geometry.size, *coarse = s.pyramid.levels[2].geometry.size;
+    for (size_t i = 0; i < fine[0] * fine[1] * fine[2]; ++i) {
+        const size_t x = i % fine[0] / 2, y = i / fine[0] % fine[1] / 2, z = i / (fine[0] * fine[1]) / 2;
+        tfs[1].extinction_scale[i] = tfs[2].extinction_scale[x + coarse[0] * (y + coarse[1] * z)];
+    }
+    measure_levels(&s);
+    const json_t *scale = verdict_of(&s, 1, &verdict, &all);
+    assert_string_equal(verdict, "differ");
+    assert_true(json_integer_value(json_object_get(scale, "differing_voxels")) > 0);
+    assert_true(json_is_false(json_object_get(scale, "held")));
+    assert_non_null(strstr(all.sentence, "Level 1: its extinction scale is not what level 0 makes"));
+    assert_true(json_is_true(json_object_get(verdict_of(&s, 2, &verdict, &all), "held")));
+    close_subject(&s);
+}
+
+/* The picture that would be without. */
+static iso_status pass_over_scale(const void *user, const iso_render_request *request, iso_image *image, iso_error *e)
+{
+    iso_render_request plain = *request;
+    iso_view view = *request->view; /* lent */
+    iso_image without = {0};
+    (void)user;
+    if (!view.extinction_scale)
+        return ISO_OK;
+    view.extinction_scale = NULL;
+    plain.view = &view;
+    const iso_status status = iso_render_with(&plain, &without, NULL, e);
+    if (status == ISO_OK)
+        memcpy(image->rgba, without.rgba, 4 * image->width * image->height * sizeof *image->rgba);
+    iso_image_destroy(&without);
+    return status;
+}
+
+/* Planted: the renderer passes the bytes over. */
+static void a_scale_that_is_not_used_is_rejected(void **state)
+{
+    (void)state;
+    subject s;
+    const char *verdict;
+    iso_levels_summary all;
+    open_scaled(&s, "unused");
+    s.validation.renderers.after = (iso_image_hook){pass_over_scale, NULL};
+    measure_levels(&s);
+    renderers.after = (iso_image_hook){0};
+    const json_t *scale = verdict_of(&s, 1, &verdict, &all);
+    assert_string_equal(verdict, "differ");
+    assert_int_equal(json_integer_value(json_object_get(scale, "differing_voxels")), 0);
+    assert_true(json_is_false(json_object_get(scale, "has_effect")));
+    assert_non_null(strstr(all.sentence, "Level 1: its extinction scale changes no picture"));
+    close_subject(&s);
+}
+
+static void a_pyramid_says_whether_it_is_shown_with_scales(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        iso_level_scales scales;
+    } cases[] = {{"--adapt --extinction-scale", ISO_SCALES_ADAPTED},
+                 {"--extinction-scale", ISO_SCALES_ORIGINAL},
+                 {"--adapt", ISO_SCALES_NONE},
+                 {"--adapt --tf-2d deviation", ISO_SCALES_NONE},
+                 {"", ISO_SCALES_NONE}};
+    assert_int_equal(iso_validate_scales_of(&(iso_pyramid){0}), ISO_SCALES_NONE);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        json_t *chosen = json_pack("{s:s}", "options", cases[i].options);
+        assert_int_equal(iso_validate_scales_of(&(iso_pyramid){.chosen_by = chosen}), cases[i].scales);
+        json_decref(chosen);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -196,6 +320,10 @@ int main(void)
         cmocka_unit_test(a_row_is_of_its_own_level_and_tf),
         cmocka_unit_test(exchanged_tfs_are_seen_in_the_rows),
         cmocka_unit_test(a_refused_adaptation_is_said_with_the_originals_figures),
+        cmocka_unit_test(levels_are_judged_with_their_extinction_scales),
+        cmocka_unit_test(the_scale_of_another_level_is_rejected),
+        cmocka_unit_test(a_scale_that_is_not_used_is_rejected),
+        cmocka_unit_test(a_pyramid_says_whether_it_is_shown_with_scales),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

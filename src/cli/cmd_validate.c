@@ -23,7 +23,7 @@ typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *with, *code, *junit, *suite;
-    int level_count, seeds, quick, level_views, level_size, anyway;
+    int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -65,6 +65,10 @@ static void describe_options(const validate_arguments *a, const iso_validation *
                        json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
         iso_report_put(r, "options", "level_views", json_integer((json_int_t)v->consistency_views));
         iso_report_put(r, "options", "level_size", json_integer((json_int_t)v->consistency_size));
+        if (v->scales != ISO_SCALES_NONE)
+            iso_report_put(r, "options", "levels_shown_by",
+                           json_string(v->scales == ISO_SCALES_ADAPTED ? "--adapt --extinction-scale"
+                                                                       : "--extinction-scale"));
         iso_report_put(r, "options", "step_voxels", json_real(v->view->step_voxels));
         iso_report_put(r, "options", "direction_filter",
                        json_string(iso_direction_filter_name(v->pyramid->options.direction_filter)));
@@ -95,6 +99,8 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
         status = run_stage(v, "agreement", iso_validate_agreement, err);
     if (status == ISO_OK)
         status = run_stage(v, "adaptation", iso_validate_adapt, err);
+    if (status == ISO_OK)
+        status = iso_validate_scale(v, err);
     if (status == ISO_OK)
         status = run_stage(v, "methods", iso_validate_methods, err);
     if (status == ISO_OK)
@@ -215,6 +221,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                         .input_options = input ? input : "",
                         .loaded = iso_pyramid_is_one(cli->arguments[0]),
                         .quick = a->quick,
+                        .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : iso_validate_scales_of(pyramid),
                         .seeds = seeds_of(a),
                         .threads = cli->threads,
                         .line = cli->progress,
@@ -397,6 +404,9 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
                           a->suite ? cli->arguments[0] : "");
     if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0))
         status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
+    if (status == ISO_OK && a->suite && a->extinction_scale)
+        status = iso_fail(err, ISO_E_USAGE,
+                          "--extinction-scale is for the levels of a volume, which --suite does not judge");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build.code, err);
     if (status == ISO_OK && a->junit)
@@ -428,6 +438,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
         {"level-size", 0, POPT_ARG_INT, &a.level_size, 0, "pixels along an edge of them (160; 96 with --quick)", "N"},
+        {"extinction-scale", 0, POPT_ARG_NONE, &a.extinction_scale, 0,
+         "judge the levels as --adapt --extinction-scale shows them; a pyramid of build --auto says so itself", NULL},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0,
          "validate a scene that shows next to nothing of the volume, or a box, too", NULL},

@@ -48,6 +48,11 @@ static bool is_within_bound(const iso_report_level *row)
     return row->bound.views == 0 || row->bound.above <= row->margin;
 }
 
+static bool is_scaled_right(const iso_report_level *row)
+{
+    return !row->scale.judged || (row->scale.differing == 0 && row->scale.has_effect);
+}
+
 static bool is_not_behind(const iso_report_level *row, const iso_report_rival *rival)
 {
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
@@ -58,17 +63,18 @@ static bool is_not_behind(const iso_report_level *row, const iso_report_rival *r
 
 iso_verdict iso_report_level_verdict(const iso_report_level *row)
 {
-    bool good = is_as_made(row) && is_not_turned(row) && is_not_behind(row, &row->simple) && is_within_bound(row);
-    if (!row->shown && is_as_made(row))
+    bool good = is_as_made(row) && is_not_turned(row) && is_not_behind(row, &row->simple) &&
+                is_within_bound(row) && is_scaled_right(row);
+    if (!row->shown && is_as_made(row) && is_scaled_right(row))
         return ISO_VERDICT_NOT_COMPARED;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
         good = good && within_what_is_asked(row, k);
     return good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER;
 }
 
-static const char *tf_word(bool adapted)
+static const char *tf_word(bool adapted, bool scaled)
 {
-    return adapted ? "adapted" : "original";
+    return scaled ? "scaled" : adapted ? "adapted" : "original";
 }
 
 static json_t *rival_json(const iso_report_level *row, const iso_report_rival *rival)
@@ -85,7 +91,7 @@ static json_t *rival_json(const iso_report_level *row, const iso_report_rival *r
         better = better || here;
         worse = worse || less_here;
     }
-    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted), "option",
+    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted, false), "option",
                      rival->option, "better", better && !worse, "figures", list);
 }
 
@@ -105,7 +111,7 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
     for (size_t i = 0; i < row->rival_count; ++i)
         json_array_append_new(rivals, rival_json(row, &row->rivals[i]));
     json_t *o = json_pack("{s:I, s:I, s:s, s:s, s:s, s:f, s:f, s:o, s:o, s:o}", "level", (json_int_t)row->level,
-                          "views", (json_int_t)row->views, "method", row->method, "tf", tf_word(row->adapted),
+                          "views", (json_int_t)row->views, "method", row->method, "tf", tf_word(row->adapted, row->scaled),
                           "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
                           "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
                           "rivals", rivals);
@@ -115,6 +121,11 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                             json_pack("{s:I, s:o, s:o, s:o, s:b}", "views", (json_int_t)row->bound.views, "rmse",
                                       iso_json_number(row->bound.rmse), "bound", iso_json_number(row->bound.bound),
                                       "above", iso_json_number(row->bound.above), "held", is_within_bound(row)));
+    if (row->scale.judged)
+        json_object_set_new(o, "extinction_scale",
+                            json_pack("{s:I, s:I, s:b, s:b}", "scaled_voxels", (json_int_t)row->scale.scaled,
+                                      "differing_voxels", (json_int_t)row->scale.differing, "has_effect",
+                                      row->scale.has_effect, "held", is_scaled_right(row)));
     if (row->chosen)
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
@@ -222,6 +233,14 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
         iso_words_append(s->sentence, sizeof s->sentence,
                          " Level %lld: RMSE is above its bound by %.3g in a view: one of the two is wrong.", level,
                          iso_row_number(bound, "above"));
+    const json_t *scale = json_object_get(row, "extinction_scale");
+    if (scale && iso_row_number(scale, "differing_voxels") > 0)
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         " Level %lld: its extinction scale is not what level 0 makes, at %.0f voxels.", level,
+                         iso_row_number(scale, "differing_voxels"));
+    if (scale && !is_true(scale, "has_effect"))
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         " Level %lld: its extinction scale changes no picture: it is not used.", level);
     if (!is_true(row, "simple_held"))
         add_rival(s, row, json_object_get(row, "simple"));
 }

@@ -7,6 +7,7 @@
  *  - it is not worse than the simple way, gradients on the fly under the original TF, beyond the scatter over the views
  *    (paired.h) and a margin below which nobody sees a difference;
  *  - what is stored is what level 0 makes;
+ *  - extinction scales that it is handed over with are those that level 0 makes, and change its pictures;
  *  - its directions are not farther from level 0's than gradients on the fly are, whatever the TF makes of the pictures;
  *  - its RMSE is not above its bound in any view, beyond the margin, which is for the renderer's steps: the bound is of
  *    images without any.
@@ -50,13 +51,21 @@ typedef struct iso_report_bound {
     double above; /* the most by which the RMSE of a view is above the bound; negative: it is below in all */
 } iso_report_bound;
 
+/* Extinction scales of the level (fit/extinction_scale.h). */
+typedef struct iso_report_scale {
+    bool judged;      /* false: it is shown without */
+    size_t scaled;    /* voxels whose byte is not that of 1 */
+    size_t differing; /* voxels whose byte is not the one that level 0 makes */
+    bool has_effect;  /* a picture with them is not the picture without */
+} iso_report_scale;
+
 typedef struct iso_report_level {
     bool shown; /* level 0 shows something; else its pictures are alike whatever is wrong, and nothing is compared */
     size_t level, views;
     size_t views_before; /* of its rivals, and of itself where these views did not leave it open */
     const char *method;  /* the default */
     const char *chosen;  /* the direction filter that `build --direction-filter auto` chose for this level; or NULL */
-    bool adapted;
+    bool adapted, scaled; /* scaled: with an extinction scale */
     double confidence, margin;
     double value[ISO_LEVEL_FIGURE_COUNT];
     double asked[ISO_LEVEL_FIGURE_COUNT]; /* by the scene; NaN: not asked */
@@ -70,6 +79,7 @@ typedef struct iso_report_level {
      * how much larger the first may be; NaN where nothing has a direction. */
     double angle_deg, simple_angle_deg, angle_margin_deg;
     iso_report_bound bound;
+    iso_report_scale scale;
 } iso_report_level;
 
 /* Keeps the row under "levels", with its verdict. */

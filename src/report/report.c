@@ -297,7 +297,7 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
         return status;
     json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "level",
                           (json_int_t)row->level, "method", text(row->method), "tf",
-                          row->adapted ? "adapted" : "original", "original_kept", text(row->original_kept), "views",
+                          row->scaled ? "scaled" : row->adapted ? "adapted" : "original", "original_kept", text(row->original_kept), "views",
                           (json_int_t)row->views, "ssim_dissimilarity_mean",
                           iso_json_number(row->ssim_dissimilarity_mean), "flip_mean", iso_json_number(row->flip_mean),
                           "rmse_mean", iso_json_number(row->rmse_mean), "gradient_angle_mean_deg",
@@ -318,7 +318,9 @@ void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NA
     const char *method = json_string_value(json_object_get(row, "method")),
                *tf = json_string_value(json_object_get(row, "tf"));
     snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "",
-             tf && strcmp(tf, "adapted") == 0 ? "+adapted" : "");
+             !tf || strcmp(tf, "original") == 0 ? ""
+             : strcmp(tf, "scaled") == 0        ? "+scaled"
+                                                : "+adapted");
 }
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)

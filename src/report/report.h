@@ -107,12 +107,13 @@ double iso_report_severity(const iso_report_agreement *row);
 iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreement *row, iso_error *err);
 
 /* How far a level is from level 0, which is always under the original TF, with one way to shade it. NaN: not measured.
- * In report.json: level, views, method, tf ("original" or "adapted"), original_kept, the five figures, by_view, image and
+ * In report.json: level, views, method, tf ("original", "adapted" or "scaled"), original_kept, the five figures, by_view, image and
  * reference_image. Rows of older reports have no tf: theirs is the original. */
 typedef struct iso_report_consistency {
     size_t level, views;
     const char *method;
     bool adapted;              /* the TF to the level */
+    bool scaled;               /* shown with an extinction scale; tf "scaled" */
     const char *original_kept; /* why adapting was refused, so that the figures are the original's; else NULL */
     double ssim_dissimilarity_mean, flip_mean, rmse_mean, gradient_angle_mean_deg, gradient_angle_p95_deg;
     struct {
@@ -123,7 +124,7 @@ typedef struct iso_report_consistency {
 iso_status iso_report_add_consistency(iso_report *report, const iso_report_consistency *row, iso_error *err);
 
 /* How charts, figures, baselines and JUnit's XML call a row of report.json's "consistency": "moments" under the
- * original TF, "moments+adapted" under the adapted one. */
+ * original TF, "moments+adapted" under the adapted one, "moments+scaled" with an extinction scale. */
 enum { ISO_CONSISTENCY_NAME_BYTES = 128 };
 void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES]);
 

@@ -174,6 +174,12 @@ static void put_level_case(FILE *f, const json_t *row)
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !json_is_true(json_object_get(bound, "held")))
         put_unheld(f, "RMSE above its bound", iso_row_number(bound, "above"), iso_row_number(row, "margin"));
+    const json_t *scale = json_object_get(row, "extinction_scale");
+    if (scale)
+        put_unheld(f, "voxels whose extinction scale is not what level 0 makes",
+                   iso_row_number(scale, "differing_voxels"), 0);
+    if (scale && !json_is_true(json_object_get(scale, "has_effect")))
+        fputs("the extinction scale changes no picture; ", f);
     json_array_foreach(json_object_get(row, "figures"), i, figure) if (!json_is_true(json_object_get(figure, "held")))
         put_unheld(f, iso_row_text(figure, "name"), iso_row_number(figure, "value"), iso_row_number(figure, "asked"));
     json_array_foreach(json_object_get(json_object_get(row, "simple"), "figures"), i,

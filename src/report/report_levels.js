@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How the levels stand to level 0; calibrations; what made the report.
-const wayOf = r => `${r.method === 'on-the-fly' ? 'gradients on the fly' : r.method}, ${r.tf} TF`;
+const wayOf = r => `${r.method === 'on-the-fly' ? 'gradients on the fly' : r.method}, ${r.tf === 'scaled' ? 'extinction scale' : `${r.tf} TF`}`;
 // The difference of the default to another way, with half of its interval; ahead and behind as they were judged.
 function against(row, way, key) {
     const f = way.figures.find(x => x.figure === key), margin = Math.max(row.margin, f.half_width ?? Infinity);
@@ -37,6 +37,9 @@ function levelVerdicts() {
         `. Means over the first ${bounded[0].bound.views === 1 ? 'view' : `${bounded[0].bound.views} views`}.`));
     const turned = rows.filter(r => r.directions && !r.directions.held);
     if (turned.length) $('levels').append(el('p', {class: 'turned'}, turned.map(r => `Level ${r.level}: its directions are ${plain(r.directions.angle_deg)} degrees from level 0's on average, gradients on the fly ${plain(r.directions.simple_deg)}. `)));
+    const scaled = rows.filter(r => r.extinction_scale);
+    if (scaled.length) $('levels').append(el('p', {class: 'scaled'}, 'Shown with extinction scales: ' + scaled.map(r => `level ${r.level} ${!r.extinction_scale.has_effect ? 'changes no picture, so it is not used' :
+        r.extinction_scale.held ? `as level 0 makes it, not 1 at ${r.extinction_scale.scaled_voxels} voxels` : `is not what level 0 makes, at ${r.extinction_scale.differing_voxels} voxels`}`).join(', ') + '.'));
     const wrong = rows.filter(r => !r.stored.held);
     $('levels').append(el('p', {}, wrong.length === 0 ? 'Every level was made again from level 0 and is the one that is stored.' :
         wrong.map(r => `Level ${r.level} is not what level 0 makes: its values are off by up to ${plain(r.stored.scalar)} of their range, its directions by ${plain(r.stored.direction_deg)} degrees on average. `)));
@@ -51,7 +54,7 @@ function consistency() {
         figcaption('Error against level 0 for each level and method. Data and script: charts/consistency.csv, charts/consistency.gp.')));
     const keys = ['ssim_dissimilarity_mean', 'flip_mean', 'rmse_mean', 'gradient_angle_mean_deg', 'gradient_angle_p95_deg'].filter(key => data.consistency.some(r => key in r)), rows = [];
     const heads = {ssim_dissimilarity_mean: '1 − SSIM', flip_mean: 'FLIP', rmse_mean: 'RMSE', gradient_angle_mean_deg: 'direction, mean °', gradient_angle_p95_deg: 'direction, 95 % °'};
-    const tf = r => r.tf === 'adapted' ? 'adapted' : 'original', adapted = data.consistency.some(r => tf(r) === 'adapted');
+    const tf = r => ['adapted', 'scaled'].includes(r.tf) ? r.tf : 'original', adapted = data.consistency.some(r => tf(r) !== 'original');
     for (const k of levels) {
         const group = data.consistency.filter(r => r.level === k);
         const best = keys.map(key => Math.min(...group.map(r => r[key]).filter(v => v !== null)));
@@ -68,14 +71,14 @@ function consistency() {
     const methods = [...new Set(pictured.map(r => r.method))], reference = pictured[0].reference_image;
     const panels = el('div', {class: 'levels', style: `grid-template-columns: repeat(${methods.length + 1}, minmax(0, 190px))`});
     let first = true;
-    for (const k of shown) for (const which of ['original', 'adapted']) {
+    for (const k of shown) for (const which of ['original', 'adapted', 'scaled']) {
         const of = method => pictured.find(r => r.level === k && r.method === method && tf(r) === which);
         if (methods.every(m => !of(m) || of(m).original_kept)) continue; // nothing to see that was not seen above
         panels.append(first && reference ? still(inlined.images[reference], 'level 0') : el('div', {}));
         first = false;
         for (const method of methods) {
             const r = of(method);
-            panels.append(r ? still(inlined.images[r.image], `level ${k}, ${method}`, `${which === 'adapted' ? (r.original_kept ? 'original TF kept, ' : 'adapted TF, ') : ''}1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
+            panels.append(r ? still(inlined.images[r.image], `level ${k}, ${method}`, `${which === 'scaled' ? 'extinction scale, ' : which === 'adapted' ? (r.original_kept ? 'original TF kept, ' : 'adapted TF, ') : ''}1 − SSIM ${plain(r.ssim_dissimilarity_mean)}`) : el('div', {}));
         }
     }
     section.append(el('figure', {}, panels, figcaption('One view at each level (rows), with each way to shade it (columns); figures are means over all views.')));

@@ -30,14 +30,6 @@ iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *
                              err);
 }
 
-/* A level as a method shows it; adapted: under the level's own TF. */
-typedef struct level_shown {
-    const iso_pyramid *pyramid;
-    size_t level;
-    iso_direction_source source;
-    bool adapted;
-} level_shown;
-
 static bool shows_something(const iso_image *image)
 {
     for (size_t i = 0; i < image->width * image->height; ++i)
@@ -46,17 +38,21 @@ static bool shows_something(const iso_image *image)
     return false;
 }
 
-static iso_status render_view(iso_validation *v, const level_shown *s, size_t i, iso_image *image, iso_error *err)
+iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, const iso_measured_level *s, size_t i,
+                                     iso_image *image, iso_error *err)
 {
+    const iso_level_tf *own = &v->level_tfs[s->level];
     iso_view view = {0};
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
-    opt.source = s->source;
+    opt.source = s->method->source;
     iso_status status = iso_validate_level_view(v, i, &view, err);
     iso_view shown = view; /* borrowed */
-    if (s->adapted)
-        shown.tf = v->level_tfs[s->level].table;
+    if (s->use != ISO_USE_ORIGINAL)
+        shown.tf = s->use == ISO_USE_SCALED ? own->scaled_table : own->table;
+    if (s->use == ISO_USE_SCALED)
+        shown.extinction_scale = own->extinction_scale;
     if (status == ISO_OK)
-        status = iso_render_with(&(iso_render_request){&v->renderers, s->pyramid, s->level, &shown, &opt, NULL}, image,
+        status = iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image,
                                  NULL, err);
     iso_view_destroy(&view);
     return status;
@@ -86,7 +82,7 @@ typedef struct levels_run {
 } levels_run;
 
 /* The figures of all views, and the picture row->image of the first. */
-static iso_status measure_images(iso_validation *v, const levels_run *run, const iso_pyramid *p, const iso_method *m,
+static iso_status measure_images(iso_validation *v, const levels_run *run, const iso_pyramid *p,
                                  iso_report_consistency *row, iso_measured_level *views, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -94,11 +90,15 @@ static iso_status measure_images(iso_validation *v, const levels_run *run, const
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
         iso_image image = {0};
         iso_metrics metrics;
-        status = render_view(v, &(level_shown){p, row->level, m->source, row->adapted}, i, &image, err);
+        status = iso_validate_render_level(v, p, views, i, &image, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&run->finest[i], &image, &metrics, err);
         if (status == ISO_OK && i == 0 && row->image)
-            status = add_picture(v, row->image, &image, row->adapted ? "adapted TF" : m->name, err);
+            status = add_picture(v, row->image, &image,
+                                 row->scaled    ? "extinction scale"
+                                 : row->adapted ? "adapted TF"
+                                                : row->method,
+                                 err);
         if (status == ISO_OK) {
             row->ssim_dissimilarity_mean += (1 - metrics.ssim) / (double)v->consistency_views;
             row->flip_mean += metrics.flip_mean / (double)v->consistency_views;
@@ -134,7 +134,8 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
     const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
     char name[64], why[160];
     iso_status status = ISO_OK;
-    row.adapted = views.adapted = true;
+    row.adapted = true;
+    views.use = ISO_USE_ADAPTED;
     if (judgment->use_original) {
         if (judgment->seen)
             snprintf(why, sizeof why,
@@ -149,8 +150,24 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
     } else {
         snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", row.method, row.level);
         row.image = name;
-        status = measure_images(v, run, p, views.method, &row, &views, err);
+        status = measure_images(v, run, p, &row, &views, err);
     }
+    return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
+}
+
+/* The row of what is handed over with extinction scales: the pyramid's own directions alone. */
+static iso_status measure_scaled(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency row,
+                                 iso_measured_level views, iso_error *err)
+{
+    char name[64];
+    if (v->scales == ISO_SCALES_NONE || views.method != run->measured.own)
+        return ISO_OK;
+    row.adapted = v->scales == ISO_SCALES_ADAPTED;
+    row.scaled = true;
+    views.use = ISO_USE_SCALED;
+    snprintf(name, sizeof name, "consistency-%s-scaled-level-%zu", row.method, row.level);
+    row.image = name;
+    const iso_status status = measure_images(v, run, p, &row, &views, err);
     return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
 }
 
@@ -166,14 +183,16 @@ static iso_status measure_level(iso_validation *v, levels_run *run, const iso_py
                                   .image = name,
                                   .reference_image = "consistency-level-0"};
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
-    iso_status status = measure_images(v, run, p, m, &row, &views, err);
+    iso_status status = measure_images(v, run, p, &row, &views, err);
     if (status == ISO_OK)
         status = iso_validate_angles(v, p, level, m->source, &angles, err);
     row.gradient_angle_mean_deg = views.angle_deg = angles.mean;
     row.gradient_angle_p95_deg = angles.p95;
     if (status == ISO_OK)
         status = keep(v, run, &row, &views, err);
-    return status == ISO_OK ? measure_adapted(v, run, p, row, views, err) : status;
+    if (status == ISO_OK)
+        status = measure_adapted(v, run, p, row, views, err);
+    return status == ISO_OK ? measure_scaled(v, run, p, row, views, err) : status;
 }
 
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p, iso_error *err)
@@ -223,7 +242,7 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
         else if (m->filter == own->filter)
             all->own = m;
     }
-    all->room = 2 * (iso_method_count + 2) * v->pyramid->level_count;
+    all->room = 3 * (iso_method_count + 2) * v->pyramid->level_count;
     all->levels = calloc(all->room, sizeof *all->levels);
     if (!all->levels)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu rows of levels", all->room);
@@ -243,14 +262,14 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
 static iso_status measure_more(iso_validation *v, levels_run *run, size_t level, iso_error *err)
 {
     iso_measured *all = &run->measured;
-    const bool adapted = !v->level_tfs[level].judgment.use_original;
+    const iso_level_tf_use use = iso_measured_own_use(v, level);
     const iso_method *methods[2] = {all->own, all->on_the_fly};
     iso_status status = ISO_OK;
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
         iso_measured_level *views = &all->more[all->more_count + (size_t)i];
-        iso_report_consistency row = {.level = level, .adapted = i == 0 && adapted};
-        *views = (iso_measured_level){.level = level, .method = methods[i], .adapted = row.adapted};
-        status = measure_images(v, run, i == 0 ? v->pyramid : run->rebuilt, methods[i], &row, views, err);
+        iso_report_consistency row = {.level = level, .method = methods[i]->name};
+        *views = (iso_measured_level){.level = level, .method = methods[i], .use = i == 0 ? use : ISO_USE_ORIGINAL};
+        status = measure_images(v, run, i == 0 ? v->pyramid : run->rebuilt, &row, views, err);
     }
     all->more_count += 2;
     return status;
@@ -258,17 +277,18 @@ static iso_status measure_more(iso_validation *v, levels_run *run, size_t level,
 
 static bool is_open(const iso_validation *v, const iso_measured *all, size_t level)
 {
-    const bool adapted = !v->level_tfs[level].judgment.use_original;
     return all->shown &&
-           iso_measured_is_open(iso_measured_find(all, level, all->own, adapted),
-                                iso_measured_find(all, level, all->on_the_fly, false), v->consistency_views);
+           iso_measured_is_open(iso_measured_find(all, level, all->own, iso_measured_own_use(v, level)),
+                                iso_measured_find(all, level, all->on_the_fly, ISO_USE_ORIGINAL), v->consistency_views);
 }
+
+static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES}; /* at level 0 all filters are alike */
 
 static iso_status render_finest(iso_validation *v, iso_image *finest, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = render_view(v, &(level_shown){v->pyramid, 0, ISO_FROM_CODES, false}, i, &finest[i], err);
+        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i, &finest[i], err);
     return status;
 }
 

@@ -41,11 +41,11 @@ iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_
     const size_t views = count_views(v);
     iso_report_bound bound = {.views = views, .above = -INFINITY};
     iso_status status = ISO_OK;
-    if (!iso_image_bound_is_for(v->view)) /* then there is none */
+    if (!iso_image_bound_is_for(v->view) || own->use == ISO_USE_SCALED) /* then there is none */
         return ISO_OK;
     for (size_t i = 0; i < views && status == ISO_OK; ++i) {
         double rmse = NAN;
-        status = bound_view(v, own->level, own->adapted, i, &rmse, err);
+        status = bound_view(v, own->level, own->use == ISO_USE_ADAPTED, i, &rmse, err);
         bound.rmse += own->figures[ISO_LEVEL_RMSE][i] / (double)views;
         bound.bound += rmse / (double)views;
         const double above = own->figures[ISO_LEVEL_RMSE][i] - rmse;

@@ -76,10 +76,20 @@ static double mean(const double *values, size_t count)
     return sum;
 }
 
+/* What turns the judged pictures' transfer function into the rival's. */
+static const char *tf_option(const iso_measured_level *m, const iso_measured_level *own)
+{
+    if (m->use == own->use)
+        return "";
+    if (own->use == ISO_USE_SCALED)
+        return m->use == ISO_USE_ADAPTED ? "--adapt without --extinction-scale" : "without --extinction-scale";
+    return m->use == ISO_USE_ADAPTED ? "--adapt" : "without --adapt";
+}
+
 static void name_option(const iso_measured_level *m, const iso_measured_level *own, char *text, size_t size)
 {
     const bool fly = m->method->source == ISO_FROM_ON_THE_FLY, same = m->method == own->method;
-    const char *tf = m->adapted == own->adapted ? "" : m->adapted ? "--adapt" : "without --adapt";
+    const char *tf = tf_option(m, own);
     snprintf(text, size, "%s%s%s%s",
              same  ? ""
              : fly ? "--shading-from on-the-fly"
@@ -92,7 +102,7 @@ enum { OPTION_BYTES = 96 };
 static iso_report_rival rival_of(const iso_measured_level *own, const iso_measured_level *m, size_t views,
                                  char option[OPTION_BYTES])
 {
-    iso_report_rival r = {.method = m->method->name, .adapted = m->adapted, .option = option};
+    iso_report_rival r = {.method = m->method->name, .adapted = m->use == ISO_USE_ADAPTED, .option = option};
     name_option(m, own, option, OPTION_BYTES);
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
         r.value[k] = mean(m->figures[k], views);
@@ -101,11 +111,18 @@ static iso_report_rival rival_of(const iso_measured_level *own, const iso_measur
     return r;
 }
 
+iso_level_tf_use iso_measured_own_use(const iso_validation *v, size_t level)
+{
+    if (v->scales != ISO_SCALES_NONE)
+        return ISO_USE_SCALED;
+    return v->level_tfs[level].judgment.use_original ? ISO_USE_ORIGINAL : ISO_USE_ADAPTED;
+}
+
 const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
-                                            bool adapted)
+                                            iso_level_tf_use use)
 {
     for (size_t i = 0; i < all->count; ++i)
-        if (all->levels[i].level == level && all->levels[i].method == method && all->levels[i].adapted == adapted)
+        if (all->levels[i].level == level && all->levels[i].method == method && all->levels[i].use == use)
             return &all->levels[i];
     return NULL;
 }
@@ -129,14 +146,15 @@ static const iso_measured_level *find_more(const iso_measured *all, size_t level
     return NULL;
 }
 
-static iso_status judge(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
+static iso_status judge(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
                         iso_error *err)
 {
     char options[ISO_MEASURED_MOST][OPTION_BYTES], simple[OPTION_BYTES];
     iso_report_rival rivals[ISO_MEASURED_MOST];
-    const bool adapted = !v->level_tfs[level].judgment.use_original;
-    const iso_measured_level *own = iso_measured_find(all, level, all->own, adapted),
-                             *fly = iso_measured_find(all, level, all->on_the_fly, false),
+    const bool refused = v->level_tfs[level].judgment.use_original;
+    const iso_level_tf_use use = iso_measured_own_use(v, level);
+    const iso_measured_level *own = iso_measured_find(all, level, all->own, use),
+                             *fly = iso_measured_find(all, level, all->on_the_fly, ISO_USE_ORIGINAL),
                              *more = find_more(all, level);
     const iso_measured_level *judged = more ? &more[0] : own, *simple_way = more ? &more[1] : fly;
     const size_t views = more ? ISO_FACE_VIEWS : v->consistency_views;
@@ -150,7 +168,8 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
                             .views_before = v->consistency_views,
                             .method = all->own->name,
                             .chosen = is_chosen ? iso_direction_filter_name(chosen) : NULL,
-                            .adapted = adapted,
+                            .adapted = use == ISO_USE_ADAPTED,
+                            .scaled = use == ISO_USE_SCALED,
                             .confidence = confidence,
                             .margin = margin,
                             .rivals = rivals,
@@ -165,19 +184,21 @@ static iso_status judge(const iso_validation *v, const iso_measured *all, const 
     for (size_t i = 0; i < all->count && row.rival_count < ISO_MEASURED_MOST; ++i) {
         const iso_measured_level *m = &all->levels[i];
         if (m->level != level || m == own || m == fly ||
-            (m->adapted && !adapted)) /* refused: the original's pictures */
+            (m->use == ISO_USE_ADAPTED && refused)) /* the original's pictures */
             continue;
-        if (is_chosen && m->method->source == ISO_FROM_CODES && m->method->filter == chosen && m->adapted == adapted)
+        if (is_chosen && m->method->source == ISO_FROM_CODES && m->method->filter == chosen && m->use == use)
             continue; /* the same pictures */
         rivals[row.rival_count] = rival_of(own, m, v->consistency_views, options[row.rival_count]);
         ++row.rival_count;
     }
     compare_with_rebuilt(v, rebuilt, &row);
     iso_status status = iso_validate_bound_level(v, own, &row, err);
+    if (status == ISO_OK)
+        status = iso_validate_judge_scale(v, rebuilt, &row, err);
     return status == ISO_OK ? iso_report_add_level(v->report, &row, err) : status;
 }
 
-iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
+iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_error *err)
 {
     iso_status status = ISO_OK;

@@ -7,11 +7,18 @@
 #include "scene/views.h"
 #include "validate/validate.h"
 
+/* What a level is shown by. */
+typedef enum iso_level_tf_use {
+    ISO_USE_ORIGINAL, /* the original transfer function */
+    ISO_USE_ADAPTED,  /* the one adapted to the level */
+    ISO_USE_SCALED    /* iso_validation.scales */
+} iso_level_tf_use;
+
 /* A level as one method shows it, in each view. */
 typedef struct iso_measured_level {
     size_t level;
     const iso_method *method;
-    bool adapted;
+    iso_level_tf_use use;
     double figures[ISO_LEVEL_FIGURE_COUNT][ISO_FACE_VIEWS];
     double angle_deg; /* of its directions to level 0's, mean; NaN where none is seen */
 } iso_measured_level;
@@ -27,19 +34,27 @@ typedef struct iso_measured {
     iso_measured_level *more;
 } iso_measured;
 
+/* What is judged of a level. */
+iso_level_tf_use iso_measured_own_use(const iso_validation *v, size_t level);
 const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
-                                            bool adapted);
+                                            iso_level_tf_use use);
 /* By its mean the default is behind the simple way in a figure, and the scatter over the views is larger than that. */
 bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
 /* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);
+/* Fills row->scale: are the bytes those that level 0 makes, and do they change a picture? Nothing where v->scales is none. */
+iso_status iso_validate_judge_scale(iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row,
+                                    iso_error *err);
+/* View i of a level of p, by the renderer that draws all views. */
+iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, const iso_measured_level *shown, size_t i,
+                                     iso_image *image, iso_error *err);
 /* Fills row->bound for the pictures of `own`. */
 iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
                                     iso_error *err);
 
 /* rebuilt: of level 0, with the pyramid's own options. */
-iso_status iso_validate_judge_levels(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
+iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_error *err);
 
 /* The angle between a level's normals and level 0's, in degrees, at fine voxels that the TF shows and that have a

@@ -41,10 +41,17 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
     return status;
 }
 
+static void forget_tf(iso_level_tf *own)
+{
+    iso_tf_table_destroy(&own->table);
+    iso_tf_table_destroy(&own->scaled_table);
+    free(own->extinction_scale);
+}
+
 void iso_validate_forget_tfs(iso_validation *v)
 {
     for (size_t level = 0; v->level_tfs && level < v->pyramid->level_count; ++level)
-        iso_tf_table_destroy(&v->level_tfs[level].table);
+        forget_tf(&v->level_tfs[level]);
     free(v->level_tfs);
     v->level_tfs = NULL;
 }

@@ -24,7 +24,17 @@
 typedef struct iso_level_tf {
     iso_tf_table table;          /* adapted to the level, or a copy of the original */
     iso_adapt_judgment judgment; /* use_original: the original is kept, as always at level 0 */
+    /* By iso_validate_scale(), of coarse levels alone: a byte a voxel, and the table that the bytes were made for. */
+    uint8_t *extinction_scale;
+    iso_tf_table scaled_table;
 } iso_level_tf;
+
+/* What levels are shown by besides their own transfer function. */
+typedef enum iso_level_scales {
+    ISO_SCALES_NONE,
+    ISO_SCALES_ADAPTED, /* extinction scales on the adapted TF, whatever small views say of that: --adapt --extinction-scale */
+    ISO_SCALES_ORIGINAL /* on the original one: --extinction-scale */
+} iso_level_scales;
 
 /* Why a renderer is not compared. */
 typedef struct iso_refusal {
@@ -56,6 +66,7 @@ typedef struct iso_validation {
     size_t consistency_size, consistency_views;
     bool may_add_views;      /* twenty, of a level that these leave open */
     iso_level_tf *level_tfs; /* one a level; by iso_validate_adapt() */
+    iso_level_scales scales; /* the verdict on levels is on these, where they are not none */
     int threads;
     iso_renderers renderers;
     iso_report *report;
@@ -97,6 +108,11 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
 /* Adapts the view's TF to each level and sets level_tfs. iso_validate_forget_tfs() releases them; it accepts none. */
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
 void iso_validate_forget_tfs(iso_validation *v);
+
+/* Makes the extinction scales that v->scales asks for: of the pyramid's own scalars, for the view's TF. Needs level_tfs. */
+iso_status iso_validate_scale(iso_validation *v, iso_error *err);
+/* What a pyramid is to be shown by, as `build --auto` noted it. */
+iso_level_scales iso_validate_scales_of(const iso_pyramid *p);
 
 /* Both need level_tfs. */
 /* Images of other directions and transfer functions are that large at most: there are many, and what they would show is
