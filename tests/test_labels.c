@@ -110,7 +110,11 @@ static void a_slab_of_two_labels_has_its_closed_form(void **state)
         const char *renderer;
         bool exact;
         double tolerance;
-    } cases[] = {{"reference", false, 1e-6}, {"gl", false, 2e-6}, {"gl", true, 2e-6}, {"povray", false, 2e-5}, {"cycles", false, 2e-6}};
+    } cases[] = {{"reference", false, 1e-6},
+                 {"gl", false, 2e-6},
+                 {"gl", true, 2e-6},
+                 {"povray", false, 2e-5},
+                 {"cycles", false, 2e-6}};
     iso_level level = make_slab();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_image image;
@@ -256,6 +260,45 @@ static int noisy(int x, int y, int z)
     return 4 * cell_of(x, y, z) + ((x * 73 + y * 179 + z * 283) * 2654435761u >> 31 & 1);
 }
 
+/* Nested the other way round: all changes go down. */
+static int falling(int x, int y, int z)
+{
+    (void)y, (void)z;
+    return 2 - x / 8;
+}
+/* Any of sixteen values in any voxel: hardly a change goes to the next one, but hardly a voxel is like its neighbors. */
+static int random_values(int x, int y, int z)
+{
+    return (int)(((unsigned)(x * 73 + y * 179 + z * 283) * 2654435761u) >> 28) * 3;
+}
+/* Cubes of 27 voxels: too few for a label of their own each. */
+static int small_cubes(int x, int y, int z)
+{
+    return (x / 3 + 8 * (y / 3) + 64 * (z / 3)) * 181 % 512;
+}
+static int constant(int x, int y, int z)
+{
+    (void)x, (void)y, (void)z;
+    return 7;
+}
+
+/* Floats are measured, whatever their values. */
+static void floats_are_no_labels(void **state)
+{
+    (void)state;
+    const size_t size[3] = {SIDE, SIDE, SIDE};
+    const double spacing[3] = {1, 1, 1};
+    const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
+    iso_label_facts facts;
+    iso_volume v;
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
+    for (int i = 0; i < SIDE * SIDE * SIDE; ++i)
+        ((float *)v.data)[i] = (float)labels(i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
+    assert_ok(iso_labels_look_at(&v, true, &facts, &err));
+    assert_false(facts.is_map);
+    iso_volume_destroy(&v);
+}
+
 static iso_label_facts look_at(value_of value, bool all)
 {
     const size_t size[3] = {SIDE, SIDE, SIDE};
@@ -278,7 +321,9 @@ static void labels_are_told_from_intensities(void **state)
         value_of value;
         bool is_map;
         size_t count;
-    } cases[] = {{labels, true, 8}, {mask, false, 2}, {nested, false, 3}, {slope, false, 24}, {noisy, false, 16}};
+    } cases[] = {{labels, true, 8},          {mask, false, 2},     {nested, false, 3},
+                 {slope, false, 24},         {noisy, false, 16},   {falling, false, 3},
+                 {random_values, false, 16}, {constant, false, 1}, {small_cubes, false, 512}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const iso_label_facts f = look_at(cases[i].value, true);
         assert_int_equal(f.is_map, cases[i].is_map);
@@ -295,6 +340,7 @@ int main(void)
         cmocka_unit_test(a_renderer_that_would_interpolate_is_refused),
         cmocka_unit_test(coarse_labels_are_majorities),
         cmocka_unit_test(labels_are_told_from_intensities),
+        cmocka_unit_test(floats_are_no_labels),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }

@@ -141,6 +141,10 @@ static void a_signal_is_measured_above_the_background(void **state)
     /* The brightest 1 % of the pixels: two of a hundred are enough for that, one is not. */
     assert_within(signal_of(shown(2, 0.5F, 1, gray), gray, 1e-3, ISO_SIGNAL_P99).color, 0.5, 1e-12);
     assert_within(signal_of(shown(1, 0.5F, 1, gray), gray, 1e-3, ISO_SIGNAL_P99).color, 0, 1e-12);
+    iso_image blue = shown(0, 0, 0, gray); /* one channel is enough */
+    for (size_t i = 0; i < 50; ++i)
+        blue.rgba[4 * i + 2] = 0.625F;
+    assert_within(signal_of(blue, gray, 1e-3, ISO_SIGNAL_P99).color, 0.5, 1e-12);
     const iso_signal none = signal_of(shown(50, NAN, 1, gray), gray, 1e-3, ISO_SIGNAL_RMS),
                      neither = signal_of(shown(50, NAN, 1, gray), gray, 1e-3, ISO_SIGNAL_P99);
     assert_false(iso_signal_suffices(&none) || iso_signal_suffices(&neither));

@@ -144,6 +144,20 @@ static void rays_see_what_the_camera_sees(void **state)
     assert_non_null(strstr(text, "the camera looks past the volume"));
 }
 
+/* 10 mm of it along each ray: a depth at which alpha is 1/255 shows something, a little less does not. */
+static void rays_add_up_what_they_meet(void **state)
+{
+    (void)state;
+    subject s;
+    for (int more = 0; more < 2; ++more) {
+        set_up(&s, (more ? 1.001 : 0.999) * -log1p(-1.0 / 255) / 10);
+        for (size_t i = 0; i < COUNT; ++i)
+            s.scalar[i] = 1;
+        const iso_visible v = iso_visible_measure(&s.level, &s.view, NULL, 1);
+        assert_within(v.picture, more ? v.box : 0, 1e-15);
+    }
+}
+
 static void clip_planes_that_leave_nothing_are_named(void **state)
 {
     (void)state;
@@ -199,6 +213,12 @@ static void pictures_are_judged_by_alpha_and_color(void **state)
     iso_visible_take_image(&v, &image, background);
     assert_true(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
     assert_non_null(strstr(text, "has the background's color"));
+    for (int c = 0; c < 3; ++c) { /* one channel is enough to be told from it */
+        image.rgba[4 + c] = 0.9f;
+        iso_visible_take_image(&v, &image, background);
+        assert_false(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
+        image.rgba[4 + c] = 0.2f;
+    }
     iso_image_destroy(&image);
 }
 
@@ -210,6 +230,7 @@ int main(void)
         cmocka_unit_test(faces_count_by_their_area),
         cmocka_unit_test(fog_that_can_be_seen_through_is_no_box),
         cmocka_unit_test(rays_see_what_the_camera_sees),
+        cmocka_unit_test(rays_add_up_what_they_meet),
         cmocka_unit_test(clip_planes_that_leave_nothing_are_named),
         cmocka_unit_test(an_isosurface_outside_the_values_is_named),
         cmocka_unit_test(pictures_are_judged_by_alpha_and_color),

@@ -87,10 +87,23 @@ static void set_entry(iso_view *view, size_t i, float r, float g, float b, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
+/* Renderers of a fixed number of intervals take by default as many as they can, whatever the volume's size. These volumes
+ * have a few voxels: a sixteenth of one, extrapolated, leaves 1e-5. */
+static iso_render_options stage_options(const stage *s, const iso_renderer_info *which)
+{
+    const double step_voxels = 1.0 / 16;
+    iso_render_options opt = iso_render_defaults(which);
+    if (which->max_intervals > 0) {
+        iso_render_ask_steps(which, &s->pyramid.levels[0], step_voxels, 1, 1, &opt);
+        opt.extrapolate = true;
+    }
+    return opt;
+}
+
 static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                                iso_error *err)
 {
-    iso_render_options opt = iso_render_defaults(which);
+    const iso_render_options opt = stage_options(s, which);
     iso_plant(planted, &s->pyramid, 0, &s->view);
     r->after = iso_planted_hook(planted);
     iso_status status = iso_render_with(&(iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view,
