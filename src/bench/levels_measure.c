@@ -141,10 +141,12 @@ static iso_status render(iso_levels_run *run, const iso_pyramid *p, size_t level
 {
     iso_render_options opt = iso_render_defaults(run->renderer);
     const iso_progress silent = {0};
+    run->frame_seconds = 0;
     opt.source = source;
     opt.step_voxels = run->step_voxels;
     opt.threads = run->cli->threads;
-    return iso_render_with(&(iso_render_request){&run->renderers, p, level, view, &opt, &silent}, image, NULL, err);
+    return iso_render_with(&(iso_render_request){&run->renderers, p, level, view, &opt, &silent}, image,
+                           &run->frame_seconds, err);
 }
 
 /* By the samples that the ray caster takes. */
@@ -238,6 +240,7 @@ static iso_status run_method(iso_levels_run *run, bench_subject *b, size_t level
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         iso_image image = {0};
         status = render_shown(run, m, &s, &shown, &b->views[i], &image, err);
+        r->seconds = i == 0 || run->frame_seconds < r->seconds ? run->frame_seconds : r->seconds;
         if (status == ISO_OK)
             status = measure_view(&b->finest[i], &image, c->box, 1.0 / run->views, r, err);
         iso_image_destroy(&image);
@@ -249,7 +252,7 @@ static iso_status run_method(iso_levels_run *run, bench_subject *b, size_t level
 static void print_case(const iso_levels_run *run, const iso_level_case *c)
 {
     const char *why = iso_level_case_left_out(&run->cases, c);
-    if (run->cli->json)
+    if (run->cli->json || run->silent)
         return;
     printf("%-24s %-12s %zu", c->volume, c->tf, c->level);
     for (size_t m = 0; m < iso_level_method_count(); ++m)
@@ -313,18 +316,11 @@ static const char *make_tf(const iso_level *level0, int t, iso_surface_tf *point
     return NULL;
 }
 
-static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, int t, iso_error *err)
+static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, const char *name, const iso_tf *tf,
+                         iso_error *err)
 {
-    bench_subject b = {.pyramids = set, .tf = iso_levels_tf_names[t]};
-    iso_surface_tf points;
-    iso_tf tf;
-    const char *why = make_tf(&set->first->levels[0], t, &points, &tf);
-    if (why) {
-        if (!run->cli->json)
-            printf("%-24s %-12s left out: %s\n", iso_path_base(run->volumes[run->at]), iso_levels_tf_names[t], why);
-        return ISO_OK;
-    }
-    iso_status status = render_finest(run, &tf, &b, err);
+    bench_subject b = {.pyramids = set, .tf = name};
+    iso_status status = render_finest(run, tf, &b, err);
     for (size_t level = 1; level < set->first->level_count && status == ISO_OK; ++level)
         if (is_wanted_level(run, level))
             status = run_level(run, &b, level, err);
@@ -333,6 +329,19 @@ static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, int t, iso
         iso_image_destroy(&b.finest[i]);
     }
     return status;
+}
+
+/* One of the transfer functions of the benchmark. */
+static iso_status run_usual_tf(iso_levels_run *run, const pyramid_set *set, int t, iso_error *err)
+{
+    iso_surface_tf points;
+    iso_tf tf;
+    const char *why = make_tf(&set->first->levels[0], t, &points, &tf);
+    if (!why)
+        return run_tf(run, set, iso_levels_tf_names[t], &tf, err);
+    if (!run->cli->json)
+        printf("%-24s %-12s left out: %s\n", iso_path_base(run->volumes[run->at]), iso_levels_tf_names[t], why);
+    return ISO_OK;
 }
 
 bool iso_levels_has_time(iso_levels_run *run)
@@ -351,12 +360,16 @@ iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progre
         status = iso_bench_crop_to_middle(&v, (size_t)run->crop, err);
     if (status == ISO_OK)
         status = check_size(run, &v, err);
+    if (status == ISO_OK && run->own_tf)
+        status = build_pyramids(run, &v, &set, err);
+    if (status == ISO_OK && run->own_tf)
+        status = run_tf(run, &set, "scene", run->own_tf, err);
     for (int t = 0; t < ISO_LEVELS_TF_COUNT && status == ISO_OK; ++t) {
         if (run->wanted_tf[t] && !has_tf(run, t) && iso_levels_has_time(run)) {
             if (!set.first)
                 status = build_pyramids(run, &v, &set, err);
             if (status == ISO_OK)
-                status = run_tf(run, &set, t, err);
+                status = run_usual_tf(run, &set, t, err);
             if (status == ISO_OK && run->csv)
                 status = iso_level_cases_write_csv(&run->cases, run->csv, err);
         }

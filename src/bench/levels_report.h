@@ -27,6 +27,7 @@ typedef struct iso_level_case {
         iso_level_error full, minified;
         double alpha;       /* the largest of its images */
         bool measured;      /* false: these are zeros */
+        double seconds;     /* of the fastest frame of the views */
         bool kept_original; /* it adapts, and kept the original TF here */
     } results[ISO_LEVEL_MAX_METHODS];
 } iso_level_case;

@@ -27,12 +27,15 @@ typedef struct iso_levels_run {
     const char *with, *tfs, *methods, *against;
     char *held, *csv, *have;
     bool wanted_tf[ISO_LEVELS_TF_COUNT];
+    const iso_tf *own_tf; /* instead of these, or NULL */
+    bool silent;          /* cases are not printed */
     const iso_renderer_info *renderer;
     iso_renderers renderers;
     size_t volume_count, named_count; /* those after named_count are held back */
     const char *volumes[ISO_LEVELS_MAX_VOLUMES];
     size_t at; /* the volume at work */
     bool out_of_time;
+    double frame_seconds; /* of the last one rendered */
     iso_level_cases cases;
     size_t had_count; /* of them: those of earlier runs, which stand first */
 } iso_levels_run;

@@ -417,7 +417,7 @@ const iso_command iso_command_build = {
         "better on an axis than in a direction, by 0.4 and more; the volume is read once more for that, and the figures\n"
         "are printed.\n"
         "With --direction-filter least-squares directions are those whose lookup is nearest to level 0's, weighted by the\n"
-        "squared gradient; slabs then keep ten times the planes of scalars (doc/method/least-squares-levels.md).\n"
+        "squared gradient; slabs then keep eight times the planes of scalars (doc/method/least-squares-levels.md).\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
         "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"

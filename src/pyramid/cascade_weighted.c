@@ -7,9 +7,10 @@
  * further, and coefficients are fixed. So blocks of WEIGHTED_BLOCK planes, by their index, are solved with as many planes
  * on either side as there are rounds, and no byte depends on slabs, threads or ranks:
  *
- *     round 0      . . . . . . o o o o o o o o . . . . . .     planes that are made
- *     round 1        . . . . . o o o o o o o o . . . . .
- *     the last                 o o o o o o o o                 a block: kept
+ *     round 0      . . . o o o o o o o o . . .     planes that are made
+ *     round 1        . . o o o o o o o o . .
+ *     round 2          . o o o o o o o o .
+ *     the last           o o o o o o o o           a block: kept
  *
  * Levels above the cascade's carry, with voxels of 2^(CARRY_LEVEL + 1) and more, keep their moments. */
 #include <math.h>
@@ -21,7 +22,7 @@
 #include "pyramid/spline_kernel.h"
 #include "pyramid/weighted_kernel.h"
 
-enum { WEIGHTED_ROUNDS = 6, WEIGHTED_BLOCK = 8, WEIGHTED_WINDOW = WEIGHTED_BLOCK + 2 * WEIGHTED_ROUNDS };
+enum { WEIGHTED_ROUNDS = 3, WEIGHTED_BLOCK = 8, WEIGHTED_WINDOW = WEIGHTED_BLOCK + 2 * WEIGHTED_ROUNDS };
 /* Fine planes between two meetings of the threads, and fine rows of a thread's task. */
 enum { WEIGHTED_BATCH = 16, WEIGHTED_ROWS = 32 };
 /* The least eigenvalue that the rounds are made for. */

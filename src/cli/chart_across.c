@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/chart_across.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "bench/levels_across.h"
+#include "chart/across.h"
+#include "base/words.h"
+#include "scene/scene.h"
+
+enum { USUAL_SIZE = 192, MOST_SIZE = 4096 };
+static const char all_designs[] = "default,original,always,tf-2d,gauss,damped,damped-adapted,least-squares,lsq-adapted,"
+                                  "fitted,scaled,scaled-original,scaled-damped,naive,eq1,tensor,lsq-directions";
+
+static double error_of(const iso_level_error *e, iso_chart_metric metric)
+{
+    return metric == ISO_CHART_RMSE ? e->rmse : metric == ISO_CHART_FLIP ? e->flip : e->dssim;
+}
+
+static const char *metric_title(iso_chart_metric metric)
+{
+    return metric == ISO_CHART_RMSE ? "RMSE" : metric == ISO_CHART_FLIP ? "FLIP" : "DSSIM";
+}
+
+static iso_status find_size(const iso_chart_across *a, int *size, iso_error *err)
+{
+    char *end;
+    const long n = a->size ? strtol(a->size, &end, 10) : USUAL_SIZE;
+    if (a->size && (*end || end == a->size))
+        return iso_fail(err, ISO_E_USAGE, "--size is \"%s\", --across-levels takes pixels along an edge", a->size);
+    *size = (int)(n < 0 || n > MOST_SIZE ? MOST_SIZE + 1 : n);
+    return iso_words_check_range("--size", *size, 16, MOST_SIZE, err);
+}
+
+static iso_status show(const iso_chart_across *a, const iso_across_chart *chart, const iso_levels_across_row *measured,
+                       size_t count, iso_error *err)
+{
+    iso_across_row *rows = calloc(count + 1, sizeof *rows);
+    if (!rows)
+        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    for (size_t i = 0; i < count; ++i) {
+        const iso_levels_across_row *m = &measured[i];
+        rows[i] = (iso_across_row){.design = m->design,
+                                   .summary = m->summary,
+                                   .scalar = m->scalar,
+                                   .treatment = m->treatment,
+                                   .directions = m->directions,
+                                   .level = m->level,
+                                   .bytes = m->bytes,
+                                   .seconds = m->seconds,
+                                   .error = error_of(&m->full, a->metric),
+                                   .error_minified = error_of(&m->minified, a->metric),
+                                   .chosen_within = m->chosen_within};
+    }
+    iso_across_rank(rows, count);
+    json_t *json = iso_across_to_json(chart, rows, count), *root = iso_cli_json(a->cli);
+    iso_status status = json ? iso_across_write(chart, rows, count, json, err)
+                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    iso_progress_line_hide(a->cli->progress);
+    json_object_update(root, json);
+    if (status == ISO_OK && a->cli->json) {
+        iso_cli_print_json(root);
+    } else {
+        if (status == ISO_OK)
+            iso_across_print(rows, count);
+        json_decref(root);
+    }
+    json_decref(json);
+    free(rows);
+    return status;
+}
+
+iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
+{
+    iso_scene scene = {0};
+    iso_levels_across_row *rows = NULL;
+    size_t count = 0;
+    int size = 0;
+    iso_cli_expect(a->cli, &(iso_cli_stage){"levels", 1}, 1);
+    iso_status status = find_size(a, &size, err);
+    if (status == ISO_OK && a->level_count < 2)
+        status = iso_fail(err, ISO_E_USAGE, "--levels is %d, --across-levels needs a coarse one: 2 and more",
+                          a->level_count);
+    if (status == ISO_OK && !a->scene)
+        status = iso_fail(err, ISO_E_USAGE, "--scene is missing: whose transfer function the levels are shown by");
+    if (status == ISO_OK)
+        status = iso_scene_load(a->scene, &scene, err);
+    const iso_levels_across in = {.cli = a->cli,
+                                  .input = a->input,
+                                  .volume = a->cli->arguments[0],
+                                  .methods = a->designs ? a->designs : all_designs,
+                                  .tf = &scene.tf,
+                                  .levels = a->level_count,
+                                  .views = a->views,
+                                  .size = size};
+    if (status == ISO_OK)
+        status = iso_levels_across_measure(&in, &rows, &count, err);
+    const iso_across_chart chart = {.output = a->output,
+                                    .volume = iso_path_base(a->cli->arguments[0]),
+                                    .tf = iso_path_base(a->scene ? a->scene : ""),
+                                    .metric = metric_title(a->metric),
+                                    .style = a->style,
+                                    .views = a->views,
+                                    .size = size};
+    if (status == ISO_OK)
+        status = show(a, &chart, rows, count, err);
+    free(rows);
+    iso_scene_destroy(&scene);
+    return status;
+}
