@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "blender/blender_scene.h"
+#include "volume/segments.h"
 
 enum { LEAST_LABEL = -32768, MOST_LABEL = 65535, SPAN = MOST_LABEL - LEAST_LABEL + 1, MOST_CLASSES = 65536 };
 
@@ -198,8 +199,9 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
     if (status == ISO_OK) {
         json_t *list = json_array();
         for (size_t i = 0; i < classes.count; ++i)
-            json_array_append_new(list, json_integer(classes.values[i]));
-        json_object_set_new(about, "labels", json_pack("{ss so}", "image", path, "values", list));
+            json_array_append_new(list, json_pack("[is]", classes.values[i],
+                                                  iso_segments_name(p->segments, classes.values[i])));
+        json_object_set_new(about, "labels", json_pack("{ss so}", "image", path, "classes", list));
         for (size_t i = 0; i < count; ++i)
             describe_tiles(json_array_get(json_object_get(about, "levels"), i), &p->levels[first + i].geometry,
                            &tiles[i]);

@@ -90,6 +90,11 @@ def explain(about, shift):
     far = ("The volume stands far from the world's origin, and Blender's positions are in single precision: the origin of this\n"
            "file is the point ({:.17g}, {:.17g}, {:.17g}) of the world, in millimetres.\n".format(*about["origin_mm"])
            if any(about["origin_mm"]) else "")
+    if "labels" in about:
+        several += ('A label map: the image "isoshade labels" holds the class of each voxel, and is looked up without interpolation; the\n'
+                    'colour map and the ColorRamp have an entry a class. Classes, by label:\n'
+                    + "".join(f"    {number}: {label}{', ' if name else ''}{name}\n"
+                              for number, (label, name) in enumerate(about["labels"]["classes"])))
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              far=far, levels=several, units=about["units_per_mm"],

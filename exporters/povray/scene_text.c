@@ -100,6 +100,17 @@ static void write_scale(FILE *f, const iso_povray_scene *s)
             255.0 / ISO_EXTINCTION_SCALE_PER_OCTAVE, -iso_extinction_scale_log2(0), above, above);
 }
 
+static void write_label_names(FILE *f, const iso_povray_scene *s)
+{
+    const json_t *segments = s->voxels->segments;
+    fprintf(f, "// A label map: no value between two labels is one, so that it is looked up without interpolation.\n");
+    for (size_t i = 0; i < json_array_size(segments); ++i) {
+        const json_t *segment = json_array_get(segments, i);
+        fprintf(f, "//     %d: %s\n", (int)json_integer_value(json_object_get(segment, "label")),
+                json_string_value(json_object_get(segment, "name")));
+    }
+}
+
 static void write_fields(FILE *f, const iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
@@ -107,7 +118,7 @@ static void write_fields(FILE *f, const iso_povray_scene *s)
     fprintf(f, "// ---- the data -------------------------------------------------------------\n"
                "// Each file has a rim of one voxel, against the wrap-around of `interpolate`.\n");
     if (s->voxels->labels)
-        fprintf(f, "// A label map: no value between two labels is one, so that it is looked up without interpolation.\n");
+        write_label_names(f, s);
     write_lookup_as(f, s, "Iso_Stored", "scalar", !s->voxels->labels);
     fprintf(f,
             "// in the units of the data\n"

@@ -232,6 +232,10 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
         source.meaning = grids[i].meaning;
         if (i > 0)
             set_range(&source, i == SCALE_GRID);
+        if (i > 0)
+            source.labels = NULL;
+        else if (source.labels)
+            source.meaning = "labels, which are looked up without interpolation";
         const reversed_rows rows = {source.read, source.read_active, source.user, source.size[0],
                                     (size_t)source.channels};
         if (reversed) {
@@ -263,7 +267,12 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
     const bool reversed = iso_vdb_reverses_x(&level->geometry);
     if (reversed)
         reverse_x(&source);
-    return add_grids(file, &source, &readers, reversed, plain_names, path, err);
+    char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
+    if (level->labels)
+        source.labels = segments ? segments : "[]";
+    const iso_status status = add_grids(file, &source, &readers, reversed, plain_names, path, err);
+    free(segments);
+    return status;
 }
 
 /* ---- lattices ------------------------------------------------------------------ */

@@ -35,6 +35,7 @@ typedef struct iso_vdb_source {
     float background;
     bool half_float;
     const char *creator, *made_from, *meaning;
+    const char *labels; /* of a label map: its segments as JSON (volume/segments.h), "[]" where none are named; else NULL */
     int level;
     double value_min, value_max, box_index[3], spacing_mm[3];
     const char *unit; /* of the transform; "" where it has no name */

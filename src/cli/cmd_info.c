@@ -14,6 +14,7 @@
 #include "pyramid/agreement.h"
 #include "tf/histogram_verify.h"
 #include "volume/format.h"
+#include "volume/segments.h"
 
 #define BINS 64         /* shown */
 #define FINE_BINS 16384 /* counted: percentiles are good to one of them */
@@ -124,6 +125,25 @@ static void print_scale(const iso_volume_notes *n)
                n->scale_intercept);
 }
 
+/* Names and colors of the labels, where the file has them. */
+static void print_segments(const json_t *segments)
+{
+    enum { LISTED = 48 };
+    const size_t count = json_array_size(segments);
+    for (size_t i = 0; i < count && i < LISTED; ++i) {
+        const json_t *segment = json_array_get(segments, i);
+        const long label = (long)json_integer_value(json_object_get(segment, "label"));
+        double srgb[3];
+        printf("  label      %ld: %s", label, json_string_value(json_object_get(segment, "name")));
+        if (iso_segments_color(segments, label, srgb))
+            printf(", color #%02x%02x%02x", (unsigned)(255 * srgb[0] + 0.5), (unsigned)(255 * srgb[1] + 0.5),
+                   (unsigned)(255 * srgb[2] + 0.5));
+        printf("\n");
+    }
+    if (count > LISTED)
+        printf("  label      and %zu more: --json has all\n", count - LISTED);
+}
+
 static void print_text(const char *path, const iso_volume *v, const volume_facts *f, const iso_value_histogram *shown)
 {
     const iso_geometry *g = &v->geometry;
@@ -139,6 +159,8 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     if (v->notes.label_count)
         printf("  labels     label map, %zu labels: looked up without interpolation (else --no-labels)\n",
                v->notes.label_count);
+    if (v->notes.label_count)
+        print_segments(v->segments);
     for (int a = 0; a < 3; ++a) {
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
@@ -193,6 +215,8 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "applied_intercept", json_real(v->notes.applied_intercept));
     json_object_update_new(root, frames_to_json(&v->notes));
     json_object_set_new(root, "labels", json_integer((json_int_t)v->notes.label_count));
+    if (v->notes.label_count && v->segments)
+        json_object_set(root, "segments", v->segments);
     json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
     json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
     iso_cli_print_json(root);
@@ -296,6 +320,8 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
         json_object_set_new(root, "joint_histograms", joints_to_json(found));
     if (p->unit.name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", p->unit.name, "mm", p->unit.mm));
+    if (p->segments)
+        json_object_set(root, "segments", p->segments);
     if (p->made_for)
         json_object_set(root, "made_for", p->made_for);
     if (p->chosen_by)
@@ -343,6 +369,7 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
            opt->keep_float ? " --keep-float" : "", opt->keep_magnitude ? " --keep-magnitude" : "");
     if (opt->value_range[1] > opt->value_range[0])
         printf("  all frames %.9g to %.9g, which fitted TFs follow\n", opt->value_range[0], opt->value_range[1]);
+    print_segments(p->segments);
     if (p->made_for)
         print_made_for(p);
     if (p->chosen_by)

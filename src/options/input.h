@@ -24,7 +24,7 @@
     {"spacing", 0, POPT_ARG_STRING, &(in)->spacing, 0, "the volume's spacing, where its file has none or a wrong one", "SXxSYxSZ"}, \
     {"unit", 0, POPT_ARG_STRING, &(in)->unit, 0, "unit of lengths, in the file and here: " ISO_UNIT_NAMES, "UNIT"}, \
     {"series", 0, POPT_ARG_STRING, &(in)->series, 0, "which of a folder's series: its number, or its name", "N|NAME"}, \
-    {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "which of a file's time steps, or of numbered files, from 0", "K"}, \
+    {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "which of a file's time steps, or of numbered files, from 0; which layer of segments, by a name, too", "K"}, \
     {"channel", 0, POPT_ARG_STRING, &(in)->channel, 0, "which of a voxel's numbers, from 0, or its name; colors: luminance", "K|NAME"}, \
     {"stored", 0, POPT_ARG_NONE, &(in)->stored, 0, "values as they are stored, without the file's slope and intercept", NULL}, \
     {"labels", 0, POPT_ARG_NONE, &(in)->labels, 0, "the volume is a label map, whatever its samples look like", NULL}, \

@@ -206,6 +206,7 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
         return status;
     out->source = strdup(source);
     out->unit = iso_pyramid_unit_of(&v->notes);
+    out->segments = opt->scalar_filter == ISO_SCALAR_MAJORITY ? json_incref(v->segments) : NULL;
     snprintf(out->built_by, sizeof out->built_by, "isoshade " ISO_VERSION);
     out->level_count = iso_cascade_level_count(&v->geometry, opt);
     out->levels = calloc(out->level_count, sizeof *out->levels);
@@ -213,9 +214,16 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its levels", source);
     else
         status = build_levels(v, iso_cascade_scale(&v->geometry, range), out, progress, err);
+    iso_pyramid_share_segments(out);
     if (status != ISO_OK)
         iso_pyramid_destroy(out);
     return status;
+}
+
+void iso_pyramid_share_segments(iso_pyramid *p)
+{
+    for (size_t k = 0; p->levels && k < p->level_count; ++k)
+        p->levels[k].segments = p->segments;
 }
 
 void iso_pyramid_destroy(iso_pyramid *p)
@@ -230,6 +238,7 @@ void iso_pyramid_destroy(iso_pyramid *p)
     }
     free(p->levels);
     free(p->source);
+    json_decref(p->segments);
     json_decref(p->made_for);
     json_decref(p->chosen_by);
     *p = (iso_pyramid){0};

@@ -112,6 +112,7 @@ typedef struct iso_level {
     float *magnitude;     /* 1 float a voxel, or NULL */
     double min, max;      /* of the scalar */
     bool labels;          /* looked up without interpolation: the value of the voxel that holds a point */
+    const json_t *segments; /* borrowed: the pyramid's */
     bool made_for_scene;  /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
     const iso_palette *palette;
@@ -131,6 +132,7 @@ typedef struct iso_pyramid {
     char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
     size_t level_count;
     iso_level *levels;
+    json_t *segments;  /* owned: names and colors of a label map's labels (volume/segments.h); or NULL */
     json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
     json_t *chosen_by; /* owned: what `build --auto` chose the filters by (doc/formats.md); or NULL */
 } iso_pyramid;

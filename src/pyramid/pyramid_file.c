@@ -291,6 +291,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         iso_json_get_number(r, unit, "mm", true, 1e-30, 1e30, &out->unit.mm);
         snprintf(out->unit.name, sizeof out->unit.name, "%s", name);
     }
+    out->segments = json_incref(iso_json_get_array(r, root, "segments", false));
     out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
     out->chosen_by = json_incref(iso_json_get_object(r, root, "auto", false));
     if (r->status != ISO_OK)
@@ -318,6 +319,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
             return iso_fail(err, ISO_E_FORMAT, "%s: the sizes of level %zu are not half of the finer level's", r->path,
                             k);
     }
+    iso_pyramid_share_segments(out);
     return ISO_OK;
 }
 

@@ -126,6 +126,8 @@ iso_status iso_layout_save(const char *dir, const char *source, const iso_pyrami
                              "isoshade " ISO_VERSION, "options", iso_layout_options(opt), "levels", levels);
     if (root && unit->name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", unit->name, "mm", unit->mm));
+    if (root && of && of->segments)
+        json_object_set(root, "segments", of->segments);
     if (root && of && of->made_for)
         json_object_set(root, "made_for", of->made_for);
     if (root && of && of->chosen_by)

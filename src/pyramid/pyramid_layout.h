@@ -39,9 +39,11 @@ json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min
                          const level_file files[FILE_COUNT], size_t level);
 /* What was chosen for a coarse level, into its object. Nothing where nothing was. */
 void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *object);
-/* Writes pyramid.json; takes the list of levels. of: the pyramid, for what it was made for and chosen by, or NULL. */
+/* Writes pyramid.json; takes the list of levels. of: the pyramid, for what it was made for and chosen by, and its segments; or NULL. */
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err);
+/* Each level borrows the pyramid's. */
+void iso_pyramid_share_segments(iso_pyramid *p);
 /* With 17 digits, so that numbers are read back as they were. */
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);
 

@@ -124,7 +124,8 @@ static iso_status describe_and_commit(pyramid_build *s, iso_error *err)
     s->report->choice = s->opt->choice;
     iso_stream_remove_progress(s);
     const iso_pyramid_unit unit = iso_pyramid_unit_of(&s->header.notes);
-    iso_status status = iso_layout_save(s->output.temp_path, s->in->path, &unit, s->opt, levels, NULL, err);
+    const iso_pyramid of = {.segments = s->opt->scalar_filter == ISO_SCALAR_MAJORITY ? s->header.segments : NULL};
+    iso_status status = iso_layout_save(s->output.temp_path, s->in->path, &unit, s->opt, levels, &of, err);
     return status == ISO_OK ? iso_output_commit(&s->output, err) : status;
 }
 

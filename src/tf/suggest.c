@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "tf/color_space.h"
+#include "volume/segments.h"
 
 enum { BINS = ISO_SURVEY_BINS };
 
@@ -289,9 +290,15 @@ static void add_shell(const iso_survey *s, iso_suggestion *out)
                                                       SOLID};
 }
 
+static int by_number(const void *a, const void *b)
+{
+    const double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
 /* ---- labels --------------------------------------------------------------------------------------------------------- */
 
-/* All but the background's, colors from blue over green to red: a label that is interpolated has its neighbor's hue. */
+/* Of what looks like labels and is interpolated: all but the background's, colors from blue over green to red: a label that is interpolated has its neighbor's hue. */
 static void add_labels(const iso_survey *s, iso_suggestion *out)
 {
     static const double hues[6][3] = {{0.35, 0.55, 0.95}, {0.30, 0.80, 0.85}, {0.45, 0.80, 0.40},
@@ -306,6 +313,57 @@ static void add_labels(const iso_survey *s, iso_suggestion *out)
         return; /* one label on nothing */
     for (int i = 0; i < 6 && last > begins; ++i)
         add_point(&out->tf, begins + (last - begins) * (i + 0.5) / 6, hues[i], SOLID);
+}
+
+/* Of a label map: a plateau a label, in its segment's color or else in one of a palette: hues a golden angle apart by the
+ * label, so that a label has the same color in each file. 0 is empty, or else the smallest, where no segment names it. */
+static bool is_empty(const iso_survey *s, double label)
+{
+    const bool has_zero = bsearch(&(double){0}, s->labels, s->label_count, sizeof *s->labels, by_number) != NULL;
+    return label == (has_zero ? 0 : s->labels[0]) && !iso_segments_find(s->segments, (long)label);
+}
+
+static void palette_color(double label, double srgb[3])
+{
+    const double hue = 6 * (0.618033988749895 * label - floor(0.618033988749895 * label));
+    for (int c = 0; c < 3; ++c) {
+        const double away = fabs(fmod(hue + (double[3]){0, 4, 2}[c], 6) - 3) - 1; /* full where 1 or more, none where 0 or less */
+        srgb[c] = 0.95 - 0.55 * (1 - fmin(fmax(away, 0), 1));
+    }
+}
+
+/* So many entries that each label is on one, with others of its plateau to both sides: filters of textures round. */
+static iso_status size_table(iso_tf *tf, iso_error *err)
+{
+    const double span = tf->range[1] - tf->range[0];
+    size_t each = 1;
+    while (each * (size_t)span < 255 || (each < 3 && 3 * span < ISO_TF_MOST_ENTRIES))
+        each += 2;
+    tf->table_size = each * (size_t)span + 1;
+    return tf->table_size <= ISO_TF_MOST_ENTRIES
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE,
+                          "labels from %g to %g: a transfer function has at most %d entries, too few for one a label",
+                          tf->range[0], tf->range[1], ISO_TF_MOST_ENTRIES);
+}
+
+static iso_status add_label_map(const iso_survey *s, iso_suggestion *out, iso_error *err)
+{
+    iso_tf_point *points = realloc(out->tf.points, 2 * s->label_count * sizeof *points);
+    if (!points)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu labels", s->label_count);
+    out->tf.points = points;
+    out->tf.range[0] = s->labels[0];
+    out->tf.range[1] = fmax(s->labels[s->label_count - 1], s->labels[0] + 1);
+    for (size_t i = 0; i < s->label_count; ++i) {
+        const double label = s->labels[i], opacity = is_empty(s, label) ? 0 : SOLID;
+        double srgb[3];
+        if (!iso_segments_color(s->segments, (long)label, srgb))
+            palette_color(label, srgb);
+        add_point(&out->tf, label - 0.5, srgb, opacity);
+        add_point(&out->tf, label + 0.5, srgb, opacity);
+    }
+    return size_table(&out->tf, err);
 }
 
 /* ---- all of it ------------------------------------------------------------------------------------------------------ */
@@ -345,6 +403,13 @@ iso_status iso_suggest(const iso_survey *s, const iso_geometry *level0, iso_sugg
     iso_status status = create_tf(s, level0, &out->tf, err);
     if (status != ISO_OK)
         return status;
+    if (s->is_label_map) {
+        out->kind = ISO_SUGGEST_LABELS;
+        status = add_label_map(s, out, err); /* in their order */
+        if (status != ISO_OK)
+            iso_suggestion_destroy(out);
+        return status;
+    }
     if (s->label_count > 1 || (s->label_count == 1 && s->has_padding)) {
         out->kind = ISO_SUGGEST_LABELS;
         add_labels(s, out);

@@ -6,7 +6,8 @@
  * Of several materials the last one is opaque and those before it are a veil. Values on both sides of the background, as
  * an orbital or a difference has them, get a color a side; darker values than the background's are treated as brighter
  * ones, mirrored. Without a background only the surface in the middle of the steepest arch is shown, as a thin shell.
- * At most ISO_SUGGEST_POINTS points, in the volume's own values: to be edited.
+ * At most ISO_SUGGEST_POINTS points, in the volume's own values: to be edited. A label map has a plateau a label instead, in
+ * the color of its segment where the file names one.
  *
  * The same volume gives the same points, whatever the number of threads. */
 #ifndef ISO_TF_SUGGEST_H
@@ -39,7 +40,7 @@ typedef struct iso_suggestion {
     } materials[ISO_SUGGEST_MATERIALS];
 } iso_suggestion;
 
-/* ISO_E_MEMORY. */
+/* ISO_E_MEMORY; ISO_E_RANGE: labels that are too far apart for one entry each. */
 iso_status iso_suggest(const iso_survey *survey, const iso_geometry *level0, iso_suggestion *suggestion,
                        iso_error *err);
 void iso_suggestion_destroy(iso_suggestion *suggestion);

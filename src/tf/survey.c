@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-enum { BINS = ISO_SURVEY_BINS, SLOPES = ISO_SURVEY_SLOPES, SAMPLES = 1 << 20 };
+enum { BINS = ISO_SURVEY_BINS, SLOPES = ISO_SURVEY_SLOPES, SAMPLES = 1 << 20, FEW_LABELS = 24 };
 
 double iso_survey_quantile(const iso_survey *s, double part)
 {
@@ -101,6 +101,30 @@ static size_t find_padding(const iso_level *l, const float *sample, size_t count
     return run;
 }
 
+/* All labels of a label map, however few voxels they have; more than ISO_SURVEY_LABELS are left to the histogram. */
+static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
+{
+    enum { LEAST = -32768, SPAN = 65536 + 32768 };
+    const size_t count = iso_geometry_voxel_count(&l->geometry);
+    char *seen = calloc(SPAN, 1);
+    if (!seen)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for labels");
+    for (size_t i = 0; i < count; ++i)
+        if (l->scalar[i] >= LEAST && l->scalar[i] < LEAST + SPAN)
+            seen[(int)l->scalar[i] - LEAST] = 1;
+    s->label_count = 0;
+    s->is_label_map = true;
+    s->segments = l->segments;
+    for (int i = 0; i < SPAN && s->is_label_map; ++i) {
+        if (seen[i] && s->label_count < ISO_SURVEY_LABELS)
+            s->labels[s->label_count++] = i + LEAST;
+        else if (seen[i])
+            s->is_label_map = false;
+    }
+    free(seen);
+    return ISO_OK;
+}
+
 /* Whole numbers, few of them, and each with many voxels. */
 static void find_labels(const float *sample, size_t count, iso_survey *s)
 {
@@ -109,7 +133,7 @@ static void find_labels(const float *sample, size_t count, iso_survey *s)
         size_t run = i;
         while (run < count && sample[run] == sample[i])
             ++run;
-        if (found == ISO_SURVEY_LABELS || sample[i] != floorf(sample[i]))
+        if (found == FEW_LABELS || sample[i] != floorf(sample[i]))
             return;
         s->labels[found++] = sample[i];
         i = run;
@@ -318,8 +342,10 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
         s->max = level0->max;
         const size_t padding = find_padding(level0, sample, count, s);
         summarize(sample + padding, count - padding, s);
-        status = count_all(level0, threads, s, err);
+        status = level0->labels ? take_labels(level0, s, err) : ISO_OK;
     }
+    if (status == ISO_OK)
+        status = count_all(level0, threads, s, err);
     if (status == ISO_OK) {
         profile(s);
         find_background(s);

@@ -20,15 +20,17 @@
 
 #include "pyramid/pyramid.h"
 
-enum { ISO_SURVEY_BINS = 256, ISO_SURVEY_SLOPES = 128, ISO_SURVEY_QUANTILES = 4096, ISO_SURVEY_LABELS = 24 };
+enum { ISO_SURVEY_BINS = 256, ISO_SURVEY_SLOPES = 128, ISO_SURVEY_QUANTILES = 4096, ISO_SURVEY_LABELS = 512 };
 
 typedef struct iso_survey {
     double min, max; /* of all voxels */
     bool has_padding;
     double padding;
     bool is_hounsfield;                        /* air and soft tissue of a CT at their Hounsfield units */
-    size_t label_count;                        /* values of a label map, ascending; 0: it is none */
-    double labels[ISO_SURVEY_LABELS];          /* without the padding */
+    bool is_label_map;                         /* it is known to be one, and is looked up without interpolation */
+    const json_t *segments;                    /* names and colors of its labels; borrowed, or NULL */
+    size_t label_count;                        /* values of a label map, or of what looks like one, ascending; 0: none */
+    double labels[ISO_SURVEY_LABELS];          /* of what looks like one without the padding */
     double quantile[ISO_SURVEY_QUANTILES + 1]; /* of what is no padding */
 
     double lo, hi;        /* of the bins; equal for a volume of one value */

@@ -76,7 +76,7 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     iso_json_only_keys(&r, object, "the transfer function", keys);
     iso_json_get_word(&r, object, "schema", true, schemas, &schema);
     iso_json_get_word(&r, object, "color_space", true, spaces, &space);
-    iso_json_get_size(&r, object, "table_size", false, 2, 4096, &tf->table_size);
+    iso_json_get_size(&r, object, "table_size", false, 2, ISO_TF_MOST_ENTRIES, &tf->table_size);
     read_range(&r, object, tf);
     tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
     if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)

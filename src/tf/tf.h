@@ -12,7 +12,7 @@
  *     "range": [0, 255] | "fit",         fit: points' values are fractions of the volume's range
  *     "unit_distance_mm": 2              or "unit_distance_voxels": 2 (level-0 mean spacing)
  *     "color_space": "linear" | "srgb",  points are made linear first, then interpolated
- *     "table_size": 256,                 2 to 4096
+ *     "table_size": 256,                 2 to 16384
  *     "points": [ {"value": 0, "r": 0, "g": 0, "b": 0, "opacity": 0}, ... ] }
  *
  * Between points colour and opacity are linear in value; entry i of M stands at
@@ -24,6 +24,8 @@
 
 #include "base/json.h"
 #include "volume/geometry.h"
+
+enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row */
 
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999

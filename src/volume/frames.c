@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/words.h"
+#include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
 /* Of red, green and blue in luminance: [itu-bt709], of the values as they are stored. */
@@ -39,6 +40,26 @@ static void describe_step(double step, const char *unit, char *text, size_t size
         snprintf(text, size, " (%g%s%s apart)", step, *unit ? " " : "", unit);
 }
 
+/* Layers of segments that overlap: chosen by number, or by a segment's name. */
+static iso_status choose_layer(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes,
+                               size_t *layer, iso_error *err)
+{
+    const size_t count = axes->frame.count;
+    char list[320];
+    if (hints->frame && iso_segments_layer(axes->layers, hints->frame, layer) && *layer < count)
+        return ISO_OK;
+    *layer = 0;
+    if (!hints->frame && count == 1)
+        return ISO_OK;
+    iso_segments_list_layers(axes->layers, count, list, sizeof list);
+    if (hints->frame)
+        return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu layers of segments: %s", path,
+                        hints->frame, count, list);
+    return iso_fail(err, ISO_E_USAGE,
+                    "%s: has %zu layers of segments, which overlap; --frame chooses one by number or by a segment's name: %s",
+                    path, count, list);
+}
+
 iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes, size_t *frame,
                              iso_error *err)
 {
@@ -47,6 +68,8 @@ iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, co
     *frame = 0;
     if (hints->frame && read_index(hints->frame, count, frame))
         return ISO_OK;
+    if (axes->layers)
+        return choose_layer(path, hints, axes, frame, err);
     describe_step(axes->frame_step, axes->frame_unit, step, sizeof step);
     if (hints->frame)
         return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu frames%s, numbered from 0 to %zu", path,

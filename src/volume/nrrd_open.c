@@ -11,6 +11,8 @@
 #include <teem/nrrd.h>
 #include <unistd.h>
 
+#include "volume/nrrd_segments.h"
+#include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
 /* The innermost of teem's messages says what is wrong. */
@@ -204,11 +206,13 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
                                 : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
-    char *segment = nrrdKeyValueGet(nrrd, "Segment0_ID"); /* 3D Slicer's .seg.nrrd */
-    header->notes.says_labels = segment != NULL;
-    free(segment);
+    json_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
+    header->notes.says_labels = segments != NULL;
+    axes.extra.layers = segments;
     if (status == ISO_OK)
         status = iso_source_choose(source, &axes.extra, err);
+    header->segments = iso_segments_of_layer(segments, header->notes.frame);
+    json_decref(segments);
     return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;
 }
 

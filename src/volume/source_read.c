@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
+#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -230,6 +231,7 @@ void iso_source_close(iso_volume_source *s)
         gzclose(s->gz);
     if (s->close_reader)
         s->close_reader(s);
+    json_decref(s->header.segments);
     free(s->preloaded);
     free(s->path);
     free(s->part);

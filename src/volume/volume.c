@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <jansson.h>
+
 #include "base/names.h"
 #include "base/parallel.h"
 #include "volume/stream.h"
@@ -58,6 +60,7 @@ void iso_volume_destroy(iso_volume *v)
     if (!v)
         return;
     free(v->data);
+    json_decref(v->segments);
     *v = (iso_volume){0};
 }
 
@@ -163,6 +166,7 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
 {
     const iso_volume *header = iso_source_volume(source);
     iso_volume_notes notes = header->notes;
+    json_t *segments = json_incref(header->segments);
     iso_status status = iso_volume_create(v, &header->geometry, header->type, path, err);
     if (status == ISO_OK)
         status = iso_source_read(source, v->geometry.size[2], v->data, err);
@@ -176,10 +180,12 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
                               s.first_nonfinite[1], s.first_nonfinite[2]);
     }
     if (status != ISO_OK) {
+        json_decref(segments);
         iso_volume_destroy(v);
         return status;
     }
     v->notes = notes;
+    v->segments = segments;
     return ISO_OK;
 }
 

@@ -33,6 +33,7 @@ typedef struct iso_volume {
     iso_type type;
     void *data; /* owned */
     iso_volume_notes notes;
+    struct json_t *segments; /* owned: names and colors of a label map's labels (segments.h); or NULL */
 } iso_volume;
 
 /* Allocates zeroed samples after iso_geometry_check. */

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* segments.h - names and colors of a label map's labels, where its file has them (3D Slicer's .seg.nrrd).
+ *
+ * They are carried as JSON, which pyramids and descriptions for other programs store as it is:
+ *     [ {"label": 1, "name": "liver", "color": [0.87, 0.51, 0.4]}, ... ]
+ * Colors are of display (sRGB), 0 to 1, and left out where the file names none. Between reading and choosing among the
+ * layers of overlapping segments each has its "layer", too. */
+#ifndef ISO_VOLUME_SEGMENTS_H
+#define ISO_VOLUME_SEGMENTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <jansson.h>
+
+/* UTF-8 without control characters: what is neither becomes '_'. A new string, or NULL where memory ends. */
+json_t *iso_segments_text(const char *text);
+
+/* The first segment of that label, or NULL. segments may be NULL. */
+const json_t *iso_segments_find(const json_t *segments, long label);
+/* "" where it has none. */
+const char *iso_segments_name(const json_t *segments, long label);
+/* Display color; false where it has none. */
+bool iso_segments_color(const json_t *segments, long label, double srgb[3]);
+
+/* The layer of the segment of this name, letters' case aside; false: there is none. */
+bool iso_segments_layer(const json_t *segments, const char *name, size_t *layer);
+/* "0 (head), 1 (mass, vessel)", cut where the text is full. */
+void iso_segments_list_layers(const json_t *segments, size_t layer_count, char *text, size_t size);
+/* Those of one layer, without saying so; NULL where there are none. A new array. */
+json_t *iso_segments_of_layer(const json_t *segments, size_t layer);
+
+#endif
