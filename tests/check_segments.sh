@@ -107,6 +107,10 @@ assert ramp.interpolation == "CONSTANT" and len(ramp.elements) == 4
 PY
 check and_labels_as_an_image_without_interpolation blender -b flat.blend --factory-startup -noaudio --python-exit-code 9 -P look.py
 
+scene=$top/refscenes/marschner-lobb.scene.json
+refuse no_plan_of_them 2 'is a label map, which a plan would interpolate' "$ISOSHADE" plan flat.seg.nrrd --scene "$scene" --size 16 --brick 4 -o x.plan.json
+refuse nor_a_bound 2 'is a label map, which the bound would interpolate' "$ISOSHADE" tf bound flat.seg.nrrd --scene "$scene" --size 16
+
 # Layers of segments that overlap.
 refuse a_layer_has_to_be_chosen 2 "has 2 layers of segments, which overlap; --frame chooses one by number or by a segment's name: 0 (Head, Eye), 1 (Mass)" "$ISOSHADE" info layers.seg.nrrd
 refuse one_that_there_is 2 '--frame is "Foot", there are 2 layers of segments: 0 (Head, Eye), 1 (Mass)' "$ISOSHADE" info layers.seg.nrrd --frame Foot

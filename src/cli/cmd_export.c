@@ -149,9 +149,9 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK && (size_t)(a->level + a->level_count) > pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
                           a->level + a->level_count - 1, pyramid.level_count - 1);
-    if (status == ISO_OK && pyramid.levels[0].labels && (a->plan || a->roi.box || a->isosurface))
-        status = iso_fail(err, ISO_E_USAGE, "%s is a label map, which %s would interpolate; --no-labels exports it so",
-                          a->cli->arguments[0], a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface");
+    if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
+        status = iso_subject_refuse_labels(&pyramid, a->cli->arguments[0],
+                                           a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err);
     if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale))
         status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */

@@ -215,6 +215,8 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
+        status = iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err);
+    if (status == ISO_OK)
         status = iso_planner_load_views(a->scene, (size_t)a->views, &pyramid, a->size, &views, &view_count, err);
     if (status == ISO_OK)
         status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,

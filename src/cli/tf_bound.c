@@ -76,6 +76,8 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
         status = iso_subject_check_scene(a->scene, a->size, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err);
+    if (status == ISO_OK)
+        status = iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[1],
                           a->level, p.level_count - 1);

@@ -24,6 +24,13 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
     return status;
 }
 
+iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err)
+{
+    return p->levels[0].labels ? iso_fail(err, ISO_E_USAGE,
+                                          "%s is a label map, which %s would interpolate; --no-labels allows it", path, what)
+                               : ISO_OK;
+}
+
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
 {
     char *end;

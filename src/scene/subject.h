@@ -15,6 +15,8 @@ enum { ISO_SUBJECT_PIXELS = 512 };
  * built with `opt`; a pyramid keeps what it was built with. */
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                     const iso_progress *progress, iso_pyramid *p, iso_error *err);
+/* ISO_E_USAGE for a label map: `what`, an option or a command, would interpolate it. */
+iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
 
 /* Loads a scene and resolves it for the pyramid; size "WxH" or "N" replaces the scene's when not NULL. */
 iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
