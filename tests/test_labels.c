@@ -57,12 +57,13 @@ static const iso_renderer_info *find(const char *name)
     return NULL;
 }
 
-static iso_status draw_by(const iso_renderer_info *r, iso_level *level, bool exact, iso_image *image, iso_error *err)
+static iso_status draw_view(const iso_renderer_info *r, iso_level *level, bool exact, iso_view view,
+                            iso_direction_source source, iso_image *image, iso_error *err)
 {
-    const iso_view view = make_view();
     const iso_pyramid pyramid = {.options = iso_pyramid_defaults(), .level_count = 1, .levels = level};
     iso_render_options opt = iso_render_defaults(r);
     opt.exact_lookups = exact;
+    opt.source = source;
     opt.threads = 1;
     if (strcmp(r->name, "povray") == 0) {
         opt.intervals = 128;
@@ -70,6 +71,11 @@ static iso_status draw_by(const iso_renderer_info *r, iso_level *level, bool exa
     }
     const iso_render_request request = {.renderers = &renderers, .pyramid = &pyramid, .view = &view, .options = &opt};
     return iso_render_with(&request, image, NULL, err);
+}
+
+static iso_status draw_by(const iso_renderer_info *r, iso_level *level, bool exact, iso_image *image, iso_error *err)
+{
+    return draw_view(r, level, exact, make_view(), iso_render_defaults(r).source, image, err);
 }
 
 static iso_status draw(const char *name, iso_level *level, bool exact, iso_image *image, iso_error *err)
@@ -125,6 +131,27 @@ static void a_slab_of_two_labels_has_its_closed_form(void **state)
         assert_true(far <= cases[i].tolerance);
         iso_image_destroy(&image);
     }
+    free_slab(&level);
+}
+
+/* Differences of labels are those of what is looked up, in all ways of lookup. */
+static void differences_on_the_fly_are_those_of_labels(void **state)
+{
+    (void)state;
+    iso_level level = make_slab();
+    iso_view view = make_view();
+    iso_image wanted, image;
+    view.shading = (iso_shading){.ambient = 0.3, .diffuse = 0.7, .power = 1};
+    view.light_count = 1;
+    view.lights[0] = (iso_light){.direction = {-0.6, 0, 0.8}, .intensity = 1};
+    assert_ok(draw_view(find("reference"), &level, false, view, ISO_FROM_ON_THE_FLY, &wanted, &err));
+    for (int exact = 0; exact < 2; ++exact) {
+        assert_ok(draw_view(find("gl"), &level, exact, view, ISO_FROM_ON_THE_FLY, &image, &err));
+        for (size_t i = 0; i < 4 * image.width * image.height; ++i)
+            assert_true(fabs((double)image.rgba[i] - (double)wanted.rgba[i]) <= 2e-6);
+        iso_image_destroy(&image);
+    }
+    iso_image_destroy(&wanted);
     free_slab(&level);
 }
 
@@ -336,6 +363,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slab_of_two_labels_has_its_closed_form),
+        cmocka_unit_test(differences_on_the_fly_are_those_of_labels),
         cmocka_unit_test(interpolated_labels_are_far_from_it),
         cmocka_unit_test(a_renderer_that_would_interpolate_is_refused),
         cmocka_unit_test(coarse_labels_are_majorities),

@@ -141,7 +141,7 @@ static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
         {TF_HEAD "\"range\": [0, 1], " TF_POINTS, "unit_distance_mm", ISO_E_FORMAT},
         {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"tabel_size\": 3, " TF_POINTS, "tabel_size",
          ISO_E_FORMAT},
-        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"table_size\": 5000, " TF_POINTS, "4096", ISO_E_RANGE},
+        {TF_HEAD "\"range\": [0, 1], \"unit_distance_mm\": 1, \"table_size\": 20000, " TF_POINTS, "16384", ISO_E_RANGE},
         {TF_HEAD
          "\"range\": [0, 1], \"unit_distance_mm\": 1, \"points\": [{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 1.5}]}",
          "1.5", ISO_E_RANGE},

@@ -262,7 +262,11 @@ vec4 fetch_scalar(vec3 p) { return fetch(scalar, p); }
 vec4 fetch_direction(vec3 p) { return fetch(directions, p); }
 #endif
 
+#if EXACT
+float scalar_at(vec3 p) { return labels ? float(label_exactly(scalar, p)) : fetch_scalar(p).r; }
+#else
 float scalar_at(vec3 p) { return fetch_scalar(p).r; }
+#endif
 
 // rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
 #if EXACT
