@@ -203,6 +203,22 @@ static void a_level_with_a_shifted_scalar_fails(void **state)
     close_subject(&s);
 }
 
+/* No picture shows one value that is off by a ten-thousandth of the range: what is stored does. */
+static void one_value_that_is_slightly_off_fails(void **state)
+{
+    (void)state;
+    subject s;
+    open_subject(&s, ISO_FIELD_TUBES, "slightly");
+    iso_level *l = &s.pyramid.levels[1];
+    const size_t middle = iso_geometry_voxel_count(&l->geometry) / 2;
+    l->scalar[middle] += (float)(1e-4 * (l->max - l->min));
+    const iso_levels_summary summary = judge(&s);
+    assert_int_equal(summary.differed, 1);
+    assert_false(holds(&s, 1));
+    assert_within(stored(&s, 1, "scalar"), 1e-4, 1e-6); /* floats */
+    close_subject(&s);
+}
+
 /* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the choice is
  * wrong, and with which option it is right. Nothing fails, as the level is still nearer than gradients on the fly. */
 static void a_wrong_choice_of_auto_is_named(void **state)
@@ -526,6 +542,7 @@ int main(void)
         cmocka_unit_test(clean_volumes_hold),
         cmocka_unit_test(a_level_with_turned_directions_fails),
         cmocka_unit_test(a_level_with_a_shifted_scalar_fails),
+        cmocka_unit_test(one_value_that_is_slightly_off_fails),
         cmocka_unit_test(what_a_scene_asks_is_held_in_the_run),
         cmocka_unit_test(a_level_that_few_views_leave_open_is_judged_by_twenty),
     };

@@ -404,6 +404,27 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
     close_subject(&s);
 }
 
+/* What people see when the images alternate, though their RMSE is allowed: FLIP and 1 - SSIM are asked for too. */
+static void lit_images_that_look_different_differ(void **state)
+{
+    (void)state;
+    const struct {
+        double flip, ssim_dissimilarity;
+        iso_verdict verdict;
+    } cases[] = {{5e-3, 5e-4, ISO_VERDICT_AGREE}, {2e-2, 5e-4, ISO_VERDICT_DIFFER}, {5e-3, 2e-3, ISO_VERDICT_DIFFER}};
+    const iso_scene_agreement lit = {.tier = ISO_TIER_LIT}, unlit = {.tier = ISO_TIER_CONVERGENCE};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const iso_extrapolated limit = {.allowed = 0.1, .bar = 1e-5, .coarse_rmse = 4e-6, .fine_rmse = 1e-6};
+        iso_report_agreement row = {.a = "a", .renderer = "b"}, plain = row;
+        row.metrics = (iso_metrics){.flip_mean = cases[i].flip, .ssim = 1 - cases[i].ssim_dissimilarity};
+        plain.metrics = row.metrics;
+        iso_validate_limit_row(&lit, &limit, &row);
+        iso_validate_limit_row(&unlit, &limit, &plain);
+        assert_int_equal(iso_report_verdict(&row), cases[i].verdict);
+        assert_int_equal(iso_report_verdict(&plain), ISO_VERDICT_AGREE);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -419,6 +440,7 @@ int main(void)
         cmocka_unit_test(a_limit_is_made_again_from_what_is_said_of_it),
         cmocka_unit_test(an_offset_of_the_whole_image_fails_povrays_lock_step),
         cmocka_unit_test(povrays_pair_halves_the_intervals_between_the_same_planes),
+        cmocka_unit_test(lit_images_that_look_different_differ),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }

@@ -179,9 +179,11 @@ static void an_empty_image_is_its_background_in_every_bit(void **state)
     const double color[3] = {0.2, 0.3, 0.1};
     iso_image image = shown(0, 0, 0, color);
     assert_true(iso_image_is_empty(&image, color));
-    image.rgba[41] = nextafterf(image.rgba[41], 1);
-    assert_false(iso_image_is_empty(&image, color));
-    image.rgba[41] = (float)color[1];
+    for (size_t c = 0; c < 3; ++c) {
+        image.rgba[40 + c] = nextafterf(image.rgba[40 + c], 1);
+        assert_false(iso_image_is_empty(&image, color));
+        image.rgba[40 + c] = (float)color[c];
+    }
     image.rgba[43] = 1e-30F;
     assert_false(iso_image_is_empty(&image, color));
     iso_image_destroy(&image);

@@ -105,7 +105,8 @@ iso_report_summary iso_report_summarise(const iso_report *r)
                                          ISO_VERDICT_NOT_COMPARED)++ s.by_reason[iso_row_uncompared(row)];
     json_object_foreach(unanswered, scene, renderers)
         s.unanswered += json_array_size(renderers) > 0 ? json_array_size(renderers) : 1;
-    s.good = s.agreed > 0 && s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
+    /* Where nothing agreed, something of that differs, was refused, or was not answered. */
+    s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
     tell(&s, unanswered);
     json_decref(unanswered);
     return s;
