@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/random.h"
+#include "render/image_bound.h"
 #include "tests/validated.h"
 #include "validate/faults.h"
 #include "validate/measured.h"
@@ -251,6 +252,31 @@ static void a_wrong_choice_of_auto_is_named(void **state)
 
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked);
 
+/* The mean over the first views of the levels, each by itself. */
+static double bound_of(const subject *s, size_t level, size_t views)
+{
+    double sum = 0;
+    for (size_t i = 0; i < views; ++i) {
+        iso_view view = {0};
+        double rmse;
+        assert_ok(iso_validate_level_view(&s->validation, i, &view, &err));
+        const iso_image_bound_input in = {.fine = &s->pyramid.levels[0],
+                                          .coarse = &s->pyramid.levels[level],
+                                          .level = level,
+                                          .code = s->pyramid.options.code,
+                                          .source = ISO_FROM_CODES,
+                                          .view = &view,
+                                          .coarse_tf = strcmp(iso_row_text(row_of(s, level), "tf"), "adapted") == 0
+                                                           ? &s->validation.level_tfs[level].table
+                                                           : &view.tf,
+                                          .threads = 1};
+        assert_ok(iso_image_bound_rmse(&in, &rmse, &err));
+        sum += rmse / (double)views;
+        iso_view_destroy(&view);
+    }
+    return sum;
+}
+
 /* The bound is of the level that is drawn and knows nothing of the pictures: what is measured is below it, and a figure above
  * it, planted, fails by itself. */
 static void what_is_measured_is_held_to_its_bound(void **state)
@@ -266,6 +292,9 @@ static void what_is_measured_is_held_to_its_bound(void **state)
         assert_more_than(json_number_value(json_object_get(bound, "bound")),
                          json_number_value(json_object_get(bound, "rmse")));
     }
+    const json_t *bound = json_object_get(row_of(&s, 1), "bound");
+    assert_within(json_number_value(json_object_get(bound, "bound")),
+                  bound_of(&s, 1, (size_t)json_integer_value(json_object_get(bound, "views"))), 1e-9);
     close_subject(&s);
     const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05};
     iso_report_level row = row_with(own, own, 6, NAN);
