@@ -105,6 +105,42 @@ def hdf5():
 
 
 @case
+def imaris():
+    """The layout of Imaris 5.5 as its maker describes it, by h5py: attributes a character each, arrays filled up to chunks."""
+    import h5py
+    values = phantom(np.uint16)
+
+    def put(group, **attributes):
+        for name, value in attributes.items():
+            group.attrs[name] = np.array([c.encode() for c in str(value)], "S1")
+
+    with h5py.File("phantom.ims", "w") as file:
+        image = file.create_group("DataSetInfo/Image")
+        put(image, Unit="um", X=SIZE[0], Y=SIZE[1], Z=SIZE[2])
+        for a in range(3):
+            put(image, **{f"ExtMin{a}": FIRST[a] - SPACING[a] / 2, f"ExtMax{a}": FIRST[a] + SPACING[a] * (SIZE[a] - 0.5)})
+        for t in 0, 1:
+            put(file.require_group("DataSetInfo/TimeInfo"), **{f"TimePoint{t + 1}": f"2005-06-06 12:00:{30 * t:02d}.000"})
+            for c, name in enumerate(("DAPI", "GFP")):
+                put(file.require_group(f"DataSetInfo/Channel {c}"), Name=name)
+                for level in 0, 1:
+                    part = (values + 2 * t + c)[::1 + level, ::1 + level, ::1 + level]
+                    group = file.create_group(f"DataSet/ResolutionLevel {level}/TimePoint {t}/Channel {c}")
+                    put(group, ImageSizeX=part.shape[2], ImageSizeY=part.shape[1], ImageSizeZ=part.shape[0])
+                    filled = np.zeros([-(-n // 4) * 4 for n in part.shape], np.uint16)
+                    filled[tuple(slice(0, n) for n in part.shape)] = part
+                    group.create_dataset("Data", data=filled, chunks=(4, 4, 4), compression="gzip")
+    where = (np.diag(SPACING) / 1000, FIRST / 1000, False)
+    same("phantom.ims", values, *where, ["--frame", "0", "--channel", "0"], unit="um")
+    same("phantom.ims", values + 3, *where, ["--frame", "1", "--channel", "gfp"])
+    refused("phantom.ims", 2, "has 2 frames (30 s apart)", ["--channel", "0"])
+    refused("phantom.ims", 2, "chooses one of them: 0 DAPI, 1 GFP", ["--frame", "0"])
+    expect(load("phantom.ims:DataSet/ResolutionLevel 1/TimePoint 0/Channel 1/Data")[0].shape == (4, 7, 6), "its second level")
+    cut("phantom.ims", "cut.ims", 0.8)
+    refused("cut.ims", 4, "cut.ims: ", ["--frame", "0", "--channel", "0"])
+
+
+@case
 def netcdf():
     import netCDF4
     for kind in "NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA", "NETCDF4":
@@ -302,6 +338,32 @@ def openvdb_of_isoshade():
         with open("vdb.iso/pyramid.json", encoding="utf-8") as file:
             expect(json.load(file)["unit"]["name"] == unit, "pyramid.json names another unit")
         expect(f"unit       of its file: {unit}" in run("info", "vdb.iso").stdout, "info names another unit")
+
+
+    # left-handed, and a coarse level whose grid is larger than the box: 11 voxels along x are 6 of two, the last half out
+    values, mirrored = phantom(np.float32), STEPS * [-1, 1, 1]
+    image = vtk_image(values, np.abs(mirrored), FIRST)
+    image.SetDirectionMatrix((mirrored / SPACING).ravel())
+    vtk_write(vtk.vtkXMLImageDataWriter(), image, "left.vti")
+    for words in (["build", "left.vti", "--levels", "2", "-q", "-o", "left.iso"],
+                  ["export", "left.iso", "--to", "vdb", "--level", "0", "-q", "-o", "left.vdb"],
+                  ["export", "left.iso", "--to", "vdb", "--level", "1", "-q", "-o", "left1.vdb"],
+                  ["build", "left1.vdb", "--levels", "1", "-q", "-o", "left1.iso"]):
+        got = run(*words)
+        expect(got.returncode == 0, got.stderr)
+    same("left.vdb", values, mirrored, FIRST, False, unit="mm", tolerance=1e-10)
+    levels = []
+    for name, level in ("left.iso", 1), ("left1.iso", 0):
+        with open(f"{name}/pyramid.json", encoding="utf-8") as file:
+            levels.append(json.load(file)["levels"][level])
+    a, b = (level["geometry"] for level in levels)
+    expect(a["size"] == b["size"] and np.allclose(a["index_to_world"], b["index_to_world"], atol=1e-12) and
+           np.allclose(a["origin_mm"], b["origin_mm"], atol=1e-9) and np.allclose(a["box_index"], b["box_index"]),
+           f"level 1 comes back as {b}, it was {a}")
+    with open("left.iso/" + levels[0]["files"]["scalar"]["name"], "rb") as x, \
+            open("left1.iso/" + levels[1]["files"]["scalar"]["name"], "rb") as y:
+        n = int(np.prod(a["size"])) * 4
+        expect(x.read()[-n:] == y.read()[-n:], "level 1 has other samples")
 
 
 @case

@@ -34,8 +34,8 @@ iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, c
     return ISO_OK;
 }
 
-/* A copy that shares the voxels, its geometry in Blender's space. Free its levels. */
-static iso_status in_space(const iso_pyramid *p, const iso_blender_space *space, iso_pyramid *copy, iso_error *err)
+iso_status iso_blender_pyramid_in_space(const iso_pyramid *p, const iso_blender_space *space, iso_pyramid *copy,
+                                        iso_error *err)
 {
     *copy = *p;
     copy->levels = malloc(p->level_count * sizeof *copy->levels);
@@ -101,7 +101,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     vdb_options.extinction_scale = view->extinction_scale;
     iso_blender_note_space(&space, &vdb_options);
-    status = in_space(p, &space, &scaled, err);
+    status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
     if (status == ISO_OK && view->roi)
@@ -280,7 +280,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     if (!folder || !outs)
         status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     if (status == ISO_OK)
-        status = in_space(p, &space, &scaled, err);
+        status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
     const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, opt};
     size_t files = 0;
     if (status == ISO_OK)

@@ -74,6 +74,19 @@ typedef struct iso_blender_levels {
 iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
+/* A level of each frame of a series, all on one grid. */
+typedef struct iso_blender_sequence {
+    size_t level, count;
+    const iso_view *view;                                                         /* of all frames */
+    iso_status (*load)(void *user, size_t frame, iso_pyramid *p, iso_error *err); /* to be destroyed */
+    void *user;
+} iso_blender_sequence;
+
+/* One NAME.blend and a NAME_0000.vdb, NAME_0001.vdb ... for each frame, which Blender plays as a sequence: its frame 1 is the
+ * file of number 0. Frames are loaded one after the other. ISO_E_USAGE for label maps. */
+iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, const char *blend_path,
+                                       const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);

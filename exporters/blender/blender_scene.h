@@ -3,6 +3,7 @@
  *
  *   blender.c        a level as a picture or as a file
  *   blender_plan.c   what a plan leaves of a volume
+ *   sequence.c       frames of a series
  *   describe.c       the description that the scripts read
  *   labels.c         label maps as an image of class numbers
  *   run.c            a run of Blender with the scripts */
@@ -36,6 +37,10 @@ iso_blender_space iso_blender_space_of(const iso_geometry *g);
 /* What a file of grids in that space says of it. */
 void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *options);
 iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space);
+
+/* A copy that shares the voxels, its geometry in Blender's space. Free its levels. */
+iso_status iso_blender_pyramid_in_space(const iso_pyramid *p, const iso_blender_space *space, iso_pyramid *copy,
+                                        iso_error *err);
 
 /* At most `limit` bytes, whole characters; what is not UTF-8 becomes '_'. */
 json_t *iso_blender_text(const char *text, size_t limit);

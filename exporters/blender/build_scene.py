@@ -20,6 +20,14 @@ import bpy
 # ---- the scene -------------------------------------------------------------------------------------------------
 
 
+def play(volume, count):
+    """Files numbered from 0, which frames 1 and on show."""
+    volume.is_sequence = True
+    volume.frame_start = 1
+    volume.frame_duration = count
+    volume.frame_offset = -1
+
+
 def add_levels(about, shift, frame, look, collection):
     levels = about["levels"]
     several = len({level["level"] for level in levels}) > 1 and "bricks" not in about
@@ -31,6 +39,8 @@ def add_levels(about, shift, frame, look, collection):
         name = f"{about['name']} level {level['level']}" if several else about["name"]
         roi = level.get("roi", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
         thing = volume_object(f"{name} {'roi' if roi['side'][0] == 0 else 'volume'}", level["vdb"], collection)
+        if "sequence" in about:
+            play(thing.data, about["sequence"])
         thing.parent = frame
         thing.location = [-shift * h for h in level["voxel_diagonal"]]
         thing.data.render.step_size = level["step"]
@@ -73,6 +83,8 @@ def save(about, shift):
     scene.cycles.preview_samples = 16
     scene.cycles.use_preview_denoising = False
     scene.render.filepath = "//" + about["name"] + "_"
+    scene.frame_start, scene.frame_end = 1, about.get("sequence", scene.frame_end)
+    scene.frame_set(1)
     explain(about, shift)
     arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0

@@ -82,6 +82,9 @@ def explain(about, shift):
     ramp = about["tf"]["ramp"]
     several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
                if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
+    if "sequence" in about:
+        several = (f"Frames 1 to {about['sequence']} are those of a series, counted from 0 in the names of their files: one colour map and\n"
+                   "one range for all of them.\n")
     if "bricks" in about:
         several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
     if any("roi" in level for level in about["levels"]):

@@ -12,9 +12,10 @@
 static void tell_ramp(const iso_export_job *job, const iso_tf_table *table)
 {
     iso_color_ramp ramp;
-    if (job->pyramid->levels[job->level].labels) {
+    if (job->pyramid && job->pyramid->levels[job->level].labels) {
         if (job->notes)
-            fprintf(job->notes, "label map: exact as an image of class numbers and a color map with an entry a class\n");
+            fprintf(job->notes,
+                    "label map: exact as an image of class numbers and a color map with an entry a class\n");
         return;
     }
     iso_color_ramp_fit(table, &ramp);
@@ -77,6 +78,18 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
     return status;
 }
 
+static iso_status write_blender_frames(const iso_export_job *job, iso_error *err)
+{
+    iso_blender_options o = iso_blender_defaults();
+    o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
+    o.threads = job->threads;
+    const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user};
+    const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
+    if (status == ISO_OK)
+        tell_ramp(job, &job->view->tf);
+    return status;
+}
+
 /* "blender -b NAME.blend -f 1": the first frame, as the file opens, beside it. */
 static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
 {
@@ -108,6 +121,7 @@ const iso_export_target iso_export_target_blender = {
                ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) |
                ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_blender,
+    .write_frames = write_blender_frames,
     .open = open_blender,
     .renderer = "cycles",
     .example = "scene.blend",

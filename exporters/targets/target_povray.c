@@ -77,6 +77,7 @@ const iso_export_target iso_export_target_povray = {
                ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_povray,
+    .suffix = "",
     .open = open_povray,
     .renderer = "povray",
     .example = "scene",

@@ -40,4 +40,5 @@ const iso_export_target iso_export_target_vdb = {
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
                ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_vdb,
+    .suffix = ".vdb",
 };

@@ -62,6 +62,10 @@ typedef struct iso_export_job {
     const iso_progress *progress;
     /* The view of a level, with what the user asked for in it: a copy that owns its table, to be destroyed. */
     iso_status (*view_of_level)(const struct iso_export_job *job, size_t level, iso_view *view, iso_error *err);
+    /* The frames of a series, of write_frames: how many, and one of them, which is to be destroyed. */
+    size_t frame_count;
+    iso_status (*load_frame)(void *user, size_t frame, iso_pyramid *p, iso_error *err);
+    void *frame_user;
     const void *user;
     json_t *results; /* what a target has to say, by keys, or NULL; */
     FILE *notes;     /* or the same for people, in lines, or NULL */
@@ -75,6 +79,10 @@ typedef struct iso_export_target {
     unsigned options;      /* of ISO_EXPORT_TAKES(option) */
     const char *stages[4]; /* that writing reports (base/progress.h), in order; the last takes longest; or none */
     iso_status (*write)(const iso_export_job *job, iso_error *err);
+    /* All frames of a series in one output, by job->load_frame; job->pyramid is NULL. NULL: an output a frame, by write, whose
+     * names end in `suffix` behind the number. */
+    iso_status (*write_frames)(const iso_export_job *job, iso_error *err);
+    const char *suffix;
 
     /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person to,
      * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */

@@ -150,6 +150,7 @@ static iso_vdb_source describe(const iso_geometry *g, const char *made_from, con
 /* Index x becomes size - 1 - x, for a transform from the first voxel's centre. */
 static void reverse_x(iso_vdb_source *s)
 {
+    s->reversed_x = true;
     for (int r = 0; r < 3; ++r) {
         s->index_to_world[r][3] += s->index_to_world[r][0] * (double)(s->size[0] - 1);
         s->index_to_world[r][0] = -s->index_to_world[r][0];

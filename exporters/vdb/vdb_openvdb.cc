@@ -157,6 +157,8 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.insertMeta("isoshade_size",
                     openvdb::Vec3IMetadata(openvdb::Vec3i(static_cast<int>(s.size[0]), static_cast<int>(s.size[1]),
                                                           static_cast<int>(s.size[2]))));
+    if (s.reversed_x)
+        grid.insertMeta("isoshade_reversed_x", openvdb::BoolMetadata(true));
     grid.insertMeta("isoshade_made_from", openvdb::StringMetadata(s.made_from));
     if (s.labels)
         grid.insertMeta("isoshade_labels", openvdb::StringMetadata(s.labels));

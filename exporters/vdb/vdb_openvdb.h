@@ -33,7 +33,7 @@ typedef struct iso_vdb_source {
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user;
     float background;
-    bool half_float;
+    bool half_float, reversed_x; /* reversed_x: what is given runs along x the other way than the volume does */
     const char *creator, *made_from, *meaning;
     const char *labels; /* of a label map: its segments as JSON (volume/segments.h), "[]" where none are named; else NULL */
     int level;

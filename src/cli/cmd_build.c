@@ -185,9 +185,11 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
 static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, const char *output, iso_error *err)
 {
     const char *path = job->cli->arguments[0];
-    size_t count = 0;
+    iso_frames_facts facts;
     json_t *all = json_array();
-    iso_status status = iso_frames_measure(path, job->input, &count, opt->value_range, err);
+    iso_status status = iso_frames_measure(path, job->input, &facts, err);
+    const size_t count = facts.count;
+    memcpy(opt->value_range, facts.range, sizeof facts.range);
     for (size_t k = 0; k < count && status == ISO_OK; ++k) {
         char number[24];
         json_t *one = NULL;

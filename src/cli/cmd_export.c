@@ -9,9 +9,10 @@
 #include "options/look.h"
 #include "options/roi.h"
 #include "options/visible.h"
-#include "scene/subject.h"
+#include "scene/subject_frames.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "volume/frames_all.h"
 #include "targets/targets.h"
 
 typedef struct export_arguments {
@@ -19,7 +20,7 @@ typedef struct export_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     iso_cli_look look;
-    char *to, *output, *isosurface, *plan, *grids;
+    char *to, *output, *isosurface, *plan, *grids, *frames;
     int level, level_count, half;
     double step;
     const iso_cli *cli;
@@ -103,6 +104,25 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
     return ISO_OK;
 }
 
+/* One scene and one transfer function for all frames: what is made for one volume alone has no meaning. */
+static iso_status check_frames(const export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    const char *other = a->plan                                      ? "--plan"
+                        : a->adapted.wanted                          ? "--adapt"
+                        : a->adapted.extinction_scale                ? "--extinction-scale"
+                        : a->roi.box                                 ? "--roi"
+                        : a->level_count > 1 && target->write_frames ? "--levels"
+                                                                     : NULL;
+    if (!a->frames)
+        return ISO_OK;
+    if (strcmp(a->frames, "all") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K exports one", a->frames);
+    if (other)
+        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
+                        other);
+    return ISO_OK;
+}
+
 static iso_status check(const export_arguments *a, const iso_export_target **target, iso_error *err)
 {
     char names[256];
@@ -120,6 +140,8 @@ static iso_status check(const export_arguments *a, const iso_export_target **tar
         status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     if (status == ISO_OK)
         status = check_options(a, *target, err);
+    if (status == ISO_OK)
+        status = check_frames(a, *target, err);
     return status == ISO_OK ? check_plan(a, err) : status;
 }
 
@@ -196,6 +218,116 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     return status;
 }
 
+/* ---- series ---- */
+
+static iso_status load_frame(void *user, size_t frame, iso_pyramid *p, iso_error *err)
+{
+    return iso_subject_frames_load(user, frame, p, err);
+}
+
+static iso_status check_level(const export_arguments *a, const iso_pyramid *p, iso_error *err)
+{
+    if ((size_t)(a->level + a->level_count) <= p->level_count)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
+                    a->level + a->level_count - 1, p->level_count - 1);
+}
+
+/* The first frame says what a scene shows of all. */
+static iso_status make_series_view(const export_arguments *a, const iso_subject_frames *frames, const double iso[3],
+                                   iso_view *view, iso_error *err)
+{
+    iso_pyramid first = {0};
+    iso_status status = iso_subject_frames_load(frames, frames->widest, &first, err);
+    if (status == ISO_OK)
+        status = check_level(a, &first, err);
+    if (status == ISO_OK && frames->has_scene)
+        status = iso_subject_frames_view(frames, &first, view, err);
+    if (status == ISO_OK && frames->has_scene)
+        iso_cli_warn_of_view(a->cli, &first, view, a->isosurface ? iso : NULL, &(bool){false});
+    iso_pyramid_destroy(&first);
+    return status;
+}
+
+/* An output a frame, numbered. */
+static iso_status write_each(const export_arguments *a, const iso_export_target *target,
+                             const iso_subject_frames *frames, iso_export_job *job, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t k = 0; k < frames->count && status == ISO_OK; ++k) {
+        iso_pyramid p = {0};
+        char *name = iso_frames_name(a->output, target->suffix, k);
+        status = name ? iso_subject_frames_load(frames, k, &p, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        job->pyramid = &p;
+        job->output = name;
+        if (status == ISO_OK)
+            status = target->write(job, err);
+        iso_pyramid_destroy(&p);
+        free(name);
+    }
+    return status;
+}
+
+static iso_status export_series(const export_arguments *a, iso_error *err)
+{
+    const iso_export_target *target = NULL;
+    double iso[3] = {0};
+    const iso_progress progress = iso_cli_progress(a->cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_subject_frames frames = {0};
+    iso_view view = {0};
+    const iso_subject_look look = iso_cli_look_request(&a->look, a->cli->threads);
+    iso_status status = check(a, &target, err);
+    if (status == ISO_OK)
+        status = iso_subject_check_look(&look, err);
+    if (status == ISO_OK && a->isosurface)
+        status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
+    if (status != ISO_OK)
+        return status;
+    build.threads = a->cli->threads;
+    build.level_count = (size_t)(a->level + a->level_count);
+    status = iso_subject_frames_create(a->cli->arguments[0], &a->input, &build,
+                                       iso_export_takes(target, ISO_EXPORT_SCENE) ? &look : NULL, &progress, &frames,
+                                       err);
+    if (status == ISO_OK)
+        status = make_series_view(a, &frames, iso, &view, err);
+    json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
+    iso_export_job job = {.level = (size_t)a->level,
+                          .level_count = (size_t)a->level_count,
+                          .output = a->output,
+                          .view = &view,
+                          .step_voxels = a->step,
+                          .half_float = a->half,
+                          .isosurface = a->isosurface != NULL,
+                          .iso = iso[0],
+                          .threads = a->cli->threads,
+                          .progress = &progress,
+                          .view_of_level = view_of_level,
+                          .frame_count = frames.count,
+                          .load_frame = load_frame,
+                          .frame_user = &frames,
+                          .user = a,
+                          .results = root,
+                          .notes = root ? NULL : stdout};
+    if (status == ISO_OK)
+        status = target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err);
+    if (status == ISO_OK && root) {
+        json_object_update_new(root,
+                               json_pack("{s:s, s:s, s:i, s:i, s:I, s:o}", "to", a->to, "output", a->output, "level",
+                                         a->level, "levels", a->level_count, "frames", (json_int_t)frames.count,
+                                         "value_range", iso_json_numbers(frames.build.value_range, 2)));
+        iso_cli_print_json(root);
+    } else {
+        json_decref(root);
+        if (status == ISO_OK)
+            printf("%s: %zu frames, all %.9g to %.9g: %s\n", a->output, frames.count, frames.build.value_range[0],
+                   frames.build.value_range[1], target->summary);
+    }
+    iso_view_destroy(&view);
+    iso_subject_frames_destroy(&frames);
+    return status;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     export_arguments a = {.level_count = 1};
@@ -210,6 +342,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
          "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
+        {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
+         "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
+         "all"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
@@ -228,7 +363,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     a.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = export_it(&a, err);
+        status = a.frames ? export_series(&a, err) : export_it(&a, err);
     iso_cli_end(&cli);
     return status;
 }
@@ -255,6 +390,9 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
         "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
+        "  isoshade make shells --size 16 -o step_1.nrrd\n"
+        "  isoshade make noise --size 16 -o step_2.nrrd\n"
+        "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
     .lists = (const iso_names *const[]){&iso_export_target_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},

@@ -2,6 +2,7 @@
 /* cmd_render.c - one level of a volume as an image, by any of the renderers. */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -12,9 +13,10 @@
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
-#include "scene/subject.h"
+#include "scene/subject_frames.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "volume/frames_all.h"
 
 /* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
 static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
@@ -90,9 +92,19 @@ static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, 
     return status;
 }
 
+/* Who rendered, how long, and where the JSON goes. */
+typedef struct iso_rendered {
+    const char *version;
+    double seconds;
+    json_t *frames;
+} iso_rendered;
+
+/* Of a series the JSON of each frame is collected in `frames`, else NULL. */
 static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
-                   const iso_visible *visible, const char *version, double seconds)
+                   const iso_visible *visible, const iso_rendered *done)
 {
+    const char *version = done->version;
+    const double seconds = done->seconds;
     if (!cli->json) {
         printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version,
                seconds);
@@ -110,7 +122,10 @@ static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_
                                      (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
                                      "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
     json_object_set_new(root, "visible", iso_cli_visible_json(visible));
-    iso_cli_print_json(root);
+    if (done->frames)
+        json_array_append_new(done->frames, root);
+    else
+        iso_cli_print_json(root);
 }
 
 static void report_cache(const iso_cached_report *r, const iso_cli *cli)
@@ -168,7 +183,41 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
     return status;
 }
 
-static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
+/* What can be found wrong before a volume is read, and how its pyramid is to be made. */
+static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso_render_options *opt,
+                          iso_pyramid_options *build, iso_error *err)
+{
+    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
+    iso_status status = iso_render_take_options(a, cli->threads, opt, err);
+    if (status != ISO_OK)
+        return status;
+    *build = iso_pyramid_defaults();
+    build->threads = cli->threads;
+    build->level_count = (size_t)a->level + 1;
+    build->keep_float = opt->source == ISO_FROM_FLOAT || is_from_palette(opt->source);
+    status = take_build(a, cli->arguments[0], build, err);
+    if (status == ISO_OK && !a->output)
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+    return status == ISO_OK ? iso_subject_check_look(&look, err) : status;
+}
+
+/* A frame of a series; series is NULL where the volume is all there is. */
+typedef struct frame_of_series {
+    const iso_subject_frames *series;
+    size_t frame;
+    json_t *results;
+} frame_of_series;
+
+static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of,
+                               const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(cli);
+    if (of->series)
+        return iso_subject_frames_load(of->series, of->frame, p, err);
+    return iso_subject_load_pyramid(cli->arguments[0], &a->input, build, &progress, p, err);
+}
+
+static iso_status render(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -184,26 +233,18 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     bool warned = false;
     const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
-    iso_status status = iso_render_take_options(a, cli->threads, &opt, err);
+    iso_status status = prepare(a, cli, &opt, &build, err);
     if (status == ISO_OK)
         iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
-    build.threads = cli->threads;
-    build.level_count = (size_t)a->level + 1;
-    build.keep_float = opt.source == ISO_FROM_FLOAT || is_from_palette(opt.source);
     if (status == ISO_OK)
-        status = take_build(a, cli->arguments[0], &build, err);
-    if (status == ISO_OK && !a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
-    if (status == ISO_OK)
-        status = iso_subject_check_look(&look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
+        status = load_subject(a, cli, of, &build, &pyramid, err);
     if (status == ISO_OK)
         status = recode(a, &pyramid, err);
     if (status == ISO_OK)
         status = attach_palette(a, &opt, &pyramid, &palette, err);
     if (status == ISO_OK)
-        status = iso_subject_make_view(&look, &pyramid, &view, err);
+        status = of->series ? iso_subject_frames_view(of->series, &pyramid, &view, err)
+                            : iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK)
         visible = iso_cli_warn_of_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
     if (status == ISO_OK)
@@ -230,7 +271,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
             iso_cli_warn_of(cli, &visible);
-        report(a, cli, &pyramid, &view, &visible, version, seconds);
+        report(a, cli, &pyramid, &view, &visible, &(iso_rendered){version, seconds, of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -239,6 +280,52 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, iso_
     iso_palette_destroy(&palette);
     iso_pyramid_destroy(&pyramid);
     iso_renderers_end(&renderers);
+    return status;
+}
+
+/* "out_0003.png" of "out.png". */
+static char *numbered(const char *path, size_t frame)
+{
+    const char *end = path ? strrchr(iso_path_base(path), '.') : NULL;
+    return path ? iso_frames_name(path, end ? end : "", frame) : NULL;
+}
+
+/* All frames of a series, a picture each, with one scene and one transfer function. */
+static iso_status render_series(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_render_options opt;
+    iso_pyramid_options build;
+    iso_subject_frames series = {0};
+    const iso_progress progress = iso_cli_progress(cli);
+    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
+    if (strcmp(a->frames, "all") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K renders one", a->frames);
+    if (a->adapted.wanted || a->adapted.extinction_scale || a->roi.box)
+        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
+                        a->roi.box          ? "--roi"
+                        : a->adapted.wanted ? "--adapt"
+                                            : "--extinction-scale");
+    iso_status status = prepare(a, cli, &opt, &build, err);
+    if (status == ISO_OK)
+        status = iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err);
+    json_t *all = cli->json ? json_array() : NULL;
+    for (size_t k = 0; k < series.count && status == ISO_OK; ++k) {
+        iso_render_arguments one = *a;
+        one.output = numbered(a->output, k);
+        one.png = numbered(a->png, k);
+        status = one.output && (one.png || !a->png) ? render(&one, cli, &(frame_of_series){&series, k, all}, err)
+                                                    : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(one.output);
+        free(one.png);
+    }
+    if (status == ISO_OK && all) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set_new(root, "value_range", iso_json_numbers(series.build.value_range, 2));
+        json_object_set(root, "frames", all);
+        iso_cli_print_json(root);
+    }
+    json_decref(all);
+    iso_subject_frames_destroy(&series);
     return status;
 }
 
@@ -288,6 +375,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
+        {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
+         "all frames of a series, with one range and one transfer function: IMAGE_0000.png and so on", "all"},
         {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
         {"shading-from", 0, POPT_ARG_STRING, &a.source, 0,
          of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
@@ -347,7 +436,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = render(&a, &cli, err);
+        status = a.frames ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
     iso_cli_end(&cli);
     return status;
 }

@@ -4,6 +4,7 @@
 #define ISO_VOLUME_CHILD_WRITER_H
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -133,6 +134,44 @@ inline void limit_memory()
     setrlimit(RLIMIT_AS, &limit);
 }
 
+/* ---- a limit of time, for libraries that a damaged file keeps busy ---- */
+
+inline iso_child_header late_header; /* what is answered then */
+inline int late_output = -1;
+
+extern "C" inline void answer_late(int)
+{
+    const char *from = reinterpret_cast<const char *>(&late_header);
+    size_t left = sizeof late_header;
+    while (left > 0) {
+        const ssize_t n = write(late_output, from, left);
+        if (n <= 0)
+            break;
+        from += n;
+        left -= static_cast<size_t>(n);
+    }
+    _exit(ISO_E_FORMAT);
+}
+
+/* From now on so many seconds of processor time: a file that takes longer is refused. 0: no limit any more. Before anything
+ * was written. */
+inline void limit_seconds(const std::string &path, double seconds)
+{
+    rlimit limit{};
+    rusage used{};
+    getrlimit(RLIMIT_CPU, &limit);
+    getrusage(RUSAGE_SELF, &used);
+    const rlim_t now = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+    limit.rlim_cur = seconds > 0 ? now + 1 + static_cast<rlim_t>(seconds) : limit.rlim_max;
+    late_header.answer.status = ISO_E_FORMAT;
+    snprintf(late_header.version, sizeof late_header.version, "%s", ISO_VERSION);
+    snprintf(late_header.answer.error.text, sizeof late_header.answer.error.text,
+             "%.300s: damaged? not opened after %.0f s of processor time, which is too long for its size", path.c_str(),
+             seconds);
+    signal(SIGXCPU, answer_late);
+    setrlimit(RLIMIT_CPU, &limit);
+}
+
 /* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so elsewhere. */
 inline int run_child(const ChildProgram &program, int argc, char **argv)
 {
@@ -140,6 +179,7 @@ inline int run_child(const ChildProgram &program, int argc, char **argv)
     if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
         return ISO_E_USAGE;
     limit_memory();
+    late_output = fileno(out);
     return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
 }
 

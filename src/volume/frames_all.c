@@ -30,15 +30,14 @@ static iso_status measure_planes(const char *path, iso_volume_source *source, do
     return status;
 }
 
-iso_status iso_frames_measure(const char *path, const iso_volume_input *input, size_t *count, double range[2],
-                              iso_error *err)
+iso_status iso_frames_measure(const char *path, const iso_volume_input *input, iso_frames_facts *facts, iso_error *err)
 {
     iso_status status = ISO_OK;
-    *count = 1;
-    range[0] = INFINITY;
-    range[1] = -INFINITY;
-    for (size_t k = 0; k < *count && status == ISO_OK; ++k) {
+    double most = -1;
+    *facts = (iso_frames_facts){.count = 1, .range = {INFINITY, -INFINITY}};
+    for (size_t k = 0; k < facts->count && status == ISO_OK; ++k) {
         char number[24];
+        double range[2] = {INFINITY, -INFINITY};
         iso_volume_source *source;
         iso_volume_input one = *input;
         snprintf(number, sizeof number, "%zu", k);
@@ -46,10 +45,16 @@ iso_status iso_frames_measure(const char *path, const iso_volume_input *input, s
         status = iso_volume_input_open(path, &one, &source, err);
         if (status != ISO_OK)
             break;
-        *count = iso_source_volume(source)->notes.frame_count;
-        status = *count > 1 ? measure_planes(path, source, range, err)
-                            : iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
+        facts->count = iso_source_volume(source)->notes.frame_count;
+        status = facts->count > 1 ? measure_planes(path, source, range, err)
+                                  : iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
         iso_source_close(source);
+        if (range[1] - range[0] > most) {
+            most = range[1] - range[0];
+            facts->widest = k;
+        }
+        facts->range[0] = fmin(facts->range[0], range[0]);
+        facts->range[1] = fmax(facts->range[1], range[1]);
     }
     return status;
 }

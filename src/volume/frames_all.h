@@ -5,9 +5,14 @@
 
 #include "volume/input.h"
 
+typedef struct iso_frames_facts {
+    size_t count;
+    double range[2]; /* of all frames */
+    size_t widest;   /* the frame whose own range is the widest, the first of several */
+} iso_frames_facts;
+
 /* Reads all frames, plane by plane. ISO_E_USAGE where there is one only; ISO_E_RANGE for NaN and infinite voxels. */
-iso_status iso_frames_measure(const char *path, const iso_volume_input *input, size_t *count, double range[2],
-                              iso_error *err);
+iso_status iso_frames_measure(const char *path, const iso_volume_input *input, iso_frames_facts *facts, iso_error *err);
 /* As iso_volume_input_labels(), of all frames: the most labels that one has. ISO_E_USAGE where some look like label maps and
  * others do not, and the input does not say which they are. */
 iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);

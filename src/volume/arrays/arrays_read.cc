@@ -119,7 +119,7 @@ class ArrayReader : public PlaneReader {
 public:
     ArrayReader(const std::string &path, const Wanted &wanted) : store_(open_store(path)), wanted_(wanted)
     {
-        const std::string main = wanted.part.empty() ? store_->main_array() : wanted.part;
+        const std::string main = wanted.part.empty() ? store_->main_array(wanted.frame, wanted.channel) : wanted.part;
         array_ = choose(store_->arrays(), main, path);
         shown_ = array_.name.empty() ? path : path + ":" + array_.name;
         if (!array_.refused.empty())
@@ -133,7 +133,7 @@ public:
         header.type = array_.type;
         place(*store_, array_, axes_.space, shown_, header);
         if (header.frames > 1)
-            take_frame_step(*store_, array_, static_cast<size_t>(axes_.frame), header);
+            take_frame_step(*store_, array_, axes_.frame < 0 ? 0 : static_cast<size_t>(axes_.frame), header);
         scales_ = take_scale(*store_, array_, header.size[2], shown_, header);
         if (!scales_.slope.empty())
             header.type = ISO_F32;
@@ -164,8 +164,11 @@ private:
 
     void take_choices()
     {
-        header.frames = axes_.frame < 0 ? 1 : array_.size[static_cast<size_t>(axes_.frame)];
-        header.channels = axes_.channel < 0 ? 1 : array_.size[static_cast<size_t>(axes_.channel)];
+        const bool is_main = wanted_.part.empty();
+        header.frames = axes_.frame < 0 ? (is_main ? store_->array_frames() : 1)
+                                        : array_.size[static_cast<size_t>(axes_.frame)];
+        header.channels = axes_.channel < 0 ? (is_main ? store_->array_channels() : 1)
+                                            : array_.size[static_cast<size_t>(axes_.channel)];
         const auto names = store_->channel_names(array_);
         for (size_t c = 0; c < names.size() && c < sizeof header.channel_name / sizeof *header.channel_name; ++c)
             snprintf(header.channel_name[c], sizeof header.channel_name[c], "%s", names[c].c_str());

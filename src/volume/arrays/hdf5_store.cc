@@ -4,6 +4,7 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "volume/arrays/store.h"
@@ -135,7 +136,12 @@ public:
         if (a < 0)
             return "";
         const Handle type(H5Aget_type(a), H5Tclose), space(H5Aget_space(a), H5Sclose);
-        if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+        const hssize_t count = H5Sget_simple_extent_npoints(space);
+        if (H5Tget_class(type) != H5T_STRING || count < 1 || count > 1 << 12)
+            return "";
+        if (H5Tis_variable_str(type) == 0 && H5Tget_size(type) == 1) /* Imaris has a string a character */
+            return joined(a, type, static_cast<size_t>(count));
+        if (count != 1)
             return "";
         if (H5Tis_variable_str(type) > 0) {
             char *read = nullptr;
@@ -155,6 +161,77 @@ public:
             return "";
         result.resize(strnlen(result.c_str(), bytes));
         return result;
+    }
+
+    /* ---- Imaris: an array for each level, time point and channel; the image as a box ---- */
+
+    std::string main_array(size_t frame, size_t channel) override
+    {
+        return is_imaris() ? imaris_channel(frame, channel) + "/Data" : "";
+    }
+
+    size_t array_frames() override
+    {
+        size_t count = 1;
+        while (is_imaris() && exists(imaris_channel(count, 0)))
+            ++count;
+        return count;
+    }
+
+    size_t array_channels() override
+    {
+        size_t count = 1;
+        while (is_imaris() && exists(imaris_channel(0, count)))
+            ++count;
+        return count;
+    }
+
+    std::vector<std::string> channel_names(const Array &) override
+    {
+        std::vector<std::string> names;
+        for (size_t c = 0; is_imaris() && c < array_channels(); ++c)
+            names.push_back(text("DataSetInfo/Channel " + std::to_string(c), "Name"));
+        return names;
+    }
+
+    bool place(const Array &array, const size_t (&space)[3], iso_child_header &header) override
+    {
+        if (array.name.rfind("DataSet/ResolutionLevel ", 0) != 0 || !is_imaris())
+            return false;
+        const std::string unit = text("DataSetInfo/Image", "Unit");
+        header.world = ISO_CHILD_OWN;
+        for (size_t a = 0; a < 3; ++a) {
+            const std::string axis = std::to_string(a);
+            const double lo = strtod(text("DataSetInfo/Image", "ExtMin" + axis).c_str(), nullptr),
+                         hi = strtod(text("DataSetInfo/Image", "ExtMax" + axis).c_str(), nullptr);
+            const double step = (hi - lo) / static_cast<double>(array.size[space[a]]);
+            if (!(step > 0))
+                snprintf(header.unspaced, sizeof header.unspaced, "of its voxels");
+            header.step[a][a] = step > 0 ? step : 1;
+            header.first[a] = lo + step / 2;
+            snprintf(header.unit[a], sizeof header.unit[a], "%s", unit.empty() ? "um" : unit.c_str());
+        }
+        return true;
+    }
+
+    /* "2005-06-06 12:00:00.000" of each time point; within a month. */
+    bool frame_step(const Array &, size_t, double &step, std::string &unit) override
+    {
+        std::vector<double> at;
+        for (size_t k = 0; is_imaris() && k < array_frames(); ++k) {
+            int year, month, day, hour, minute;
+            double second;
+            if (sscanf(text("DataSetInfo/TimeInfo", "TimePoint" + std::to_string(k + 1)).c_str(), "%d-%d-%d %d:%d:%lf",
+                       &year, &month, &day, &hour, &minute, &second) == 6)
+                at.push_back(86400.0 * day + 3600 * hour + 60 * minute + second);
+        }
+        step = at.size() > 1 && at.size() == array_frames() ? (at.back() - at[0]) / static_cast<double>(at.size() - 1)
+                                                            : 0;
+        for (size_t k = 1; k < at.size(); ++k)
+            if (!(std::fabs(at[k] - at[k - 1] - step) <= 0.01 * std::fabs(step)))
+                step = 0;
+        unit = "s";
+        return is_imaris();
     }
 
     std::string coordinate(const Array &array, size_t axis) override
@@ -207,6 +284,46 @@ private:
     std::vector<std::string> names_;
     std::unique_ptr<Handle> set_;
     std::string set_name_;
+
+    bool exists(const std::string &path) const
+    {
+        for (size_t at = path.find('/'); at != std::string::npos; at = path.find('/', at + 1))
+            if (H5Lexists(file_, path.substr(0, at).c_str(), H5P_DEFAULT) <= 0)
+                return false;
+        return H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+    }
+
+    bool is_imaris() const
+    {
+        return exists("DataSetInfo/Image") && exists(imaris_channel(0, 0) + "/Data");
+    }
+
+    static std::string imaris_channel(size_t frame, size_t channel)
+    {
+        return "DataSet/ResolutionLevel 0/TimePoint " + std::to_string(frame) + "/Channel " + std::to_string(channel);
+    }
+
+    static std::string joined(hid_t attribute, hid_t type, size_t count)
+    {
+        std::string result(count, 0);
+        if (H5Aread(attribute, type, &result[0]) < 0)
+            return "";
+        result.resize(strnlen(result.c_str(), count));
+        return result;
+    }
+
+    /* Imaris fills its arrays up to whole chunks; the image is the part that this says. */
+    void take_imaris_size(Array &array)
+    {
+        const std::string group = array.name.substr(0, array.name.rfind('/'));
+        if (array.name.rfind("DataSet/ResolutionLevel ", 0) != 0 || array.size.size() != 3)
+            return;
+        for (size_t a = 0; a < 3; ++a) {
+            const size_t own = strtoull(text(group, std::string("ImageSize") + "ZYX"[a]).c_str(), nullptr, 10);
+            if (own > 0 && own < array.size[a])
+                array.size[a] = own;
+        }
+    }
 
     void note(hid_t group, const char *name)
     {
@@ -286,6 +403,7 @@ private:
             array.chunk.assign(chunk, chunk + rank);
         else if (array.refused.empty())
             check_storage(set, type, size, rank, array);
+        take_imaris_size(array);
         return array;
     }
 

@@ -49,10 +49,20 @@ public:
     {
         return {};
     }
-    /* The name of the array that is meant where none is named; "" where the format does not say. */
-    virtual std::string main_array()
+    /* The name of the array that is meant where none is named; "" where the format does not say. Of formats that have an
+     * array for each frame and channel, that of these. */
+    virtual std::string main_array(size_t /* frame */, size_t /* channel */)
     {
         return "";
+    }
+    /* How many of these arrays there are; 1 in formats that have axes for them. */
+    virtual size_t array_frames()
+    {
+        return 1;
+    }
+    virtual size_t array_channels()
+    {
+        return 1;
     }
 };
 

@@ -145,7 +145,7 @@ public:
         });
     }
 
-    std::string main_array() override
+    std::string main_array(size_t, size_t) override
     {
         const Json attributes(folder_ + "/.zattrs");
         const json_t *all = json_object_get(attributes, "multiscales");

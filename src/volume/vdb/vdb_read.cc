@@ -4,11 +4,18 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "volume/child_writer.h"
 
 namespace {
 
 constexpr double MOST_VOXELS = 1e13;
+
+/* A tree is read at far more than this many bytes a second, packed or not; numbers of a damaged file that ask for more nodes
+ * than it has keep OpenVDB busy for minutes. */
+constexpr double SECONDS = 4, BYTES_A_SECOND = 4e6;
 
 std::string sizes_of(const openvdb::Coord &size)
 {
@@ -75,6 +82,7 @@ class VdbReader : public PlaneReader {
 public:
     VdbReader(const std::string &path, const std::string &part)
     {
+        limit_seconds(path, SECONDS + static_cast<double>(std::filesystem::file_size(path)) / BYTES_A_SECOND);
         openvdb::initialize();
         openvdb::io::File file(path);
         file.open();
@@ -87,12 +95,15 @@ public:
         take_samples(grid);
         take_box(*grid);
         take_place(*grid);
+        limit_seconds(path, 0);
     }
 
-    void read_plane(char *out, size_t) override
+    void read_plane(char *out, size_t bytes) override
     {
         const int z = box_.min().z() + next_++;
         samples_->read({{box_.min().x(), box_.min().y(), z}, {box_.max().x(), box_.max().y(), z}}, out);
+        if (reversed_)
+            reverse_rows(out, bytes);
     }
 
 private:
@@ -100,6 +111,15 @@ private:
     std::unique_ptr<Samples> samples_;
     openvdb::CoordBBox box_;
     int next_ = 0;
+    bool reversed_ = false; /* rows run the other way than those of the volume that isoshade wrote */
+
+    void reverse_rows(char *out, size_t bytes) const
+    {
+        const size_t width = header.size[0], sample = bytes_of(header.type);
+        for (char *row = out; row < out + bytes; row += width * sample)
+            for (size_t i = 0, j = width - 1; i < j; ++i, --j)
+                std::swap_ranges(row + i * sample, row + (i + 1) * sample, row + j * sample);
+    }
 
     template <typename Grid, typename Value> bool take_as(const openvdb::GridBase::Ptr &grid, iso_type type)
     {
@@ -134,6 +154,8 @@ private:
             const openvdb::CoordBBox level(openvdb::Coord(0), last);
             if (box_.isInside(level)) {
                 box_ = level;
+                const auto reversed = grid.getMetadata<openvdb::BoolMetadata>("isoshade_reversed_x");
+                reversed_ = reversed && reversed->value();
                 for (int a = 0; inner && a < 3; ++a)
                     header.box[a] = inner->value()[a] > 0 && inner->value()[a] <= size->value()[a] ? inner->value()[a]
                                                                                                    : 0;
@@ -162,6 +184,10 @@ private:
                 header.step[a][r] = m(a, r);
                 header.first[r] += m(a, r) * box_.min()[a];
             }
+        }
+        for (int r = 0; r < 3 && reversed_; ++r) {
+            header.first[r] += header.step[0][r] * static_cast<double>(header.size[0] - 1);
+            header.step[0][r] = -header.step[0][r];
         }
         header.world = ISO_CHILD_OWN;
         take_unit(grid);

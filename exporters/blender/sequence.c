@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* sequence.c - the frames of a series in one .blend: a file of grids each, one material, one transfer function. */
+#define _GNU_SOURCE
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "blender/blender_scene.h"
+
+typedef struct sequence_job {
+    const iso_blender_sequence *sequence;
+    const char *blend_path;
+    const iso_blender_options *opt;
+    const iso_progress *progress;
+    iso_blender_space space; /* of the first frame, which is all frames' */
+    iso_output *outs;        /* the frames' files, then the .blend */
+    json_t *about;
+} sequence_job;
+
+static char *grid_path(const char *blend_path, size_t frame)
+{
+    char *path = NULL;
+    return asprintf(&path, "%.*s_%04zu.vdb", (int)(strlen(blend_path) - strlen(".blend")), blend_path, frame) < 0
+               ? NULL
+               : path;
+}
+
+/* The scene, by the first frame; its volume is the first file. */
+static void describe(sequence_job *job, const iso_pyramid *p)
+{
+    const iso_blender_sequence *s = job->sequence;
+    const iso_geometry *g = &p->levels[s->level].geometry;
+    const char *base = iso_path_base(job->blend_path);
+    char name[NAME_MAX + 1], relative[NAME_MAX + 48];
+    char *path = grid_path(job->blend_path, 0);
+    snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+    snprintf(relative, sizeof relative, "//%s", iso_path_base(path ? path : ""));
+    free(path);
+    job->about = iso_blender_describe_scene(s->view, &job->space, g, name, job->opt);
+    json_t *levels = json_array();
+    iso_blender_append_level(levels, &(blender_level){g, s->level, {0, 1}, relative, ""}, s->view, &job->space,
+                             job->opt);
+    json_object_set_new(job->about, "levels", levels);
+    json_object_set_new(job->about, "sequence", json_integer((json_int_t)s->count));
+    json_object_set_new(job->about, "tf", iso_blender_describe_tf(s->view, 1, job->space.units));
+    json_object_set_new(job->about, "extinction_scale", json_false());
+    json_object_set_new(job->about, "film_transparent", json_false());
+    json_object_set_new(job->about, "source", iso_blender_text(p->source ? p->source : "", 1000));
+    json_object_set_new(job->about, "unit", json_string(p->unit.name));
+}
+
+static iso_status write_grid(sequence_job *job, const iso_pyramid *p, iso_output *out, iso_error *err)
+{
+    iso_pyramid scaled = {0};
+    iso_vdb_options options = iso_vdb_defaults();
+    options.pad_voxels = 1;
+    iso_blender_note_space(&job->space, &options);
+    iso_status status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
+    if (status == ISO_OK)
+        status = iso_vdb_save(&scaled, job->sequence->level, 1, out->temp_path, &options, NULL, err);
+    free(scaled.levels);
+    return status;
+}
+
+static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
+{
+    const iso_blender_sequence *s = job->sequence;
+    iso_pyramid p = {0};
+    char *path = grid_path(job->blend_path, frame);
+    iso_status status = path ? s->load(s->user, frame, &p, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK)
+        status = iso_blender_check(&p, s->level, 1, job->opt, err);
+    if (status == ISO_OK && p.levels[0].labels)
+        status =
+            iso_fail(err, ISO_E_USAGE,
+                     "blender: a series of label maps is not played; --frame K exports one, --no-labels interpolates");
+    if (status == ISO_OK && frame == 0) {
+        job->space = iso_blender_space_of(&p.levels[0].geometry);
+        describe(job, &p);
+    }
+    if (status == ISO_OK)
+        status = iso_output_begin(&job->outs[frame], path, err);
+    if (status == ISO_OK)
+        status = write_grid(job, &p, &job->outs[frame], err);
+    iso_pyramid_destroy(&p);
+    free(path);
+    return status;
+}
+
+static iso_status write_blend(sequence_job *job, const char *folder, iso_error *err)
+{
+    iso_output *out = &job->outs[job->sequence->count];
+    iso_status status = iso_output_begin(out, job->blend_path, err);
+    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
+    if (status == ISO_OK && !target)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", job->blend_path);
+    if (status == ISO_OK) {
+        json_t *about = job->about;
+        job->about = NULL; /* is taken */
+        json_object_set_new(about, "save", json_string(target));
+        status = iso_blender_run(about, folder, job->opt, job->progress, err);
+    }
+    free(target);
+    return status;
+}
+
+iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char *blend_path,
+                                       const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    if (!iso_path_ends_with(blend_path, ".blend"))
+        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    sequence_job job = {.sequence = s, .blend_path = blend_path, .opt = opt, .progress = progress};
+    json_t *probe = json_string(blend_path);
+    char *folder = iso_make_temp_dir();
+    job.outs = calloc(s->count + 1, sizeof *job.outs);
+    iso_status status = !probe ? iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path)
+                        : !folder || !job.outs ? iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made")
+                                               : ISO_OK;
+    json_decref(probe);
+    for (size_t k = 0; k < s->count && status == ISO_OK; ++k)
+        status = write_frame(&job, k, err);
+    if (status == ISO_OK)
+        status = write_blend(&job, folder, err);
+    for (size_t i = 0; i <= s->count && status == ISO_OK; ++i)
+        status = iso_output_commit(&job.outs[i], err);
+    for (size_t i = 0; job.outs && i <= s->count; ++i)
+        iso_output_abandon(&job.outs[i]);
+    json_decref(job.about);
+    if (folder)
+        iso_remove_tree(folder);
+    free(job.outs);
+    free(folder);
+    return status;
+}

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# All frames of a series at once: render and export write a picture, a file or a folder a frame, with one range and one transfer
+# function; Blender plays a series as what single exports show.
+. "$(dirname "$0")/lib.sh"
+scene=$top/refscenes/shells.scene.json
+# Three frames of 8 x 8 x 8: a ball that moves along x and becomes brighter.
+python3 - <<'END'
+for t in range(3):
+    with open(f"f_{t}.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n")
+        file.write(bytes(max(0, (100 + 70 * t) - 20 * ((x - 2 - t) ** 2 + (y - 3) ** 2 + (z - 4) ** 2)) for z in range(8)
+                         for y in range(8) for x in range(8)))
+END
+quiet() { "$@" -q >out 2>err || { not_ok "$1_$2" "$(cat err)"; return 1; }; }
+quiet "$ISOSHADE" build 'f_%d.nrrd' --frames all --levels 1 -o all.iso
+
+# ---- pictures ----
+check pictures "$ISOSHADE" render 'f_%d.nrrd' --frames all --scene "$scene" --with reference --size 12 -o p.exr -q
+for k in 0 2; do
+    quiet "$ISOSHADE" render all_000$k.iso --scene "$scene" --with reference --size 12 -o one_$k.exr
+    check picture_${k}_is_that_of_its_pyramid "$ISOSHADE" compare p_000$k.exr one_$k.exr
+done
+quiet "$ISOSHADE" render f_0.nrrd --scene "$scene" --with reference --size 12 -o alone.exr
+notice and_not_that_of_a_range_of_its_own "$ISOSHADE" compare p_0000.exr alone.exr
+# Without a scene: the transfer function that is suggested for the frame of the widest range, for all of them.
+check first_pictures "$ISOSHADE" render 'f_%d.nrrd' --frames all --size 12 --with reference -o s.exr -q
+quiet "$ISOSHADE" render f_2.nrrd --size 12 --with reference -o s_alone.exr
+check the_widest_is_as_by_itself "$ISOSHADE" compare s_0002.exr s_alone.exr
+quiet "$ISOSHADE" tf suggest f_2.nrrd -o widest.tf.json
+quiet "$ISOSHADE" render f_0.nrrd --tf widest.tf.json --size 12 --with reference -o s_with.exr
+check the_others_have_its_transfer_function "$ISOSHADE" compare s_0000.exr s_with.exr --max-rmse 1e-5 # decimals of the file
+
+# ---- exports: those of a frame, as one at a time has them ----
+check grids "$ISOSHADE" export 'f_%d.nrrd' --frames all --to vdb -o 'v_%04d.vdb' -q
+quiet "$ISOSHADE" build v_0001.vdb --levels 1 -o v.iso
+quiet "$ISOSHADE" build f_1.nrrd --levels 1 -o f.iso
+holds the_second_has_its_values "$(json_number v.iso/pyramid.json max) == 170 && $(json_number f.iso/pyramid.json max) == 170"
+check folders_for_povray "$ISOSHADE" export 'f_%d.nrrd' --frames all --to povray --scene "$scene" --size 12 -o pov -q
+mkdir one && quiet "$ISOSHADE" export all_0001.iso --to povray --scene "$scene" --size 12 -o one/pov_0001
+check a_folder_is_as_by_itself diff -r -I made -I isoshade pov_0001 one/pov_0001
+notice and_not_as_another diff -r -I made -I isoshade pov_0001 pov_0002
+
+check one_file_for_blender "$ISOSHADE" export 'f_%d.nrrd' --frames all --to blender --scene "$scene" --size 12 -o play.blend -q
+has_files each_frame . play_0000.vdb play_0001.vdb play_0002.vdb
+blender -b play.blend -a >log 2>&1
+quiet "$ISOSHADE" export all_0001.iso --to blender --scene "$scene" --size 12 -o single.blend
+blender -b single.blend -f 1 >>log 2>&1
+if has_cycles; then
+    check it_plays_the_second_second "$ISOSHADE" compare play_0002.exr single_0001.exr --max-rmse 1e-6
+    for k in 1 3; do notice "and_${k}_is_another" "$ISOSHADE" compare "play_000$k.exr" single_0001.exr --max-rmse 1e-2; done
+    # The first and the third against the reference: by much less than frames differ.
+    for k in 1 3; do
+        check "frame_${k}_is_that_of_the_reference" "$ISOSHADE" compare "play_000$k.exr" "p_000$((k - 1)).exr" --max-flip 0.02
+    done
+    notice and_no_other "$ISOSHADE" compare play_0001.exr p_0002.exr --max-flip 0.02
+else
+    skip it_plays_them "$lack"
+fi
+check its_frames_are_those_of_the_series test -s play_0003.exr -a ! -e play_0000.exr -a ! -e play_0004.exr
+
+# ---- what is refused ----
+refuse one_adapted_table 2 '--frames all and --adapt' "$ISOSHADE" export 'f_%d.nrrd' --frames all --adapt --to povray -o x
+refuse one_level_a_frame 2 '--frames all and --levels' "$ISOSHADE" export 'f_%d.nrrd' --frames all --levels 2 --to blender -o x.blend
+refuse all_or_nothing 2 '--frames is "2", must be all' "$ISOSHADE" render 'f_%d.nrrd' --frames 2 -o x.png
+refuse a_pyramid_has_one 2 'is a pyramid, which has one frame' "$ISOSHADE" render all_0000.iso --frames all -o x.png
+sed 's/sizes: 8 8 8/sizes: 8 4 16/' f_2.nrrd >f_3.nrrd
+refuse one_grid_for_all 5 'the grid of frame 3 is not that of frame 0' "$ISOSHADE" export 'f_%d.nrrd' --frames all --to povray -o x
+exit $failed
