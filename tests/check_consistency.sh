@@ -50,7 +50,7 @@ assert ratio['ssim_ratio'] == ratio['ssim_ratio_median'] != 1, ratio  # one case
 PY
 expect no_volume_means_shading 0 "$ISOSHADE" bench consistency --size 16 --views 1 --levels 2 --help
 # A name is a whole word: "al", "a" and nothing at all once meant all of them.
-for name in al a , "default,al"; do
+for name in al a , "" "default,al"; do
     refuse "methods_$name" 2 "unknown method" "$ISOSHADE" bench consistency --analytic 16 --size 16 --views 1 --levels 2 --methods "$name" -q
 done
 refuse too_many_views 2 --views "$ISOSHADE" bench consistency --shading --views 7 -q

@@ -64,6 +64,8 @@ static iso_status unknown(const char *at, size_t length, iso_error *err)
 iso_status iso_bench_choose_methods(const char *text, bool wanted[ISO_BENCH_METHOD_COUNT], iso_error *err)
 {
     wanted[0] = true;
+    if (!*text)
+        return unknown(text, 0, err);
     for (const char *at = text; *at;) {
         const size_t length = strcspn(at, ",");
         bool known = false;

@@ -480,7 +480,7 @@ const iso_command iso_command_validate = {
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 32 -o report\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 16 -o report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --json -o report-gl\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
