@@ -33,12 +33,11 @@ refuse too_small_a_budget_to_show 2 "directions alone take 3" \
     "$ISOSHADE" tf adapt v.nrrd --auto --budget 2 --tf "$tf" -o y
 check nothing_is_written test ! -e y_level_1.tf.json
 
-refuse no_transfer_function 2 "with --tf FILE" "$ISOSHADE" build v.nrrd --auto -o x.iso
 refuse a_filter_that_is_given 2 "--auto chooses filters" \
     "$ISOSHADE" build v.nrrd --auto --tf "$tf" --scalar-filter mean -o x.iso
 refuse too_small_a_budget 2 "directions alone take 3" "$ISOSHADE" build v.nrrd --auto --tf "$tf" --budget 2 -o x.iso
 refuse a_pyramid_is_no_volume 2 "v.iso is a pyramid" "$ISOSHADE" build v.iso --auto --tf "$tf" -o x.iso
-refuse a_transfer_function_alone 2 "what --auto chooses for" "$ISOSHADE" build v.nrrd --tf "$tf" -o x.iso
+refuse a_transfer_function_alone 2 "what --auto or --for first makes levels for" "$ISOSHADE" build v.nrrd --tf "$tf" -o x.iso
 refuse too_little_memory 6 "MB, --memory is 0.1" "$ISOSHADE" build v.nrrd --auto --tf "$tf" --memory 0.1 -o x.iso
 check nothing_is_left test ! -e x.iso
 exit $failed

@@ -49,13 +49,44 @@ refuse zoom_of_nothing '--zoom is -1, must be .01 to 1000' "$ISOSHADE" render no
 refuse bad_size '--size is "big"' "$ISOSHADE" validate nothing.nrrd --size big -o x
 refuse view_for_grids '--view has no meaning for --to vdb' "$ISOSHADE" export nothing.nrrd --to vdb --view top -o x.vdb
 refuse bad_error '--error is "1/0"' "$ISOSHADE" plan nothing.nrrd --error 1/0
-for command in "render -o x.png" "export --to blender -o x.blend" "validate -o x" "plan" "chart -o x" "tf bound"; do
+refuse range_of_a_preset '--range is for a file that --tf names, not for the preset ct-bone' "$ISOSHADE" render nothing.nrrd --tf ct-bone --range 0,1 -o x.png
+refuse range_of_nothing '--range is for a file that --tf names' "$ISOSHADE" plan nothing.nrrd --range 0,1
+refuse bad_unit_distance '--unit-distance is "x"' "$ISOSHADE" chart nothing.nrrd --tf $top/refscenes/shells.tf.json --unit-distance x -o x
+# What a picture shows is asked for alike everywhere, in the same words, and checked before the volume is read.
+looks="render -o x.png/export --to blender -o x.blend/validate -o x/plan/chart -o x/tf bound/tf adapt -o x/tf triangle --level 1/scenes -o x.png"
+looks+="/bench plan/bench convergence/bench palette/bench encode"
+IFS=/
+for command in $looks; do
+    IFS=' '
     set -- $command
     first=$1 && shift
-    [ "$first" = tf ] && first="tf bound" && shift
-    expect "${first// /_}_reads_the_scene_first" 3 "$ISOSHADE" $first nothing.nrrd --scene missing.scene.json "$@"
-    check "${first// /_}_names_the_scene" grep -q 'missing.scene.json' err
+    case $first in tf | bench) first="$first $1" && shift ;; esac
+    for wrong in "3 --scene missing.scene.json" "2 --tf bone" "2 --view frnt" "2 --size big" "2 --zoom -1"; do
+        set -- $wrong "$@"
+        code=$1 option=$2 value=$3 && shift 3
+        expect "${first// /_}${option/--/_}_first" $code "$ISOSHADE" $first nothing.nrrd $option $value "$@"
+        check "${first// /_}${option/--/_}_said" grep -q -- "$option\|$value" err
+    done
+    "$ISOSHADE" $first --help >>help.txt
 done
+IFS=$' \t\n'
+# What --help says of an option, each command's in a line.
+words_of() { awk -v option="--$1=" '/^  *-/ || /^$/ { if (text) print text; text = "" } index($1, option) == 1 || text { $1 = $1; text = text " " $0 }' help.txt; }
+for option in scene zoom name unit-distance opacity; do
+    check "${option}_in_the_same_words" test "$(words_of "$option" | sort -u | wc -l)" = 1
+done
+for command in "build --for first" "build --auto" "palette -o p.csv"; do
+    set -- $command
+    expect "${1}_${2#--}_tf_first" 2 "$ISOSHADE" $1 nothing.nrrd --tf bone "${@:2}"
+    check "${1}_${2#--}_tf_said" grep -q 'unknown transfer function preset "bone"' err
+done
+expect levels_for_a_first_picture 0 "$ISOSHADE" build v.nrrd --for first --tf simulation --levels 2 -q -o for.iso
+check whose_pyramid_says_so grep -q '"scene": "first"' for.iso/pyramid.json
+expect levels_for_what_is_suggested 0 "$ISOSHADE" build v.nrrd --auto --levels 2 -q -o auto.iso
+expect palette_of_a_preset 0 "$ISOSHADE" palette v.nrrd --tf auto --entries 8 -q -o p.csv
+expect chart_of_a_first_picture 0 "$ISOSHADE" chart v.nrrd --tf simulation --view top --zoom 1.5 --size 16 --levels 1 --with gl --codes fit --steps 1 --want 1 --budget 0 -q -o chart
+line=$(sed -n 's/^ *isoshade render v.nrrd --tf simulation --view top --size 16 --zoom 1.5 /&/p' out | head -n 1)
+check its_command_has_the_options test -n "$line"
 echo '{"schema": "isoshade.scene/1", "camra": {}}' >key.scene.json
 expect an_unknown_key 4 "$ISOSHADE" render nothing.nrrd --scene key.scene.json -o x.png
 check it_lists_the_keys grep -q 'unknown key "camra" in the scene, must be one of: schema, comment, image, camera' err

@@ -28,6 +28,10 @@ expect as_json 0 "$ISOSHADE" scenes "a volume.nrrd" --tf auto --view top --size 
 has_keys json out sheet pictures left_out number command left top size
 check it_is_what_is_beside cmp -s out one.json
 
+expect with_a_scene 0 "$ISOSHADE" scenes "a volume.nrrd" --scene "$top/refscenes/shells.scene.json" --tf own.tf.json --zoom 1.4 --size 48 -q -o sheet.png
+check its_own_view_and_the_others test "$(grep -c "^ *[0-9]*  isoshade render .*--scene .*--zoom 1.4" out)" = 5
+check command_of_the_scene_runs run_line 1
+check picture_of_the_scene_is_its_commands python3 "$top/tests/sheet_panel.py" sheet.json 1 panel1.png
 refuse all_empty 5 'none of the transfer functions shows anything' "$ISOSHADE" scenes "a volume.nrrd" --tf $far --size 32 -q -o no.png
 refuse an_unknown_preset 2 'must be' "$ISOSHADE" scenes "a volume.nrrd" --tf bones --size 32 -q -o no.png
 refuse an_unknown_view 2 'bottomless' "$ISOSHADE" scenes "a volume.nrrd" --view bottomless --size 32 -q -o no.png

@@ -20,7 +20,7 @@ check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
 expect bound_is_printed_before_anything_is_drawn 0 "$ISOSHADE" tf bound shells.iso --scene "$scene" --level 1 --size 24 -q
 grep -q '^level 1  RMSE at most 0\.[0-9]*, with --adapt 0\.[0-9]*$' out && ok bound_names_both_tfs || not_ok bound_names_both_tfs "$(cat out)"
-refuse bound_needs_a_scene 2 'wanted: isoshade tf bound' "$ISOSHADE" tf bound shells.iso -q
+refuse bound_needs_a_volume 2 'wanted: isoshade tf bound' "$ISOSHADE" tf bound -q
 # A scene that names the adapted file and --adapt are the same picture.
 sed "s/\"shells.tf.json\"/\"shells_level_1.tf.json\"/" "$scene" >adapted.scene.json
 cp "$tf" shells.tf.json
@@ -43,7 +43,7 @@ check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 expect or_by_two_names 0 "$ISOSHADE" tf convert "$tf" two.csv
 check which_are_the_same cmp tf.csv two.csv
 check and_named grep -q '^two.csv: ' out
-refuse but_not_both 2 'wanted: isoshade tf convert FILE OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
+refuse but_not_both 2 'wanted: isoshade tf convert FILE|PRESET OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
 
 # A .blend of three levels: a row of the colour map a level, each the adapted table of its own level.
@@ -99,7 +99,17 @@ check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
-refuse adapt_without_tf 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso -o x
+refuse adapt_without_output 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
+# Presets are laid on the values of a stored pyramid, whose samples are read for them; a scene has its own.
+expect adapt_of_a_preset 0 "$ISOSHADE" tf adapt shells.iso --tf simulation --level 1 -q -o preset.tf.json
+expect adapt_of_what_is_suggested 0 "$ISOSHADE" tf adapt shells.nrrd --level 1 -q -o suggested.tf.json
+expect adapt_of_a_scene 0 "$ISOSHADE" tf adapt shells.iso --scene "$scene" --level 1 --always -q -o scene.tf.json
+check is_of_its_transfer_function cmp scene.tf.json shells_level_1.tf.json
+refuse show_of_a_preset_needs_values 2 'say --volume FILE' "$ISOSHADE" tf show ct-bone -o x.png
+check show_of_presets "$ISOSHADE" tf show auto simulation --volume shells.nrrd -o presets.svg
+expect convert_of_a_preset 0 "$ISOSHADE" tf convert simulation simulation.csv --volume shells.nrrd -q
+expect suggest_of_that_preset 0 "$ISOSHADE" tf suggest shells.nrrd --tf simulation -q -o six.tf.json
+expect bound_without_a_scene 0 "$ISOSHADE" tf bound shells.iso --tf simulation --view top --size 16 --level 1 -q
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x
 refuse level_too_high 5 'level 7' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json
 refuse unknown_weight 2 '--weight' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --weight gaus -o x

@@ -45,6 +45,11 @@ warns export_says_it "isoshade export: warning: 0 % of the voxels can be seen" "
 silent grids_alone_have_no_scene "$ISOSHADE" export unit.nrrd --to vdb -q -o a.vdb
 warns build_for_says_it "isoshade build: warning: 0 % of the voxels can be seen" "$ISOSHADE" build unit.nrrd --for bone.scene.json --levels 2 -q -o for.iso
 
+# Values far outside: of a plan, of a chart and of a bound, as of a picture.
+warns plan_says_it "isoshade plan: warning: 0 % of the voxels can be seen" "$ISOSHADE" plan unit.nrrd --scene bone.scene.json --size 16 --brick 8 --levels 2 -q
+warns chart_says_it "isoshade chart: warning: 0 % of the voxels can be seen" "$ISOSHADE" chart unit.nrrd --scene bone.scene.json --size 16 --levels 1 --with gl --steps 1 --codes fit --budget 0 -q -o chart
+warns bound_says_it "isoshade tf: warning: 0 % of the voxels can be seen" "$ISOSHADE" tf bound unit.nrrd --scene bone.scene.json --size 16 --level 1 -q
+
 validate() { "$ISOSHADE" validate "$1" --scene "$2" --quick --levels 1 --size 24 --with gl -q -o report; }
 refuse validate_refuses_it 5 "0 % of the voxels can be seen" validate unit.nrrd bone.scene.json
 refuse validate_refuses_a_box 5 "the picture is of a box" validate v.nrrd box.scene.json

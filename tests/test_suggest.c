@@ -249,7 +249,7 @@ static void any_volume_gets_a_transfer_function(void **state)
         for (size_t row = 0; row < iso_tf_preset_names.count; ++row) {
             iso_tf tf;
             iso_tf_table table;
-            assert_ok(iso_tf_of_level(iso_names_name(&iso_tf_preset_names, row), NULL, &l, 1, &tf, &err));
+            assert_ok(iso_tf_of_level(iso_names_name(&iso_tf_preset_names, row), NULL, NULL, &l, 1, &tf, &err));
             assert_ok(iso_tf_tabulate(&tf, l.min, l.max, &l.geometry, &table, &err));
             for (size_t e = 0; e < 4 * table.count; ++e)
                 assert_true(isfinite(table.entries[e]));

@@ -17,7 +17,7 @@
 #include "bench/bench.h"
 #include "options/input.h"
 #include "renderers/renderers.h"
-#include "scene/subject.h"
+#include "options/look.h"
 #include "report/gnuplot.h"
 #include "compare/metrics.h"
 #include "compare/extrapolation.h"
@@ -28,7 +28,8 @@ enum { most_steps = 8 };
 
 typedef struct convergence_options {
     iso_volume_input input;
-    char *scene, *with, *size, *output, *format;
+    iso_cli_look look;
+    char *with, *output, *format;
     int level, steps;
     double finest;
 } convergence_options;
@@ -169,8 +170,6 @@ static iso_status check(const convergence_options *o, iso_error *err)
         status = iso_words_check_range("--finest", o->finest, 1e-3, 10, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--level", o->level, 0, 63, err);
-    if (status == ISO_OK && !o->scene)
-        status = iso_fail(err, ISO_E_USAGE, "--scene is missing: a .scene.json");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
     return status;
@@ -184,18 +183,21 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_render_options exact = iso_render_defaults(iso_renderers_truth());
     iso_pyramid p = {0};
     iso_view view = {0};
+    iso_subject_look look;
     iso_image reference = {0};
     descent d[ISO_MAX_RENDERERS];
     size_t count = 0;
     iso_status status = check(o, err);
     if (status == ISO_OK)
         status = parse_renderers(o->with, d, &count, err);
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&o->look, cli->threads, &look, err);
     build.threads = exact.threads = cli->threads;
     build.level_count = (size_t)o->level + 1;
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
     if (status == ISO_OK)
-        status = iso_subject_load_view(o->scene, &p, o->size, &view, err);
+        status = iso_subject_make_view(&look, &p, &view, err);
     if (status == ISO_OK)
         status = iso_render_with(&(iso_render_request){&renderers, &p, (size_t)o->level, &view, &exact, &progress},
                                  &reference, NULL, err);
@@ -244,7 +246,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_renderers_with(ISO_HAS_LIMIT, ", ", ", ", with, sizeof with);
     iso_volume_input_defaults(&o.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &o.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&o.look),
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
         {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0,
          "how many steps, each half of the one before", "N"},
@@ -252,7 +254,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "the last step, in voxels of the level", "VOXELS"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
-        {"size", 0, POPT_ARG_STRING, &o.size, 0, "image size instead of the scene's", "WxH"},
         {"output", 'o', POPT_ARG_STRING, &o.output, 0, "a folder for the chart and its data", "DIR"},
         {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
         ISO_CLI_INPUT_OPTIONS(&o.input),
@@ -272,7 +273,7 @@ const iso_command iso_bench_convergence = {
     .summary = "the error of each renderer by its ray step, its order and its limit",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
+    .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [options]",
     .details =
         "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
         "from the two finest steps; it agrees when it lies within two error bars of the reference.",

@@ -231,14 +231,15 @@ static iso_status bench(const iso_cli *cli, size_t count, const char *chart_dir,
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     int count = 100000, levels = 3;
-    char *chart_dir = NULL, *scene = NULL, *size = NULL;
+    char *chart_dir = NULL;
+    iso_cli_look asked = {0};
+    iso_subject_look look;
     iso_volume_input input;
     iso_volume_input_defaults(&input);
     struct poptOption options[] = {
         {"count", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &count, 0, "random probes for each mean", "N"},
         {"chart", 0, POPT_ARG_STRING, &chart_dir, 0, "draw Figure 10 into this folder, which exists", "DIR"},
-        {"scene", 0, POPT_ARG_STRING, &scene, 0, "of the volumes' images", "FILE.scene.json"},
-        {"size", 0, POPT_ARG_STRING, &size, 0, "of the images, in place of the scene's", "WxH"},
+        ISO_CLI_LOOK_OPTIONS(&asked),
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "of the volumes, with the finest", "N"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
@@ -250,10 +251,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--count", count, 100, 1e8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--levels", levels, 1, 8, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_look_check(&asked, cli.threads, &look, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         json_t *root = iso_cli_json(&cli);
         json_object_set_new(json_object_get(root, "options"), "count", json_integer(count));
-        const iso_image_bench images = {&input, scene, size, (size_t)levels};
+        const iso_image_bench images = {&input, &look, (size_t)levels};
         status = cli.argument_count > 0 ? iso_bench_encode_images(&cli, &images, root, err)
                                         : bench(&cli, (size_t)count, chart_dir, root, err);
         if (status == ISO_OK && cli.json)
@@ -262,8 +265,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             json_decref(root);
     }
     free(chart_dir);
-    free(scene);
-    free(size);
     iso_cli_end(&cli);
     return status;
 }
@@ -272,7 +273,7 @@ const iso_command iso_bench_encode = {
     .name = "bench encode",
     .summary = "direction codes: speed, holes, errors at voxels and between them",
     .max_arguments = 64,
-    .usage = "[options] [VOLUME... --scene FILE.scene.json]",
+    .usage = "[options] [VOLUME... [--scene SCENE.scene.json]]",
     .details =
         "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"
         "attained. Rates count the time of one thread, whatever else runs.\n"

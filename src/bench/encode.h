@@ -11,6 +11,7 @@
 #include "base/status.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 
 /* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
 iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
@@ -27,7 +28,7 @@ iso_status iso_bench_encode_coherence(bool text, size_t count, json_t *root, iso
 /* "images", "image_ratios": what codes cost in the images of the command's volumes. */
 typedef struct iso_image_bench {
     const iso_volume_input *input;
-    const char *scene, *size;
+    const iso_subject_look *look;
     size_t level_count; /* at most 8 */
 } iso_image_bench;
 iso_status iso_bench_encode_images(const iso_cli *cli, const iso_image_bench *b, json_t *root, iso_error *err);

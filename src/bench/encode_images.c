@@ -164,7 +164,7 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     if (status == ISO_OK && !p.levels[0].directions)
         status = iso_fail(err, ISO_E_USAGE, "%s holds no float directions; build it with --keep-float", path);
     if (status == ISO_OK)
-        status = iso_subject_load_view(b->scene, &p, b->size, &view, err);
+        status = iso_subject_make_view(b->look, &p, &view, err);
     for (size_t k = 0; k < p.level_count && k < b->level_count && status == ISO_OK; ++k) {
         status = measure_level(run, &p.levels[k], &view, errors, err);
         if (status == ISO_OK)
@@ -202,8 +202,6 @@ iso_status iso_bench_encode_images(const iso_cli *cli, const iso_image_bench *b,
     images_run run = {.cli = cli, .bench = b, .cases = json_array()};
     iso_status status = ISO_OK;
     json_object_set_new(root, "images", run.cases);
-    if (!b->scene)
-        return iso_fail(err, ISO_E_USAGE, "--scene is missing: what the images of the volumes show");
     if (!cli->json)
         printf("In the image, against the same directions as floats: RMSE x 1e-5 and DSSIM x 1e-5\n");
     for (size_t i = 0; i < cli->argument_count && status == ISO_OK; ++i)

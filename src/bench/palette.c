@@ -432,9 +432,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "annealing: CYCLE_NR", "N"},
         {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "annealing: STEP_NR", "N"},
         {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "the annealing's parameters instead", NULL},
-        {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "for the images; else a surface in the upper half of the values",
-         "SCENE.scene.json"},
-        {"size", 0, POPT_ARG_STRING, &b.size, 0, "of the images", "WxH"},
+        ISO_CLI_LOOK_OPTIONS(&b.look),
         {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: the table alone", NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
@@ -447,6 +445,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             status = iso_words_check_range("--cycles", b.cycles, 0, 1e6, err);
         if (status == ISO_OK)
             status = iso_words_check_range("--steps", b.steps, 0, 1e8, err);
+        if (status == ISO_OK)
+            status = iso_cli_look_check(&b.look, cli.threads, &b.shown, err);
         json_t *root = iso_cli_json(&cli);
         json_object_update_new(json_object_get(root, "options"),
                                json_pack("{s:i, s:i, s:i}", "seeds", b.seeds, "cycles", b.cycles, "steps", b.steps));
@@ -458,8 +458,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             json_decref(root);
     }
     iso_cli_end(&cli);
-    free(b.scene);
-    free(b.size);
     return status;
 }
 

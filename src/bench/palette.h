@@ -5,12 +5,14 @@
 
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "palette/palette.h"
 
 typedef struct palette_bench {
     const iso_cli *cli;
     iso_volume_input input;
-    char *scene, *size; /* or NULL: a scene that suits most volumes */
+    iso_cli_look look;      /* empty: a scene that suits most volumes */
+    iso_subject_look shown; /* what it asks for */
     int cycles, steps, seeds;
     int sensitivity, no_images;
 } palette_bench;

@@ -44,7 +44,8 @@ static iso_status default_view(stage *s, iso_error *err)
                                     {0.6, {1, 0.95, 0.9}, 0.7},
                                     {1, {1, 1, 1}, 0.9}};
     size_t width = 256, height = 256;
-    iso_status status = s->bench->size ? iso_subject_parse_image_size(s->bench->size, &width, &height, err) : ISO_OK;
+    iso_status status = s->bench->look.size ? iso_subject_parse_image_size(s->bench->look.size, &width, &height, err)
+                                            : ISO_OK;
     if (status != ISO_OK)
         return status;
     const iso_level *level = &s->pyramid.levels[0];
@@ -255,6 +256,14 @@ static iso_status all_rows(stage *s, iso_error *err)
     return status == ISO_OK ? palette_rows(s, ISO_PALETTE_KMEANS, 1022, true, false, err) : status;
 }
 
+/* More than its size is given. */
+static bool has_own_look(const palette_bench *b)
+{
+    iso_cli_look shown = b->look;
+    shown.size = NULL;
+    return !iso_cli_look_is_empty(&shown);
+}
+
 iso_status iso_palette_bench_images(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
 {
     stage s = {.bench = b, .name = iso_path_base(path), .rows = rows};
@@ -268,7 +277,7 @@ iso_status iso_palette_bench_images(const palette_bench *b, const char *path, js
         status = iso_pyramid_build(&v, path, &build, &s.pyramid, NULL, err);
     iso_volume_destroy(&v);
     if (status == ISO_OK)
-        status = b->scene ? iso_subject_load_view(b->scene, &s.pyramid, b->size, &s.view, err) : default_view(&s, err);
+        status = has_own_look(b) ? iso_subject_make_view(&b->shown, &s.pyramid, &s.view, err) : default_view(&s, err);
     if (status == ISO_OK)
         status = iso_gl_create(&s.gl, NULL, err);
     if (status == ISO_OK)

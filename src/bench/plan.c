@@ -11,13 +11,14 @@
 #include "bench/bench.h"
 #include "options/input.h"
 #include "plan/planner.h"
-#include "scene/subject.h"
+#include "options/look.h"
 #include "povray/povray.h"
 #include "vdb/vdb.h"
 
 typedef struct plan_bench {
     iso_volume_input input;
-    char *scene, *size, *cycles;
+    iso_cli_look look;
+    char *cycles, *error_text;
     double error, step;
     int brick, levels;
     const iso_cli *cli;
@@ -296,6 +297,7 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     iso_pyramid pyramid = {0};
     iso_node_levels nodes = {0};
     bench_state s = {.bench = b, .pyramid = &pyramid};
+    iso_subject_look look;
     size_t view_count = 0;
     build.level_count = 1;
     build.threads = b->cli->threads;
@@ -305,9 +307,11 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     if (status == ISO_OK)
         status = iso_words_check_range("--step", b->step, 1e-3, 16, err);
     if (status == ISO_OK)
+        status = iso_cli_look_check(&b->look, b->cli->threads, &look, err);
+    if (status == ISO_OK)
         status = iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
-        status = iso_planner_load_views(b->scene, 1, &pyramid, b->size, &s.views, &view_count, err);
+        status = iso_planner_load_views(&look, 1, &pyramid, &s.views, &view_count, err);
     if (status == ISO_OK && view_count != 1)
         status = iso_fail(err, ISO_E_USAGE, "bench plan: one scene is wanted");
     if (status == ISO_OK)
@@ -328,12 +332,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     plan_bench b = {.error = 1.0 / 255, .brick = 8, .levels = 4, .step = 0.25};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &b.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
-        {"error", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.error, 0, "RMSE of the image that is allowed",
-         "E"},
+        ISO_CLI_LOOK_OPTIONS(&b.look),
+        {"error", 0, POPT_ARG_STRING, &b.error_text, 0, "RMSE of the image that is allowed (1/255)", "1/255"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.brick, 0, "voxels a side", "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"size", 0, POPT_ARG_STRING, &b.size, 0, "image size that the plan is made for, instead of the scene's", "WxH"},
         {"cycles", 0, POPT_ARG_STRING, &b.cycles, 0, "also render both with Cycles, at this size", "WxH"},
         {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step, 0, "of Cycles, in voxels of level 0", "STEP"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -343,6 +345,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     b.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && b.error_text)
+        status = iso_words_parse_error("--error", b.error_text, &b.error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&b, err);
     iso_cli_end(&cli);
@@ -355,7 +359,7 @@ const iso_command iso_bench_plan = {
         "a plan against the full model: bytes, memory and load times in each program, and the pictures' difference",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json [options]",
+    .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [options]",
     .details =
         "The same volume as a full level and as a plan leaves it: OpenVDB as one merged grid and as a grid a level, DF3 files\n"
         "cropped; with --cycles also Blender's memory and the RMSE between its two pictures.",

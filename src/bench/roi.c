@@ -10,7 +10,7 @@
 
 #include "bench/bench.h"
 #include "options/input.h"
-#include "scene/subject.h"
+#include "options/look.h"
 #include "image/image.h"
 
 /* What a point emits and absorbs over one level-0 voxel, unshaded: premultiplied colour and opacity. */
@@ -191,7 +191,8 @@ static const struct variant {
 typedef struct bench_run {
     const iso_cli *cli;
     iso_volume_input input;
-    char *scene_path, *picture;
+    iso_cli_look look;
+    char *picture;
     int level;
     iso_gl *gl;
     iso_pyramid pyramid;
@@ -313,18 +314,19 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     iso_progress progress = iso_cli_progress(run->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_scene scene = {0};
+    iso_subject_look look;
     iso_status status = iso_words_check_range("--level", run->level, 1, 6, err);
     build.level_count = (size_t)run->level + 1;
     build.threads = run->cli->threads;
-    if (status == ISO_OK && !run->scene_path)
-        status = iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
     if (status == ISO_OK)
-        status = iso_scene_load(run->scene_path, &scene, err);
+        status = iso_cli_look_check(&run->look, run->cli->threads, &look, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err);
     if (status == ISO_OK && (size_t)run->level >= run->pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "--level is %d, the pyramid has levels 0 to %zu", run->level,
                           run->pyramid.level_count - 1);
+    if (status == ISO_OK)
+        status = iso_subject_make_scene(&look, &run->pyramid, &scene, err);
     if (status == ISO_OK)
         status = iso_roi_make_view(&scene, &run->pyramid, &run->view, err);
     if (status == ISO_OK)
@@ -350,8 +352,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     bench_run b = {.level = 2};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &b.scene_path, 0,
-         "lights, shading and transfer function; the camera looks along z", "SCENE.scene.json"},
+        ISO_CLI_SCENE_OPTION(&b.look),
+        ISO_CLI_TF_OPTIONS(&b.look),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "around the box", "K"},
         {"output", 'o', POPT_ARG_STRING, &b.picture, 0, "a picture of the blended case", "FILE.png"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -372,7 +374,7 @@ const iso_command iso_bench_roi = {
     .summary = "the seam round a region of interest: full resolution in the middle third of a coarse level",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME --scene SCENE.scene.json [options]",
+    .usage = "VOLUME [--scene SCENE.scene.json] [options]",
     .details =
         "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"
         "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"

@@ -54,7 +54,7 @@ iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, 
                              &(chart_build){grid->first_estimator, grid->first_filter, s->level_count,
                                             grid->first_code},
                              progress, &b->first, err);
-    return status == ISO_OK ? iso_subject_load_view(s->scene, &b->first, s->size, &b->view, err) : status;
+    return status == ISO_OK ? iso_subject_make_view(s->look, &b->first, &b->view, err) : status;
 }
 
 void iso_chart_bench_close(iso_chart_bench *b)

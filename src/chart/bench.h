@@ -6,6 +6,7 @@
 
 #include "brick/bricks.h"
 #include "chart/grid.h"
+#include "scene/subject.h"
 #include "volume/input.h"
 #include "plan/plan.h"
 #include "tf/tf_2d.h"
@@ -52,15 +53,15 @@ typedef struct iso_chart_bench {
     iso_chart_pace pace[ISO_MAX_RENDERERS];
 } iso_chart_bench;
 
-/* What a chart is of: a volume or pyramid, and a scene; size: of the image, "512x512", or NULL. */
+/* What a chart is of: a volume or pyramid, and what its pictures show. */
 typedef struct iso_chart_subject {
     const char *path;
     const iso_volume_input *input;
-    const char *scene, *size;
+    const iso_subject_look *look;
     size_t level_count;
 } iso_chart_subject;
 
-/* Loads the scene and the first pyramid, which is built by the options of `grid` if the path is a volume. Keeps the
+/* Makes the scene and the first pyramid, which is built by the options of `grid` if the path is a volume. Keeps the
  * pointers. */
 iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *subject, const iso_chart_grid *grid,
                                 int threads, const iso_progress *progress, iso_error *err);

@@ -68,8 +68,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     fputs("isoshade render ", f);
     iso_words_put_quoted(f, r->bench->path);
     put_input(f, r->bench->input);
-    put_option(f, "scene", r->scene);
-    put_option(f, "size", r->size);
+    fputs(r->look, f);
     if (c->renderer != iso_renderers_usual())
         put_option(f, "with", c->renderer->name);
     if (c->plan_error > 0) {

@@ -40,7 +40,9 @@ typedef struct iso_chart_result {
     size_t fastest, smallest;             /* with at most the wanted error; done_count: none */
     size_t best;                          /* of the least error */
     double budget_seconds, spent_seconds; /* budget 0: none */
-    const char *scene, *size, *output, *style;
+    const char *scene;                    /* the file, or what stands for one */
+    const char *look;                     /* the options of a command line for what a picture shows */
+    const char *output, *style;
     char versions[ISO_MAX_RENDERERS][320]; /* empty: not used */
     char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
     size_t refused_count;                  /* settings that could not be rendered */

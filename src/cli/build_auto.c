@@ -7,7 +7,7 @@
 #include "cli/build_for.h"
 #include "plan/auto_choice.h"
 #include "pyramid/agreement.h"
-#include "tf/tf.h"
+#include "tf/presets.h"
 
 /* Refused before anything is read. */
 static iso_status check(const iso_build_auto *b, iso_error *err)
@@ -24,7 +24,7 @@ static iso_status choose(const iso_build_auto *b, const iso_volume *v, const iso
     const iso_volume_stats stats = iso_volume_measure(v);
     iso_tf tf = {0};
     iso_tf_table table = {0};
-    iso_status status = iso_tf_load(b->tf, &tf, err);
+    iso_status status = iso_tf_of_volume(b->look->tf, &b->look->request, v, b->cli->threads, &tf, err);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&tf, stats.min, stats.max, &v->geometry, &table, err);
     if (status == ISO_OK)
@@ -90,7 +90,7 @@ iso_status iso_cli_build_auto(const iso_build_auto *b, const iso_pyramid_options
         status = iso_pyramid_build(&volume, b->volume, &own, &p, &progress, err);
     iso_volume_destroy(&volume);
     if (status == ISO_OK) {
-        p.chosen_by = iso_auto_to_json(&choice, b->budget_bytes, b->tf);
+        p.chosen_by = iso_auto_to_json(&choice, b->budget_bytes, b->look->tf ? b->look->tf : "auto");
         status = p.chosen_by ? iso_pyramid_save(&p, b->output, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
     if (status == ISO_OK)

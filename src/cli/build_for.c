@@ -50,7 +50,8 @@ static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_
         json_t *root = iso_cli_json(b->cli), *seconds = json_array();
         for (size_t k = 1; k < p->level_count; ++k)
             json_array_append_new(seconds, json_real(levels[k].seconds));
-        json_object_set_new(json_object_get(root, "options"), "for", json_string(b->scene));
+        json_object_set_new(json_object_get(root, "options"), "for",
+                            json_string(b->look->scene ? b->look->scene : ISO_BUILD_FOR_FIRST));
         json_object_set_new(root, "output", json_string(b->output));
         json_object_set(root, "made_for", p->made_for);
         json_object_set_new(root, "seconds_of_levels", seconds);
@@ -91,12 +92,12 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
     iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->memory_mb, err);
     if (status == ISO_OK)
-        status = iso_scene_load(b->scene, &scene, err);
-    if (status == ISO_OK)
         status = iso_volume_input_load(b->volume, b->input, &volume, err);
     if (status == ISO_OK)
         status = iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err);
     iso_volume_destroy(&volume);
+    if (status == ISO_OK)
+        status = iso_subject_make_scene(b->look, &p, &scene, err);
     if (status == ISO_OK)
         status = warn(b, &p, &scene, err);
     if (status == ISO_OK)

@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* build_for.h - `isoshade build VOLUME --for SCENE`: levels that show this scene best (plan/scene_levels.h). */
+/* build_for.h - `isoshade build VOLUME --for SCENE|first`: levels that show this scene, or a first picture, best (plan/scene_levels.h). */
 #ifndef ISO_CLI_BUILD_FOR_H
 #define ISO_CLI_BUILD_FOR_H
 
 #include "options/cli.h"
 #include "pyramid/pyramid.h"
+#include "scene/subject.h"
 #include "volume/input.h"
+
+/* Instead of a scene file. */
+#define ISO_BUILD_FOR_FIRST "first"
 
 typedef struct iso_build_for {
     const iso_cli *cli;
     const iso_volume_input *input;
-    const char *volume, *scene, *output;
+    const iso_subject_look *look;
+    const char *volume, *output;
     double memory_mb;
 } iso_build_for;
 

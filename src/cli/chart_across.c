@@ -8,7 +8,7 @@
 #include "bench/levels_across.h"
 #include "chart/across.h"
 #include "base/words.h"
-#include "scene/scene.h"
+#include "tf/presets.h"
 
 enum { USUAL_SIZE = 192, MOST_SIZE = 4096 };
 static const char all_designs[] = "default,original,always,tf-2d,gauss,damped,damped-adapted,least-squares,lsq-adapted,"
@@ -27,11 +27,42 @@ static const char *metric_title(iso_chart_metric metric)
 static iso_status find_size(const iso_chart_across *a, int *size, iso_error *err)
 {
     char *end;
-    const long n = a->size ? strtol(a->size, &end, 10) : USUAL_SIZE;
-    if (a->size && (*end || end == a->size))
-        return iso_fail(err, ISO_E_USAGE, "--size is \"%s\", --across-levels takes pixels along an edge", a->size);
+    const long n = a->look->size ? strtol(a->look->size, &end, 10) : USUAL_SIZE;
+    if (a->look->size && (*end || end == a->look->size))
+        return iso_fail(err, ISO_E_USAGE, "--size is \"%s\", --across-levels takes pixels along an edge",
+                        a->look->size);
     *size = (int)(n < 0 || n > MOST_SIZE ? MOST_SIZE + 1 : n);
     return iso_words_check_range("--size", *size, 16, MOST_SIZE, err);
+}
+
+static const char *name_of_tf(const iso_cli_look *look)
+{
+    return look->tf ? iso_path_base(look->tf) : look->scene ? iso_path_base(look->scene) : "auto";
+}
+
+/* Checked before the volume is read, which is needed where its values make the transfer function. */
+static iso_status find_tf(const iso_chart_across *a, iso_tf *tf, iso_error *err)
+{
+    iso_subject_look look;
+    iso_scene scene = {0};
+    iso_volume v = {0};
+    if (a->look->view || a->look->zoom != 0)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--view and --zoom: --across-levels looks from all sides, at all of the volume");
+    iso_status status = iso_cli_look_check(a->look, a->cli->threads, &look, err);
+    if (status == ISO_OK && look.scene && !look.tf) {
+        status = iso_scene_load(look.scene, &scene, err);
+        if (status == ISO_OK)
+            status = iso_tf_copy(&scene.tf, tf, err);
+        iso_scene_destroy(&scene);
+        return status;
+    }
+    if (status == ISO_OK)
+        status = iso_volume_input_load(a->cli->arguments[0], a->input, &v, err);
+    if (status == ISO_OK)
+        status = iso_tf_of_volume(look.tf, &look.request, &v, a->cli->threads, tf, err);
+    iso_volume_destroy(&v);
+    return status;
 }
 
 static iso_status show(const iso_chart_across *a, const iso_across_chart *chart, const iso_levels_across_row *measured,
@@ -74,7 +105,7 @@ static iso_status show(const iso_chart_across *a, const iso_across_chart *chart,
 
 iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
 {
-    iso_scene scene = {0};
+    iso_tf tf = {0};
     iso_levels_across_row *rows = NULL;
     size_t count = 0;
     int size = 0;
@@ -83,15 +114,13 @@ iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
     if (status == ISO_OK && a->level_count < 2)
         status = iso_fail(err, ISO_E_USAGE, "--levels is %d, --across-levels needs a coarse one: 2 and more",
                           a->level_count);
-    if (status == ISO_OK && !a->scene)
-        status = iso_fail(err, ISO_E_USAGE, "--scene is missing: whose transfer function the levels are shown by");
     if (status == ISO_OK)
-        status = iso_scene_load(a->scene, &scene, err);
+        status = find_tf(a, &tf, err);
     const iso_levels_across in = {.cli = a->cli,
                                   .input = a->input,
                                   .volume = a->cli->arguments[0],
                                   .methods = a->designs ? a->designs : all_designs,
-                                  .tf = &scene.tf,
+                                  .tf = &tf,
                                   .levels = a->level_count,
                                   .views = a->views,
                                   .size = size};
@@ -99,7 +128,7 @@ iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
         status = iso_levels_across_measure(&in, &rows, &count, err);
     const iso_across_chart chart = {.output = a->output,
                                     .volume = iso_path_base(a->cli->arguments[0]),
-                                    .tf = iso_path_base(a->scene ? a->scene : ""),
+                                    .tf = name_of_tf(a->look),
                                     .metric = metric_title(a->metric),
                                     .style = a->style,
                                     .views = a->views,
@@ -107,6 +136,6 @@ iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
     if (status == ISO_OK)
         status = show(a, &chart, rows, count, err);
     free(rows);
-    iso_scene_destroy(&scene);
+    iso_tf_destroy(&tf);
     return status;
 }

@@ -6,12 +6,13 @@
 #include "chart/result.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 
 typedef struct iso_chart_across {
     const iso_cli *cli;
     const iso_volume_input *input;
-    const char *scene, *output, *style, *designs; /* designs: names of `bench levels --help`; NULL: all */
-    const char *size;                             /* pixels along an edge, or NULL */
+    const iso_cli_look *look;             /* its transfer function, and pixels along an edge */
+    const char *output, *style, *designs; /* designs: names of `bench levels --help`; NULL: all */
     iso_chart_metric metric;
     int level_count, views;
 } iso_chart_across;

@@ -12,13 +12,16 @@
 #include "cli/build_for.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "pyramid/agreement.h"
 #include "pyramid/pyramid_stream.h"
+#include "tf/presets.h"
 #include "volume/format.h"
 #include "volume/frames_all.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames, *tf;
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames; /* scene: of --for */
+    iso_cli_look look; /* its transfer function alone */
     int is_auto, budget;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb;
@@ -142,15 +145,18 @@ static iso_status build_auto(const iso_cli *cli, const iso_volume_input *input, 
 {
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
-    if (!in->tf || in->scene || in->frames || in->scalar_filter || in->direction_filter)
+    if (in->scene || in->frames || in->scalar_filter || in->direction_filter)
         return iso_fail(err, ISO_E_USAGE,
-                        "--auto chooses filters for a transfer function: with --tf FILE, without --for, "
+                        "--auto chooses filters for a transfer function, --tf FILE|PRESET: without --for, --frames, "
                         "--scalar-filter and --direction-filter");
     if (in->resume || ranks)
         return iso_fail(err, ISO_E_USAGE, "--auto: levels are chosen and made in one go by one process");
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_build_auto job = {cli, input, path, in->tf, output, in->budget, in->memory_mb};
+    iso_subject_look look;
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&in->look, cli->threads, &look, err);
+    const iso_build_auto job = {cli, input, &look, path, output, in->budget, in->memory_mb};
     if (status == ISO_OK)
         status = iso_cli_build_auto(&job, &opt, err);
     free(output);
@@ -258,7 +264,12 @@ static iso_status build_for(const build_job *job, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, not by ranks");
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_build_for with = {cli, job->input, path, in->scene, output, in->memory_mb};
+    iso_cli_look asked = in->look;
+    iso_subject_look look;
+    asked.scene = strcmp(in->scene, ISO_BUILD_FOR_FIRST) == 0 ? NULL : in->scene;
+    const iso_build_for with = {cli, job->input, &look, path, output, in->memory_mb};
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&asked, cli->threads, &look, err);
     if (status == ISO_OK)
         status = choose_filter(job, &opt, err);
     if (status == ISO_OK)
@@ -309,12 +320,17 @@ static iso_status build_any(const build_job *job, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "build makes the levels of a volume; %s is a pyramid, whose levels are made",
                         path);
     if (in->is_auto) {
-        const iso_status status = check_auto(job, err);
+        iso_subject_look look;
+        iso_status status = iso_cli_look_check(&in->look, job->cli->threads, &look, err);
+        if (status == ISO_OK)
+            status = check_auto(job, err);
         return status == ISO_OK ? build_auto(job->cli, job->input, in, job->ranks, err) : status;
     }
-    if (in->tf)
-        return iso_fail(err, ISO_E_USAGE, "--tf is what --auto chooses for");
-    return in->scene ? build_for(job, err) : build(job, err);
+    if (in->scene)
+        return build_for(job, err);
+    if (!iso_cli_look_is_empty(&in->look))
+        return iso_fail(err, ISO_E_USAGE, "--tf is what --auto or --for %s makes levels for", ISO_BUILD_FOR_FIRST);
+    return build(job, err);
 }
 
 /* One rank speaks, for all: results, help and messages are the same in each. */
@@ -347,12 +363,13 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
          "direction filter of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
         {"for", 0, POPT_ARG_STRING, &in.scene, 0,
-         "choose each coarse level's scalar so that this scene shows it most like level 0", "SCENE"},
+         "choose each coarse level's scalar so that this scene, or the volume's first picture, shows it most like level 0",
+         "SCENE|first"},
         {"frames", 0, POPT_ARG_STRING, &in.frames, 0,
          "all: a pyramid of each time step, NAME_0000.iso and so on, with one range of values for fitted TFs", "all"},
         {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0,
          "choose filters, and how to show the levels, by what is predicted for --tf", NULL},
-        {"tf", 0, POPT_ARG_STRING, &in.tf, 0, "with --auto: the transfer function that is chosen for", "FILE"},
+        ISO_CLI_TF_OPTIONS(&in.look),
         {"budget", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.budget, 0,
          "with --auto: bytes a voxel of a coarse level beside its scalar, at most", "BYTES"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
@@ -385,7 +402,6 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     free(in.code);
     free(in.scene);
     free(in.frames);
-    free(in.tf);
     return status;
 }
 
@@ -425,9 +441,9 @@ const iso_command iso_command_build = {
         "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
         "or fitted to the scene's transfer function; twelve small pictures of each decide. It is made in memory, and serves\n"
         "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.\n"
-        "With --auto --tf FILE the scalar filter, the direction filter, and whether to show the levels with an adapted or a\n"
-        "2D transfer function or an extinction scale are chosen by a prediction from the fine voxels' opacities, within\n"
-        "--budget; what was predicted is printed and kept in pyramid.json (doc/method/auto.md).",
+        "With --auto the scalar filter, the direction filter, and whether to show the levels with an adapted or a\n"
+        "2D transfer function or an extinction scale are chosen by a prediction from the fine voxels' opacities under --tf,\n"
+        "within --budget; what was predicted is printed and kept in pyramid.json (doc/method/auto.md).",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
@@ -435,6 +451,6 @@ const iso_command iso_command_build = {
                 "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n"
                 "  isoshade build v.nrrd -o auto.iso --auto --tf refscenes/marschner-lobb.tf.json --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
-                                        &iso_code_names, NULL},
+                                        &iso_code_names, &iso_tf_preset_names, NULL},
     .run = run,
 };

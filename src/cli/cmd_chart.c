@@ -12,11 +12,16 @@
 #include "chart/result.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
+#include "options/visible.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
 
 typedef struct chart_arguments {
     iso_volume_input input;
-    char *scene, *output, *size, *want_text, *style, *metric_text, *bytes_text;
+    iso_cli_look look;
+    char *output, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
     char *designs;
     int level_count, processor_time, across_levels, views;
@@ -225,15 +230,16 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     run->cli = cli;
     run->start_seconds = iso_clock_seconds();
     iso_chart_result *result = &run->result;
-    char *line = iso_cli_command_line(cli);
+    iso_subject_look look;
+    char *line = iso_cli_command_line(cli), *shown = iso_cli_look_line(&a->look);
     *result = (iso_chart_result){.command_line = line ? line : "",
                                  .bench = &run->bench,
                                  .metric = a->metric,
                                  .bytes = a->bytes,
                                  .want = a->want,
                                  .budget_seconds = a->budget_seconds,
-                                 .scene = a->scene,
-                                 .size = a->size,
+                                 .scene = a->look.scene ? a->look.scene : "first picture",
+                                 .look = shown ? shown : "",
                                  .output = a->output,
                                  .style = a->style};
     const iso_cli_stage stages[] = {{"pyramid", 1},
@@ -244,13 +250,14 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
     if (status == ISO_OK)
-        status = iso_subject_check_scene(a->scene, a->size, err);
+        status = iso_cli_look_check(&a->look, cli->threads, &look, err);
     if (status == ISO_OK)
         status = iso_chart_bench_open(&run->bench,
-                                      &(iso_chart_subject){cli->arguments[0], &a->input, a->scene, a->size,
-                                                           (size_t)a->level_count},
+                                      &(iso_chart_subject){cli->arguments[0], &a->input, &look, (size_t)a->level_count},
                                       &run->grid, cli->threads, &progress, err);
     run->bench.processor_time = a->processor_time;
+    if (status == ISO_OK)
+        iso_cli_warn_of_view(cli, &run->bench.first, &run->bench.view, NULL, &(bool){false});
     if (status == ISO_OK)
         status = find_renderers(run, err);
     if (status == ISO_OK)
@@ -274,6 +281,7 @@ static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error 
     free(result->cases);
     iso_chart_bench_close(&run->bench);
     free(line);
+    free(shown);
     free(run);
     return status;
 }
@@ -316,7 +324,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "camera, lights, shading and transfer function", "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"want", 0, POPT_ARG_STRING, &a.want_text, 0,
          "name the fastest and the smallest setting with this error or less, as command lines", "1/255"},
         {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)",
@@ -361,7 +369,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "LIST"},
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
          "--across-levels: of an icosahedron's faces, at most 20", "N"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -373,11 +380,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = check(&a, err);
     const iso_chart_across across = {.cli = &cli,
                                      .input = &a.input,
-                                     .scene = a.scene,
+                                     .look = &a.look,
                                      .output = a.output,
                                      .style = a.style,
                                      .designs = a.designs,
-                                     .size = a.size,
                                      .metric = a.metric_text ? a.metric : ISO_CHART_SSIM,
                                      .level_count = a.level_count,
                                      .views = a.views};
@@ -392,7 +398,7 @@ const iso_command iso_command_chart = {
     .summary = "speed against accuracy: which setting is good enough for a scene",
     .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso --scene SCENE.scene.json -o DIR [--want 1/255] [options]",
+    .usage = "VOLUME|PYRAMID.iso -o DIR [--scene SCENE.scene.json] [--want 1/255] [options]",
     .details =
         "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"
         "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. The error is\n"
@@ -417,6 +423,7 @@ const iso_command iso_command_chart = {
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n"
         "  isoshade chart ml.nrrd --across-levels --scene refscenes/marschner-lobb.scene.json --size 48 --views 1 --designs default,damped,scaled -o chart3\n",
-    .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names, NULL},
+    .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names,
+                                        &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

@@ -154,10 +154,10 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     iso_pyramid pyramid = {0};
     iso_view view = {0};
     iso_planned planned = {0};
-    const iso_subject_look look = iso_cli_look_request(&a->look, a->cli->threads);
+    iso_subject_look look;
     iso_status status = check(a, &target, err);
     if (status == ISO_OK)
-        status = iso_subject_check_look(&look, err);
+        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
     if (status != ISO_OK)
         return status;
     if (a->isosurface)
@@ -276,10 +276,10 @@ static iso_status export_series(const export_arguments *a, iso_error *err)
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_subject_frames frames = {0};
     iso_view view = {0};
-    const iso_subject_look look = iso_cli_look_request(&a->look, a->cli->threads);
+    iso_subject_look look;
     iso_status status = check(a, &target, err);
     if (status == ISO_OK)
-        status = iso_subject_check_look(&look, err);
+        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
     if (status == ISO_OK && a->isosurface)
         status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
     if (status != ISO_OK)

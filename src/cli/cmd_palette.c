@@ -13,6 +13,7 @@
 #include "palette/palette_picture.h"
 #include "palette/palette.h"
 #include "pyramid/pyramid.h"
+#include "tf/presets.h"
 
 /* A fitted palette with what it was fitted to. */
 typedef struct fitted {
@@ -340,8 +341,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "of the random numbers", "N"},
         {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by the magnitude of their gradient",
          NULL},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by their opacity under this transfer function",
-         "NAME.tf.json"},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0,
+         "weight voxels by their opacity under this transfer function: a file, or a preset of isoshade list",
+         "FILE|PRESET"},
         ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
         {"level", 0, POPT_ARG_INT, &a.level, 0, "of a pyramid: this level alone; else one palette for all", "K"},
         {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "of a pyramid: a palette a level, files NAME_level_K", NULL},
@@ -360,6 +362,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_transfer_request(&a.transfer, &a.request, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && a.tf)
+        status = iso_tf_check_name(a.tf, &a.request, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = make_all(&a, err);
     iso_cli_end(&cli);
@@ -381,6 +387,6 @@ const iso_command iso_command_palette = {
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"
                 "  isoshade palette --ellipsoid 5000 --method anneal --entries 510 --steps 500 -o figure9.svg\n",
-    .lists = (const iso_names *const[]){&iso_palette_method_names, NULL},
+    .lists = (const iso_names *const[]){&iso_palette_method_names, &iso_tf_preset_names, NULL},
     .run = run,
 };

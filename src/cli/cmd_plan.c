@@ -10,12 +10,17 @@
 #include "brick/store.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
+#include "options/visible.h"
 #include "plan/planner.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
 
 typedef struct plan_arguments {
     iso_volume_input input;
-    char *scene, *output, *image, *full_image, *size, *faces, *update;
+    iso_cli_look look;
+    char *output, *image, *full_image, *faces, *update;
     char *error_text;
     double error, memory;
     int brick, levels, views;
@@ -197,6 +202,14 @@ static iso_status check(const plan_arguments *a, iso_error *err)
     return status;
 }
 
+/* Of the first view that shows next to nothing: the others are of the same volume. */
+static void warn_of_views(const iso_cli *cli, const iso_pyramid *p, const iso_view *views, size_t count)
+{
+    bool warned = false;
+    for (size_t i = 0; i < count && !warned; ++i)
+        iso_cli_warn_of_view(cli, p, &views[i], NULL, &warned);
+}
+
 static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"plan", 3}, {"verify", 3}};
@@ -206,18 +219,23 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     iso_pyramid pyramid = {0};
     iso_node_levels nodes = {0};
     iso_view *views = NULL;
+    iso_subject_look look;
     size_t view_count = 0;
     build.level_count = 1;
     build.threads = cli->threads;
     iso_status status = check(a, err);
     if (status == ISO_OK)
-        status = iso_planner_check_views(a->scene, a->size, err);
+        status = iso_cli_look_take(&a->look, cli->threads, &look, err);
+    if (status == ISO_OK)
+        status = iso_planner_check_views(&look, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
     if (status == ISO_OK)
         status = iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err);
     if (status == ISO_OK)
-        status = iso_planner_load_views(a->scene, (size_t)a->views, &pyramid, a->size, &views, &view_count, err);
+        status = iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err);
+    if (status == ISO_OK)
+        warn_of_views(cli, &pyramid, views, view_count);
     if (status == ISO_OK)
         status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,
                                         cli->threads, err);
@@ -236,9 +254,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     plan_arguments a = {.error = 1.0 / 255, .brick = 16, .levels = 4, .views = 1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0,
-         "camera, lights, shading and transfer function (a first picture); several, separated by commas: the plan holds for all",
-         "SCENE.scene.json"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
          "views of each scene, turned around its up axis: the plan holds for all", "N"},
         {"error", 0, POPT_ARG_STRING, &a.error_text, 0, "largest RMSE allowed in each image (1/255)", "1/255"},
@@ -248,7 +264,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "N"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "with level 0", "N"},
         {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "image size instead of the scene's", "WxH"},
         {"update", 0, POPT_ARG_STRING, &a.update, 0,
          "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan file to write", "PLAN.json"},
@@ -265,7 +280,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = plan(&a, &cli, err);
     iso_cli_end(&cli);
-    char *texts[] = {a.scene, a.faces, a.size, a.output, a.image, a.full_image, a.update, a.error_text};
+    char *texts[] = {a.faces, a.output, a.image, a.full_image, a.update, a.error_text};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
@@ -280,9 +295,12 @@ const iso_command iso_command_plan = {
     .details =
         "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
         "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
-        "against all bricks at level 0. `isoshade export --plan` writes the planned volume.",
+        "against all bricks at level 0. `isoshade export --plan` writes the planned volume. --scene may name several, separated\n"
+        "by commas: the plan holds for all.",
     .examples =
         "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
+        "  isoshade plan shells.nrrd --tf simulation --view front --size 64 --brick 16 --levels 3 -o first.plan.json\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
+    .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

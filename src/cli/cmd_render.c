@@ -185,9 +185,8 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
 
 /* What can be found wrong before a volume is read, and how its pyramid is to be made. */
 static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso_render_options *opt,
-                          iso_pyramid_options *build, iso_error *err)
+                          iso_pyramid_options *build, iso_subject_look *look, iso_error *err)
 {
-    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
     iso_status status = iso_render_take_options(a, cli->threads, opt, err);
     if (status != ISO_OK)
         return status;
@@ -198,7 +197,7 @@ static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso
     status = take_build(a, cli->arguments[0], build, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
-    return status == ISO_OK ? iso_subject_check_look(&look, err) : status;
+    return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
 }
 
 /* A frame of a series; series is NULL where the volume is all there is. */
@@ -231,9 +230,9 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     char version[320] = "";
     double seconds = 0;
     bool warned = false;
-    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
+    iso_subject_look look;
     const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
-    iso_status status = prepare(a, cli, &opt, &build, err);
+    iso_status status = prepare(a, cli, &opt, &build, &look, err);
     if (status == ISO_OK)
         iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
     if (status == ISO_OK)
@@ -297,7 +296,7 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
     iso_pyramid_options build;
     iso_subject_frames series = {0};
     const iso_progress progress = iso_cli_progress(cli);
-    const iso_subject_look look = iso_cli_look_request(&a->look, cli->threads);
+    iso_subject_look look;
     if (strcmp(a->frames, "all") != 0)
         return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K renders one", a->frames);
     if (a->adapted.wanted || a->adapted.extinction_scale || a->roi.box)
@@ -305,7 +304,7 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
                         a->roi.box          ? "--roi"
                         : a->adapted.wanted ? "--adapt"
                                             : "--extinction-scale");
-    iso_status status = prepare(a, cli, &opt, &build, err);
+    iso_status status = prepare(a, cli, &opt, &build, &look, err);
     if (status == ISO_OK)
         status = iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err);
     json_t *all = cli->json ? json_array() : NULL;

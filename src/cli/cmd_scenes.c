@@ -11,6 +11,7 @@
 #include "cli/contact_sheet.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "options/look.h"
 #include "renderers/renderers.h"
 #include "report/gnuplot.h"
 #include "scene/subject.h"
@@ -22,17 +23,17 @@ enum { MOST_CHOICES = 32 };
 
 typedef struct scenes_arguments {
     iso_volume_input input;
-    char *output, **tfs, **views;
+    char *output, *scene, **tfs, **views;
+    double zoom;
     int size;
     const iso_cli *cli;
 } scenes_arguments;
 
-/* What is drawn of one volume. */
+/* What is drawn of one volume. NULL among tfs and views: the scene's own. */
 typedef struct sheet {
     const scenes_arguments *arguments;
     const char *tfs[MOST_CHOICES], *views[MOST_CHOICES];
     size_t tf_count, view_count;
-    iso_viewpoint viewpoints[MOST_CHOICES];
     iso_pyramid pyramid;
     iso_survey *survey;
     iso_renderers renderers;
@@ -55,6 +56,23 @@ static iso_status take(const char *option, char *const *given, const char *kept[
     return ISO_OK;
 }
 
+/* As the command line of a picture has it. */
+static iso_cli_look look_of(const sheet *s, size_t tf, size_t view, char size[16])
+{
+    const scenes_arguments *a = s->arguments;
+    snprintf(size, 16, "%d", a->size);
+    return (iso_cli_look){
+        .scene = a->scene, .tf = (char *)s->tfs[tf], .view = (char *)s->views[view], .size = size, .zoom = a->zoom};
+}
+
+static iso_status check_choice(const sheet *s, size_t tf, size_t view, iso_error *err)
+{
+    char size[16];
+    iso_subject_look look;
+    const iso_cli_look asked = look_of(s, tf, view, size);
+    return iso_cli_look_check(&asked, s->arguments->cli->threads, &look, err);
+}
+
 static iso_status choose(sheet *s, iso_error *err)
 {
     static const char *const usual_views[] = {"front", "left", "top", "iso"};
@@ -62,53 +80,63 @@ static iso_status choose(sheet *s, iso_error *err)
     iso_status status = take("--view", a->views, s->views, &s->view_count, err);
     if (status == ISO_OK)
         status = take("--tf", a->tfs, s->tfs, &s->tf_count, err);
+    if (a->scene && !a->views)
+        s->views[s->view_count++] = NULL;
+    if (a->scene && !a->tfs)
+        s->tfs[s->tf_count++] = NULL;
     for (size_t i = 0; !a->views && i < sizeof usual_views / sizeof *usual_views; ++i)
         s->views[s->view_count++] = usual_views[i];
     for (size_t i = 0; !a->tfs && i < iso_tf_preset_names.count; ++i)
         s->tfs[s->tf_count++] = iso_names_name(&iso_tf_preset_names, i);
     for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i)
-        status = iso_viewpoint_parse(s->views[i], &s->viewpoints[i], err);
-    for (size_t i = 0; i < s->tf_count && status == ISO_OK; ++i)
-        status = iso_tf_check_name(s->tfs[i], NULL, err);
+        status = check_choice(s, 0, i, err);
+    for (size_t i = 1; i < s->tf_count && status == ISO_OK; ++i)
+        status = check_choice(s, i, 0, err);
     return status;
+}
+
+static const char *name_of_tf(const sheet *s, size_t tf)
+{
+    return s->tfs[tf] ? iso_path_base(s->tfs[tf]) : "scene";
+}
+
+static const char *name_of_view(const sheet *s, size_t view)
+{
+    return s->views[view] ? s->views[view] : "scene";
 }
 
 /* The command of a picture: the reader's to copy. To be freed. */
 static char *command_of(const sheet *s, size_t tf, size_t view)
 {
     const scenes_arguments *a = s->arguments;
-    char *text = NULL, *input = iso_volume_input_line(&a->input);
+    char number[16], *text = NULL, *input = iso_volume_input_line(&a->input);
+    const iso_cli_look asked = look_of(s, tf, view, number);
+    char *look = iso_cli_look_line(&asked);
     size_t size = 0;
-    FILE *f = open_memstream(&text, &size);
+    FILE *f = look ? open_memstream(&text, &size) : NULL;
     if (f) {
         char name[256];
         fputs("isoshade render ", f);
         iso_words_put_quoted(f, a->cli->arguments[0]);
-        fprintf(f, "%s --tf ", input ? input : "");
-        iso_words_put_quoted(f, s->tfs[tf]);
-        fprintf(f, " --view %s --size %d -o ", s->views[view], a->size);
-        snprintf(name, sizeof name, "%.120s-%.60s.png", iso_path_base(s->tfs[tf]), s->views[view]);
+        fprintf(f, "%s%s -o ", input ? input : "", look);
+        snprintf(name, sizeof name, "%.120s-%.60s.png", name_of_tf(s, tf), name_of_view(s, view));
         iso_words_put_quoted(f, name);
         fclose(f);
     }
     free(input);
+    free(look);
     return text;
 }
 
 static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out, iso_error *err)
 {
-    const iso_level *level0 = &s->pyramid.levels[0];
-    const size_t pixels = (size_t)s->arguments->size;
-    size_t row = 0;
-    iso_scene scene = iso_scene_first(&level0->geometry, &s->viewpoints[view], pixels, pixels);
+    char size[16];
+    iso_subject_look look;
+    const iso_cli_look asked = look_of(s, tf, view, size);
     *out = (iso_view){0};
-    iso_status status = iso_tf_preset_find(s->tfs[tf], &row)
-                            ? iso_tf_preset_apply(row, s->survey, &level0->geometry, &scene.tf, err)
-                            : iso_tf_load(s->tfs[tf], &scene.tf, err);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, out, err);
-    iso_scene_destroy(&scene);
-    return status;
+    const iso_status status = iso_cli_look_take(&asked, s->arguments->cli->threads, &look, err);
+    look.survey = s->survey;
+    return status == ISO_OK ? iso_subject_make_view(&look, &s->pyramid, out, err) : status;
 }
 
 static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, iso_error *err)
@@ -120,7 +148,7 @@ static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, 
     const iso_render_request request = {&s->renderers, &s->pyramid, 0, v, &opt, &silent};
     iso_status status = iso_render_with(&request, &image, NULL, err);
     char *command = command_of(s, tf, view), *label = NULL;
-    if (asprintf(&label, "%s, %s", iso_path_base(s->tfs[tf]), s->views[view]) < 0)
+    if (asprintf(&label, "%s, %s", name_of_tf(s, tf), name_of_view(s, view)) < 0)
         label = NULL;
     if (status == ISO_OK)
         status = command && label ? iso_contact_sheet_add(&s->pictures, &image, label, command, err)
@@ -143,7 +171,7 @@ static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
             const iso_visible visible = iso_visible_measure(&s->pyramid.levels[0], &view, NULL,
                                                             s->arguments->cli->threads);
             if (iso_visible_complaint(&visible, s->arguments->cli->arguments[0], why, sizeof why)) {
-                json_array_append_new(s->left_out, json_pack("{s:s, s:s}", "tf", s->tfs[tf], "why", why));
+                json_array_append_new(s->left_out, json_pack("{s:s, s:s}", "tf", name_of_tf(s, tf), "why", why));
                 iso_view_destroy(&view);
                 return ISO_OK;
             }
@@ -163,7 +191,7 @@ static iso_status draw_all(sheet *s, const iso_progress *progress, iso_error *er
         status = draw_tf(s, t, err);
     }
     if (status == ISO_OK && s->pictures.count == 0)
-        status = iso_fail(err, ISO_E_RANGE, "none of the transfer functions shows anything; %s: %s", s->tfs[0],
+        status = iso_fail(err, ISO_E_RANGE, "none of the transfer functions shows anything; %s: %s", name_of_tf(s, 0),
                           json_string_value(json_object_get(json_array_get(s->left_out, 0), "why")));
     return status;
 }
@@ -248,10 +276,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the sheet: .png, .svg or .pdf; its commands beside it in .json",
          "FILE"},
-        {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0, "a transfer function or a preset; repeated for several (all presets)",
+        ISO_CLI_SCENE_OPTION(&a),
+        {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0,
+         "transfer function: a file, or a preset of isoshade list; repeated for several (the scene's, and all presets)",
          "FILE|PRESET"},
-        {"view", 0, POPT_ARG_ARGV, &a.views, 0, "where to look from; repeated for several (front, left, top, iso)",
+        {"view", 0, POPT_ARG_ARGV, &a.views, 0,
+         "where to look from: a name of isoshade list, or degrees; repeated for several (the scene's; front, left, top, iso)",
          "NAME|AZ,EL"},
+        ISO_CLI_ZOOM_OPTION(&a),
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.size, 0, "pixels along a side of each picture", "N"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -279,7 +311,8 @@ const iso_command iso_command_scenes = {
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"
-        "  isoshade scenes shells.nrrd --tf auto --tf simulation --view front --view 30,20 --size 64 -o two.png\n",
+        "  isoshade scenes shells.nrrd --tf auto --tf simulation --view front --view 30,20 --size 64 -o two.png\n"
+        "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --view top --zoom 1.5 --size 64 -o lit.png\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

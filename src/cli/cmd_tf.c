@@ -18,6 +18,7 @@
 #include "options/cli.h"
 #include "plan/auto_choice.h"
 #include "scene/subject.h"
+#include "scene/viewpoint.h"
 #include "report/gnuplot.h"
 #include "tf/format.h"
 #include "tf/presets.h"
@@ -105,22 +106,22 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     iso_adapt_options opt;
     iso_pyramid p = {0};
     iso_joint joint = {0};
-    iso_tf tf = {0};
+    iso_subject_look look;
     iso_tf_table table = {0};
     double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1] = {{0}};
-    if (a->cli->argument_count != 2 || !a->tf || a->level < 1)
+    if (a->cli->argument_count != 2 || a->level < 1)
         return iso_fail(err, ISO_E_USAGE,
-                        "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --tf FILE.tf.json --level K [-o PICTURE]");
+                        "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --level K [--tf FILE|PRESET] [-o PICTURE]");
     const char *input = a->cli->arguments[1];
     build.threads = a->cli->threads;
     build.level_count = (size_t)a->level + 1;
     iso_status status = iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err);
     if (status == ISO_OK)
-        status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
+        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
     if (status == ISO_OK)
-        status = iso_cli_tf_load_subject(a, false, &build, &p, err);
+        status = iso_cli_tf_load_subject(a, &look, false, &build, &p, err);
     if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, iso_pyramid_lo(&p), iso_pyramid_hi(&p), &p.levels[0].geometry, &table, err);
+        status = iso_cli_tf_tabulate(&look, &p, &table, err);
     if (status == ISO_OK)
         status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
                                   &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads,
@@ -133,14 +134,13 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
         print_triangle(a, rms);
     iso_joint_destroy(&joint);
     iso_tf_table_destroy(&table);
-    iso_tf_destroy(&tf);
     iso_pyramid_destroy(&p);
     return status;
 }
 
 static iso_status bound(const iso_tf_arguments *a, iso_error *err)
 {
-    const iso_tf_bound_arguments b = {a->cli, &a->input, &a->adapted, a->scene, a->size, a->level, a->level_count};
+    const iso_tf_bound_arguments b = {a->cli, &a->input, &a->adapted, &a->look, a->level, a->level_count};
     return iso_cli_tf_bound(&b, err);
 }
 
@@ -151,8 +151,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "adapt: the transfer function of level 0; suggest: a preset (auto)",
-         "FILE.tf.json|PRESET"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
         {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
@@ -163,9 +162,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "--auto: bytes a voxel of a coarse level beside its scalar, 3 or 4", "BYTES"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0,
          "convert, show: the volume that a fitted range follows; show: its histogram", "FILE"},
-        {"scene", 0, POPT_ARG_STRING, &a.scene, 0, "bound: the scene", "FILE.scene.json"},
-        {"size", 0, POPT_ARG_STRING, &a.size, 0, "bound: of the image, instead of the scene's", "N|NxM"},
-        ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -204,7 +200,7 @@ const iso_command iso_command_tf = {
     .min_arguments = 1,
     .max_arguments = 16,
     .usage =
-        "adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT | bound VOLUME|PYRAMID.iso --scene FILE.scene.json | convert FILE OUT | names FILE | show FILE.tf.json... -o PICTURE | suggest VOLUME|PYRAMID.iso [--tf PRESET] -o FILE.tf.json | triangle VOLUME --tf FILE.tf.json --level K",
+        "adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT | bound VOLUME|PYRAMID.iso [--scene FILE.scene.json] | convert FILE|PRESET OUT | names FILE | show FILE|PRESET... -o PICTURE | suggest VOLUME|PYRAMID.iso [--tf PRESET] -o FILE.tf.json | triangle VOLUME|PYRAMID.iso [--tf FILE|PRESET] --level K",
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
@@ -219,6 +215,8 @@ const iso_command iso_command_tf = {
         "         histogram of its values, in logs.\n"
         "suggest  finds materials in the volume's joint histogram of value and gradient magnitude and writes a transfer function\n"
         "         of at most 8 points to begin with; with --tf a preset of the list below, on the volume's values.\n"
+        "A transfer function is a file, a preset, a scene's (--scene), or without all of them what suggest finds. convert and\n"
+        "show lay a preset on the values of --volume. view, zoom and size are of the pictures that bound is for.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
@@ -234,6 +232,6 @@ const iso_command iso_command_tf = {
         "  isoshade tf convert refscenes/shells.tf.json -o shells.paraview.json\n"
         "  isoshade tf names shells.paraview.json\n"
         "  isoshade tf convert shells.paraview.json --unit-distance 2 -o ramp.png\n",
-    .lists = (const iso_names *const[]){&iso_tf_format_names, &iso_tf_preset_names, NULL},
+    .lists = (const iso_names *const[]){&iso_tf_format_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

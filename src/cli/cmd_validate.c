@@ -295,12 +295,12 @@ static iso_status load_and_validate(const validate_arguments *given, const iso_c
     iso_scene scene = {0};
     validate_arguments a = *given;
     char *written = NULL;
-    const iso_subject_look look = iso_cli_look_request(&a.look, cli->threads);
+    iso_subject_look look;
     bool wanted[ISO_MAX_RENDERERS];
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
     iso_status status = iso_renderers_from_list(a.with, wanted, err);
     if (status == ISO_OK)
-        status = iso_subject_check_look(&look, err);
+        status = iso_cli_look_check(&a.look, cli->threads, &look, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
     if (status == ISO_OK)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "pyramid/palette_level.h"
-#include "tf/tf.h"
+#include "tf/presets.h"
 
 iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_direction_set *set, iso_error *err)
 {
@@ -20,16 +20,11 @@ iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_directi
 }
 
 /* The TF's opacity over one voxel as a table of weights, to be freed. */
-static iso_status opacity_weights(const iso_palette_arguments *a, const iso_geometry *g, double value_min,
-                                  double value_max, iso_palette_weighting *w, float **table, iso_error *err)
+static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *tf, const iso_geometry *g,
+                                  const double range[2], iso_palette_weighting *w, float **table, iso_error *err)
 {
-    iso_tf tf;
     iso_tf_table t = {0};
-    iso_status status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_tf_tabulate(&tf, value_min, value_max, g, &t, err);
-    iso_tf_destroy(&tf);
+    iso_status status = iso_tf_tabulate(tf, range[0], range[1], g, &t, err);
     if (status != ISO_OK)
         return status;
     *table = malloc(t.count * sizeof **table);
@@ -55,6 +50,7 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
     iso_direction_pool *pool = NULL;
     iso_volume_source *source = NULL;
     iso_volume v = {0};
+    iso_tf tf = {0};
     float *table = NULL;
     gradient.threads = a->cli->threads;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
@@ -69,7 +65,9 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
             stats = iso_volume_measure(&v);
         w.value_span = stats.max - stats.min;
         if (status == ISO_OK && a->tf)
-            status = opacity_weights(a, &v.geometry, stats.min, stats.max, &w, &table, err);
+            status = iso_tf_of_volume(a->tf, &a->request, &v, a->cli->threads, &tf, err);
+        if (status == ISO_OK && a->tf)
+            status = opacity_weights(a, &tf, &v.geometry, (double[]){stats.min, stats.max}, &w, &table, err);
         if (status == ISO_OK)
             status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
     }
@@ -78,6 +76,7 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
     iso_source_close(source);
     iso_volume_destroy(&v);
     iso_direction_pool_destroy(pool);
+    iso_tf_destroy(&tf);
     free(table);
     return status;
 }
@@ -88,10 +87,13 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
     const iso_level *finest = &p->levels[0];
     iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
     iso_direction_pool *pool = NULL;
+    iso_tf tf = {0};
     float *table = NULL;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && a->tf)
-        status = opacity_weights(a, &finest->geometry, finest->min, finest->max, &w, &table, err);
+        status = iso_tf_of_level(a->tf, &a->request, NULL, finest, a->cli->threads, &tf, err);
+    if (status == ISO_OK && a->tf)
+        status = opacity_weights(a, &tf, &finest->geometry, (double[]){finest->min, finest->max}, &w, &table, err);
     for (size_t k = first; k <= last && status == ISO_OK; ++k) {
         const iso_level *l = &p->levels[k];
         if (a->by_magnitude && !l->magnitude) {
@@ -110,6 +112,7 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
     if (status == ISO_OK)
         status = iso_direction_pool_finish(pool, set, err);
     iso_direction_pool_destroy(pool);
+    iso_tf_destroy(&tf);
     free(table);
     return status;
 }

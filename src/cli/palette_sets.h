@@ -13,6 +13,7 @@ typedef struct iso_palette_arguments {
     const iso_cli *cli;
     iso_volume_input input;
     iso_cli_transfer transfer; /* of the file that tf names */
+    iso_tf_request request;    /* what it says */
     char **outputs;            /* ends with NULL */
     char *method, *tf;
     int entries, seed, level, per_level, by_magnitude, ellipsoid, on_surface, swap_trials, cycles, steps;

@@ -132,20 +132,30 @@ static iso_status adapt_one(const adapt_run *run, size_t level, iso_error *err)
     return status;
 }
 
-iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, bool small_views, const iso_pyramid_options *build,
-                                   iso_pyramid *p, iso_error *err)
+iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
+                                   const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
 {
     const char *input = a->cli->arguments[1];
     iso_progress progress = iso_cli_progress(a->cli);
     if (iso_pyramid_is_one(input)) {
         const iso_status status = iso_pyramid_load_outline(input, p, err);
-        if (status != ISO_OK || !small_views ||
-            iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+        small_views = small_views && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
+        if (status != ISO_OK || !(small_views || iso_subject_look_needs_values(look)))
             return status;
         iso_pyramid_destroy(p);
         return iso_pyramid_load_scalars(input, p, err);
     }
     return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
+}
+
+iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
+{
+    iso_scene scene;
+    iso_status status = iso_subject_make_scene(look, p, &scene, err);
+    if (status == ISO_OK)
+        status = iso_tf_tabulate(&scene.tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err);
+    iso_scene_destroy(&scene);
+    return status;
 }
 
 void iso_cli_tf_expect_levels(const iso_cli *cli)
@@ -219,12 +229,13 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     const iso_cli *cli = a->cli;
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p = {0};
-    iso_tf tf = {0};
+    iso_subject_look look;
+    iso_adapt_options checked;
     iso_tf_table table = {0};
     json_t *levels = json_array();
-    if (cli->argument_count != 2 || !a->tf || !a->output) {
+    if (cli->argument_count != 2 || !a->output) {
         json_decref(levels);
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso --tf FILE.tf.json -o OUT");
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT");
     }
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
@@ -233,14 +244,16 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = check_auto(a, err);
     if (status == ISO_OK)
-        status = iso_cli_transfer_load(&a->transfer, a->tf, &tf, err);
+        status = iso_cli_look_check(&a->look, cli->threads, &look, err);
     if (status == ISO_OK)
-        status = iso_cli_tf_load_subject(a, !a->adapted.always, &build, &p, err);
+        status = iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err);
+    if (status == ISO_OK)
+        status = iso_cli_tf_load_subject(a, &look, !a->adapted.always, &build, &p, err);
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
                           a->level, p.level_count - 1);
     if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, iso_pyramid_lo(&p), iso_pyramid_hi(&p), &p.levels[0].geometry, &table, err);
+        status = iso_cli_tf_tabulate(&look, &p, &table, err);
     adapt_run run = {a, &p, &table, NULL, levels};
     if (status == ISO_OK)
         status = adapt_levels(&run, err);
@@ -251,7 +264,6 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     }
     json_decref(levels);
     iso_tf_table_destroy(&table);
-    iso_tf_destroy(&tf);
     iso_pyramid_destroy(&p);
     return status;
 }

@@ -6,14 +6,14 @@
 #include "options/adapted.h"
 #include "options/cli.h"
 #include "options/input.h"
-#include "options/transfer.h"
+#include "options/look.h"
 
 /* What the actions of `isoshade tf` are given. */
 typedef struct iso_tf_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
-    iso_cli_transfer transfer;
-    char *tf, *output, *volume, *scene, *size;
+    iso_cli_look look;
+    char *output, *volume;
     int level, level_count;
     int automatic, budget_bytes; /* --auto, --budget */
     const iso_cli *cli;
@@ -26,8 +26,10 @@ void iso_cli_tf_expect_levels(const iso_cli *cli);
 iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err);
 
 /* The pyramid that arguments[1] is, or is built into. Of a stored one, which keeps its histograms, the samples are read
- * for small views alone, and where a histogram is missing. */
-iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, bool small_views, const iso_pyramid_options *build,
-                                   iso_pyramid *p, iso_error *err);
+ * for small views and for a transfer function that is made from values, and where a histogram is missing. */
+iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
+                                   const iso_pyramid_options *build, iso_pyramid *p, iso_error *err);
+/* The transfer function of what is looked at. */
+iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err);
 
 #endif

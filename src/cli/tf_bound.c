@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "render/image_bound.h"
-#include "scene/subject.h"
+#include "options/visible.h"
 
 /* The bounds of one level, through the scene's transfer function and through the one that --adapt takes. */
 static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view, size_t level,
@@ -64,16 +64,20 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     iso_progress progress = iso_cli_progress(a->cli);
     iso_pyramid p = {0};
     iso_view view = {0};
+    iso_subject_look look;
+    iso_adapt_options checked;
     json_t *levels = json_array();
     iso_cli_tf_expect_levels(a->cli);
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
-    iso_status status = a->cli->argument_count == 2 && a->scene
+    iso_status status = a->cli->argument_count == 2
                             ? ISO_OK
                             : iso_fail(err, ISO_E_USAGE,
-                                       "wanted: isoshade tf bound VOLUME|PYRAMID.iso --scene FILE.scene.json");
+                                       "wanted: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
     if (status == ISO_OK)
-        status = iso_subject_check_scene(a->scene, a->size, err);
+        status = iso_cli_look_check(a->look, a->cli->threads, &look, err);
+    if (status == ISO_OK)
+        status = iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err);
     if (status == ISO_OK)
@@ -82,7 +86,9 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[1],
                           a->level, p.level_count - 1);
     if (status == ISO_OK)
-        status = iso_subject_load_view(a->scene, &p, a->size, &view, err);
+        status = iso_subject_make_view(&look, &p, &view, err);
+    if (status == ISO_OK)
+        iso_cli_warn_of_view(a->cli, &p, &view, NULL, &(bool){false});
     if (status == ISO_OK)
         status = bound_levels(a, &p, &view, levels, err);
     if (status == ISO_OK && a->cli->json) {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tf/format.h"
+#include "tf/presets.h"
 
 void iso_cli_tf_table_destroy(iso_cli_tf_table *t)
 {
@@ -25,21 +26,35 @@ static void resolve(iso_tf *tf, const iso_tf_table *table, double unit_mm)
     tf->unit_distance = unit_mm;
 }
 
+/* Before the volume is read. Presets lie on its values. */
+static iso_status check_name(const iso_tf_arguments *a, const char *name, const iso_tf_request *request, iso_error *err)
+{
+    size_t row;
+    if (iso_tf_preset_find(name, &row) && !a->volume)
+        return iso_fail(err, ISO_E_USAGE, "%s is a preset, which is laid on a volume's values: say --volume FILE",
+                        name);
+    return iso_tf_check_name(name, request, err);
+}
+
 iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, iso_cli_tf_table *t, iso_error *err)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
     double lo = 0, hi = 1;
     *t = (iso_cli_tf_table){0};
-    iso_status status = iso_cli_transfer_load(&a->transfer, path, &t->tf, err);
-    if (status == ISO_OK && a->volume) {
-        iso_volume v;
+    iso_tf_request request;
+    iso_volume v = {0};
+    iso_status status = iso_cli_transfer_request(&a->look.transfer, &request, err);
+    if (status == ISO_OK)
+        status = check_name(a, path, &request, err);
+    if (status == ISO_OK && a->volume)
         status = iso_volume_input_load(a->volume, &a->input, &v, err);
-        if (status == ISO_OK) {
-            iso_volume_stats stats = iso_volume_measure(&v);
-            lo = stats.min, hi = stats.max, g = v.geometry;
-            iso_volume_destroy(&v);
-        }
+    if (status == ISO_OK && a->volume) {
+        const iso_volume_stats stats = iso_volume_measure(&v);
+        lo = stats.min, hi = stats.max, g = v.geometry;
     }
+    if (status == ISO_OK)
+        status = iso_tf_of_volume(path, &request, &v, a->cli->threads, &t->tf, err);
+    iso_volume_destroy(&v);
     if (status == ISO_OK)
         status = iso_tf_tabulate(&t->tf, lo, hi, &g, &t->table, err);
     t->voxel_mm = iso_geometry_mean_spacing_mm(&g);
@@ -159,7 +174,7 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     iso_tf_loss loss = {0};
     const char *output = output_of(a);
     if (!output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE OUT, a name that ends with %s",
+        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE|PRESET OUT, a name that ends with %s",
                         iso_tf_format_written(written, sizeof written));
     const iso_tf_format *format = iso_tf_format_of(output);
     if (!format || !format->save)

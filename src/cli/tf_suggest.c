@@ -107,7 +107,7 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
     iso_survey *survey = NULL;
     iso_suggestion found = {0};
     iso_tf tf = {0};
-    const char *preset = a->tf ? a->tf : "auto";
+    const char *preset = a->look.tf ? a->look.tf : "auto";
     size_t row = 0;
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE,

@@ -1,35 +1,55 @@
 /* SPDX-License-Identifier: MIT */
-/* look.h - the options for what a picture shows, alike in every command that takes a scene.
+/* look.h - the options for what a picture shows, alike in every command that takes a scene or a transfer function.
  *
  *     iso_cli_look look = {0};
  *     struct poptOption options[] = {ISO_CLI_LOOK_OPTIONS(&look), ..., POPT_TABLEEND};
- *     ... iso_cli_parse(...), iso_subject_check_look(&request, err) before any work,
- *         where request = iso_cli_look_request(&look, threads) ... */
+ *     ... iso_cli_parse(...), iso_cli_look_check(&look, threads, &wanted, err) before any work,
+ *         iso_subject_make_view(&wanted, &pyramid, &view, err) ...
+ *
+ * Commands to which a camera means nothing take ISO_CLI_TF_OPTIONS alone. */
 #ifndef ISO_OPTIONS_LOOK_H
 #define ISO_OPTIONS_LOOK_H
 
 #include <popt.h>
 
+#include "options/transfer.h"
 #include "scene/subject.h"
 
 typedef struct iso_cli_look {
     char *scene, *tf, *view, *size; /* by popt; live until the process ends */
     double zoom;
+    iso_cli_transfer transfer;
 } iso_cli_look;
 
 /* clang-format off */
-#define ISO_CLI_LOOK_OPTIONS(a)                                                                                             \
-    {"scene", 0, POPT_ARG_STRING, &(a)->scene, 0, "camera, lights, shading and transfer function (a first picture of the volume)", "SCENE.scene.json"}, \
+#define ISO_CLI_SCENE_OPTION(a)                                                                                             \
+    {"scene", 0, POPT_ARG_STRING, &(a)->scene, 0, "camera, lights, shading and transfer function (a first picture of the volume)", "SCENE.scene.json"}
+
+#define ISO_CLI_TF_OPTIONS(a)                                                                                               \
     {"tf", 0, POPT_ARG_STRING, &(a)->tf, 0, "transfer function: a file, or a preset of isoshade list (the scene's; auto)", "FILE|PRESET"}, \
+    ISO_CLI_TRANSFER_OPTIONS(&(a)->transfer)
+
+#define ISO_CLI_ZOOM_OPTION(a)                                                                                              \
+    {"zoom", 0, POPT_ARG_DOUBLE, &(a)->zoom, 0, "enlarge the middle of the picture so many times (1)", "X"}
+
+#define ISO_CLI_LOOK_OPTIONS(a)                                                                                             \
+    ISO_CLI_SCENE_OPTION(a),                                                                                                \
+    ISO_CLI_TF_OPTIONS(a),                                                                                                  \
     {"view", 0, POPT_ARG_STRING, &(a)->view, 0, "where to look from: a name of isoshade list, or degrees (the scene's; front of a patient, else iso)", "NAME|AZ,EL"}, \
-    {"zoom", 0, POPT_ARG_DOUBLE, &(a)->zoom, 0, "enlarge the middle of the picture so many times (1)", "X"},                 \
+    ISO_CLI_ZOOM_OPTION(a),                                                                                                 \
     {"size", 0, POPT_ARG_STRING, &(a)->size, 0, "image size instead of the scene's, or of 512x512", "WxH"}
 /* clang-format on */
 
-static inline iso_subject_look iso_cli_look_request(const iso_cli_look *a, int threads)
-{
-    return (iso_subject_look){
-        .scene = a->scene, .tf = a->tf, .view = a->view, .size = a->size, .zoom = a->zoom, .threads = threads};
-}
+/* None of them is given. */
+bool iso_cli_look_is_empty(const iso_cli_look *a);
+
+/* What is asked for, checked as far as it can be before the volume is read. Borrows the texts. ISO_E_USAGE with option and
+ * value; what files say that are missing or damaged. */
+iso_status iso_cli_look_check(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err);
+/* The same without looking into files: for commands whose --scene is no single file. */
+iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err);
+
+/* " --scene X --view front": the options that are given, as a command line has them; to be freed, NULL: no memory. */
+char *iso_cli_look_line(const iso_cli_look *a);
 
 #endif

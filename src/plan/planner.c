@@ -27,39 +27,46 @@ static void turn_scene(iso_scene *s, double angle)
                                      turned(iso_sub(s->camera_position, s->camera_look_at), up, angle));
 }
 
-static iso_status load_scene_views(const char *path, size_t turns, const iso_pyramid *p, const char *size,
-                                   iso_view *views, size_t *count, iso_error *err)
+static iso_status load_scene_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view *views,
+                                   size_t *count, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0];
-    iso_status status = ISO_OK;
+    iso_scene made, scene;
+    iso_status status = iso_subject_make_scene(look, p, &made, err);
+    if (status != ISO_OK)
+        return status;
     for (size_t i = 0; i < turns && status == ISO_OK; ++i) {
-        iso_scene scene;
-        status = iso_subject_make_scene(&(iso_subject_look){.scene = path, .size = size}, p, &scene, err);
-        if (status != ISO_OK)
-            return status;
+        scene = made; /* with what it points to, which stays the first one's */
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
-        if (status == ISO_OK)
-            status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count],
-                                       err);
+        status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count],
+                                   err);
         *count += status == ISO_OK;
-        iso_scene_destroy(&scene);
     }
+    iso_scene_destroy(&made);
     return status;
 }
 
-iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size,
-                                  iso_view **views, size_t *count, iso_error *err)
+/* The names between commas; a look without a scene is one. */
+static size_t count_scenes(const iso_subject_look *look)
 {
-    size_t scene_count = 1;
-    *views = NULL;
+    size_t count = 1;
+    for (const char *c = look->scene; c && *c; ++c)
+        count += *c == ',';
+    return count;
+}
+
+iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view **views,
+                                  size_t *count, iso_error *err)
+{
+    iso_subject_look one = *look;
     *count = 0;
-    for (const char *c = scenes; c && *c; ++c)
-        scene_count += *c == ',';
-    char *names = strdup(scenes ? scenes : ""), *rest = names;
-    *views = calloc(scene_count * turns, sizeof **views);
+    char *names = strdup(look->scene ? look->scene : ""), *rest = names;
+    *views = calloc(count_scenes(look) * turns, sizeof **views);
     iso_status status = names && *views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: out of memory");
-    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ","))
-        status = load_scene_views(scenes ? name : NULL, turns, p, size, *views, count, err);
+    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ",")) {
+        one.scene = look->scene ? name : NULL;
+        status = load_scene_views(&one, turns, p, *views, count, err);
+    }
     free(names);
     if (status != ISO_OK) {
         iso_planner_destroy_views(*views, *count);
@@ -69,12 +76,15 @@ iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_py
     return status;
 }
 
-iso_status iso_planner_check_views(const char *scenes, const char *size, iso_error *err)
+iso_status iso_planner_check_views(const iso_subject_look *look, iso_error *err)
 {
-    char *names = strdup(scenes ? scenes : ""), *rest = names;
+    iso_subject_look one = *look;
+    char *names = strdup(look->scene ? look->scene : ""), *rest = names;
     iso_status status = names ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "plan: out of memory");
-    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ","))
-        status = iso_subject_check_look(&(iso_subject_look){.scene = scenes ? name : NULL, .size = size}, err);
+    for (char *name = strsep(&rest, ","); name && status == ISO_OK; name = strsep(&rest, ",")) {
+        one.scene = look->scene ? name : NULL;
+        status = iso_subject_check_look(&one, err);
+    }
     free(names);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "compare/metrics.h"
 #include "render/gl/bricks_gl.h"
 #include "plan/plan.h"
+#include "scene/subject.h"
 
 /* Scalar in 16 bits and a direction of three or four times 16: what bricks_gl.h's cache holds a node. */
 enum { ISO_BYTES_A_NODE = 10 };
@@ -55,12 +56,12 @@ static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
     return ISO_BYTES_A_NODE * (double)t->node_count;
 }
 
-/* Scenes by name, "A.scene.json,B.scene.json", each from `turns` sides: turned round its "up" by 360 / turns degrees.
- * *views is to be released with iso_planner_destroy_views(). */
-iso_status iso_planner_load_views(const char *scenes, size_t turns, const iso_pyramid *p, const char *size,
-                                  iso_view **views, size_t *count, iso_error *err);
+/* Looks whose scene may be several, "A.scene.json,B.scene.json", each from `turns` sides: turned round its "up" by
+ * 360 / turns degrees. *views is to be released with iso_planner_destroy_views(). */
+iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view **views,
+                                  size_t *count, iso_error *err);
 /* What can be found wrong before the volume is read. */
-iso_status iso_planner_check_views(const char *scenes, const char *size, iso_error *err);
+iso_status iso_planner_check_views(const iso_subject_look *look, iso_error *err);
 void iso_planner_destroy_views(iso_view *views, size_t count);
 
 #endif

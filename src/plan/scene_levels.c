@@ -198,7 +198,8 @@ static json_t *made_for(const iso_scene *scene, size_t first, size_t count, cons
         json_array_append_new(list, json_pack("{s:I, s:s, s:o}", "level", (json_int_t)k, "scalar",
                                               iso_level_scalar_name(levels[k].chosen), "candidates",
                                               candidates_to_json(levels[k].candidates)));
-    return json_pack("{s:s, s:o, s:o}", "scene", scene->path, "levels", list, "tf", iso_tf_to_json(&scene->tf));
+    return json_pack("{s:s, s:o, s:o}", "scene", scene->path ? scene->path : "first", "levels", list, "tf",
+                     iso_tf_to_json(&scene->tf));
 }
 
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,

@@ -58,7 +58,7 @@ iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
         status = iso_scene_load(look->scene, &scene, err);
     iso_scene_destroy(&scene);
     if (status == ISO_OK)
-        status = iso_tf_check_name(look->tf, look->request, err);
+        status = iso_tf_check_name(look->tf, &look->request, err);
     if (status == ISO_OK && look->view)
         status = iso_viewpoint_parse(look->view, &viewpoint, err);
     if (status == ISO_OK && !(look->zoom == 0 || (look->zoom >= 0.01 && look->zoom <= 1000)))
@@ -68,11 +68,10 @@ iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
     return status;
 }
 
-iso_status iso_subject_check_scene(const char *scene, const char *size, iso_error *err)
+bool iso_subject_look_needs_values(const iso_subject_look *look)
 {
-    if (!scene)
-        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    return iso_subject_check_look(&(iso_subject_look){.scene = scene, .size = size}, err);
+    size_t row;
+    return look->tf ? iso_tf_preset_find(look->tf, &row) : !look->scene;
 }
 
 static iso_status first_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
@@ -111,7 +110,7 @@ iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyrami
         scene->zoom = look->zoom;
     if (status == ISO_OK && (look->tf || !look->scene)) {
         iso_tf_destroy(&scene->tf);
-        status = iso_tf_of_level(look->tf, look->request, level0, look->threads, &scene->tf, err);
+        status = iso_tf_of_level(look->tf, &look->request, look->survey, level0, look->threads, &scene->tf, err);
     }
     if (status != ISO_OK)
         iso_scene_destroy(scene);
@@ -128,13 +127,4 @@ iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid
         status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
     iso_scene_destroy(&scene);
     return status;
-}
-
-iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
-                                 iso_error *err)
-{
-    *view = (iso_view){0};
-    if (!scene_path)
-        return iso_fail(err, ISO_E_USAGE, "--scene is missing; refscenes/ holds some that fit any volume");
-    return iso_subject_make_view(&(iso_subject_look){.scene = scene_path, .size = size}, p, view, err);
 }

@@ -7,6 +7,7 @@
 #include "volume/input.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
+#include "tf/survey.h"
 
 /* Of a first picture, along each side. */
 enum { ISO_SUBJECT_PIXELS = 512 };
@@ -18,24 +19,22 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
 /* ISO_E_USAGE for a label map: `what`, an option or a command, would interpolate it. */
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
 
-/* Loads a scene and resolves it for the pyramid; size "WxH" or "N" replaces the scene's when not NULL. */
-iso_status iso_subject_load_view(const char *scene_path, const iso_pyramid *p, const char *size, iso_view *view,
-                                 iso_error *err);
-
 /* How a picture is asked for, each part of it or none. Without a scene file it is a first picture (viewpoint.h) with a
  * transfer function that is suggested; tf, view, zoom and size stand instead of the scene's own. */
 typedef struct iso_subject_look {
     const char *scene, *tf, *view, *size;
-    double zoom;                   /* 0: not given */
-    const iso_tf_request *request; /* what the file that tf names leaves open; or NULL */
+    double zoom;            /* 0: not given */
+    iso_tf_request request; /* what the file that tf names leaves open */
     int threads;
+    const iso_survey *survey; /* of the volume, where there is one already; else NULL */
 } iso_subject_look;
+
+/* Its transfer function is made from the volume's values: a preset, or one that is suggested. */
+bool iso_subject_look_needs_values(const iso_subject_look *look);
 
 /* What can be found wrong before the volume is read: files that are missing or damaged, names, numbers. */
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
-/* The same of a scene file that has to be given. */
-iso_status iso_subject_check_scene(const char *scene, const char *size, iso_error *err);
-/* The scene for a pyramid whose level 0 has its scalar. */
+/* The scene for a pyramid whose level 0 has its scalar, where values are needed. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
 

@@ -171,18 +171,39 @@ iso_status iso_tf_preset_apply(size_t row, const iso_survey *survey, const iso_g
     return status;
 }
 
-iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, const iso_level *level0, int threads,
-                           iso_tf *tf, iso_error *err)
+iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, const iso_survey *survey,
+                           const iso_level *level0, int threads, iso_tf *tf, iso_error *err)
 {
     size_t row = 0;
     *tf = (iso_tf){0};
     if (name && !iso_tf_preset_find(name, &row))
-        return request ? iso_tf_load_as(name, request, tf, err) : iso_tf_load(name, tf, err);
-    iso_survey *survey;
-    iso_status status = iso_survey_make(level0, threads, &survey, err);
+        return iso_tf_load_as(name, request, tf, err);
+    if (survey)
+        return iso_tf_preset_apply(row, survey, &level0->geometry, tf, err);
+    iso_survey *own;
+    iso_status status = iso_survey_make(level0, threads, &own, err);
     if (status == ISO_OK)
-        status = iso_tf_preset_apply(row, survey, &level0->geometry, tf, err);
-    free(survey);
+        status = iso_tf_preset_apply(row, own, &level0->geometry, tf, err);
+    free(own);
+    return status;
+}
+
+iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, const iso_volume *v, int threads,
+                            iso_tf *tf, iso_error *err)
+{
+    size_t row;
+    *tf = (iso_tf){0};
+    if (name && !iso_tf_preset_find(name, &row))
+        return iso_tf_load_as(name, request, tf, err);
+    const iso_volume_stats stats = iso_volume_measure(v);
+    iso_level level = {.geometry = v->geometry, .stored_type = v->type, .min = stats.min, .max = stats.max};
+    level.scalar = malloc(iso_geometry_voxel_count(&v->geometry) * sizeof *level.scalar);
+    if (!level.scalar)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the values of %zu voxels",
+                        iso_geometry_voxel_count(&v->geometry));
+    iso_volume_floats(v, level.scalar);
+    const iso_status status = iso_tf_of_level(name, request, NULL, &level, threads, tf, err);
+    free(level.scalar);
     return status;
 }
 
@@ -194,7 +215,7 @@ iso_status iso_tf_check_name(const char *name, const iso_tf_request *request, is
         return ISO_OK;
     if (!iso_path_exists(name) && !strpbrk(name, "./"))
         return iso_names_find(&iso_tf_preset_names, name, &row, err);
-    const iso_status status = request ? iso_tf_load_as(name, request, &tf, err) : iso_tf_load(name, &tf, err);
+    const iso_status status = iso_tf_load_as(name, request, &tf, err);
     iso_tf_destroy(&tf);
     return status;
 }

@@ -23,9 +23,12 @@ bool iso_tf_preset_find(const char *name, size_t *row);
 iso_status iso_tf_preset_apply(size_t row, const iso_survey *survey, const iso_geometry *level0, iso_tf *tf,
                                iso_error *err);
 
-/* A file of any format that is read, or a preset; NULL: "auto". The survey of level 0 is made where it is needed. */
-iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, const iso_level *level0, int threads,
-                           iso_tf *tf, iso_error *err);
+/* A file of any format that is read, or a preset; NULL: "auto". survey: of level 0; NULL: made where it is needed. */
+iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, const iso_survey *survey,
+                           const iso_level *level0, int threads, iso_tf *tf, iso_error *err);
+/* The same for a volume that is no pyramid's. */
+iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, const iso_volume *v, int threads,
+                            iso_tf *tf, iso_error *err);
 /* What can be said before a volume is read: an unknown preset, a file that is missing or damaged. */
 iso_status iso_tf_check_name(const char *name, const iso_tf_request *request, iso_error *err);
 

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "options/look.h"
+
+#include <stdio.h>
+
+#include "base/words.h"
+#include "tf/presets.h"
+
+bool iso_cli_look_is_empty(const iso_cli_look *a)
+{
+    return !a->scene && !a->tf && !a->view && !a->size && a->zoom == 0;
+}
+
+/* They say what a file leaves open; of anything else they would be passed over. */
+static iso_status check_transfer(const iso_cli_look *a, iso_error *err)
+{
+    const iso_cli_transfer *t = &a->transfer;
+    const char *given = t->name            ? "--name"
+                        : t->unit_distance ? "--unit-distance"
+                        : t->opacity       ? "--opacity"
+                        : t->range         ? "--range"
+                                           : NULL;
+    size_t row;
+    if (given && (!a->tf || iso_tf_preset_find(a->tf, &row)))
+        return iso_fail(err, ISO_E_USAGE, "%s is for a file that --tf names%s%s", given,
+                        a->tf ? ", not for the preset " : "", a->tf ? a->tf : "");
+    return ISO_OK;
+}
+
+iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err)
+{
+    *look = (iso_subject_look){
+        .scene = a->scene, .tf = a->tf, .view = a->view, .size = a->size, .zoom = a->zoom, .threads = threads};
+    const iso_status status = check_transfer(a, err);
+    return status == ISO_OK ? iso_cli_transfer_request(&a->transfer, &look->request, err) : status;
+}
+
+iso_status iso_cli_look_check(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err)
+{
+    const iso_status status = iso_cli_look_take(a, threads, look, err);
+    return status == ISO_OK ? iso_subject_check_look(look, err) : status;
+}
+
+char *iso_cli_look_line(const iso_cli_look *a)
+{
+    const struct {
+        const char *option, *value;
+    } words[] = {{"--scene", a->scene},
+                 {"--tf", a->tf},
+                 {"--name", a->transfer.name},
+                 {"--unit-distance", a->transfer.unit_distance},
+                 {"--opacity", a->transfer.opacity},
+                 {"--range", a->transfer.range},
+                 {"--view", a->view},
+                 {"--size", a->size}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        if (words[i].value) {
+            fprintf(f, " %s ", words[i].option);
+            iso_words_put_quoted(f, words[i].value);
+        }
+    if (a->zoom > 0)
+        fprintf(f, " --zoom %.9g", a->zoom);
+    fclose(f);
+    return text;
+}
