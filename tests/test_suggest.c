@@ -301,6 +301,69 @@ static void views_have_their_sides(void **state)
     }
 }
 
+/* Air on two faces, a body cut off by the four others, and a bone in it. */
+static double cut_chest(const sample_at *p)
+{
+    const bool bone = p->r < 0.3;
+    return round(fabs(p->x) > 0.8 ? -1000 + 2 * p->noise : (bone ? 900 : 40) + 60 * p->noise);
+}
+
+static void air_is_the_background_of_a_body_that_is_cut_off(void **state)
+{
+    (void)state;
+    iso_level l = make_level(cut_chest);
+    iso_survey *survey;
+    iso_suggestion found;
+    assert_ok(iso_survey_make(&l, 1, &survey, &err));
+    assert_true(survey->is_hounsfield);
+    assert_true(survey->has_background);
+    assert_true(survey->background_hi < -700 && survey->background < -850);
+    assert_ok(iso_suggest(survey, &l.geometry, &found, &err));
+    assert_int_equal(found.kind, ISO_SUGGEST_OBJECT);
+    iso_suggestion_destroy(&found);
+    free(survey);
+    free(l.scalar);
+}
+
+static double small_ball(const sample_at *p)
+{
+    const double x = p->x - 0.5, y = p->y + 0.4, z = p->z - 0.3;
+    return x * x + y * y + z * z < 0.04 ? 100 : 0;
+}
+
+/* A small object in a large volume fills the picture; one that fills the volume leaves the camera with the box. */
+static void the_camera_frames_what_is_visible(void **state)
+{
+    (void)state;
+    formula *const objects[] = {small_ball, ball, constant};
+    for (size_t i = 0; i < sizeof objects / sizeof *objects; ++i) {
+        iso_level l = make_level(objects[i]);
+        iso_viewpoint v;
+        assert_ok(iso_viewpoint_parse("iso", &v, &err));
+        iso_scene whole = iso_scene_first(&l.geometry, &v, 64, 64), s = whole;
+        iso_tf_point points[] = {{.value = 90}, {.value = 95, .opacity = 0.9}, {.value = 200, .opacity = 0.9}};
+        const iso_tf tf = {
+            .points = points, .point_count = 3, .range = {90, 200}, .unit_distance = 1, .table_size = 256};
+        iso_tf_table table;
+        assert_ok(iso_tf_tabulate(&tf, 0, 1, &l.geometry, &table, &err));
+        assert_ok(iso_scene_frame_visible(&s, &l, &table, 1, &err));
+        assert_int_equal(s.camera_fit, i != 0);
+        if (i == 0) {
+            const iso_geometry *g = &l.geometry;
+            const iso_vec3 index = iso_v3(0.75 * g->box_index[0], 0.3 * g->box_index[1], 0.65 * g->box_index[2]),
+                           off = iso_sub(iso_geometry_to_world(g, index), s.camera_look_at);
+            assert_true(iso_norm(off) < 1.5 * iso_geometry_mean_spacing_mm(g)); /* voxels that the ball holds in part */
+            const double distance = iso_norm(iso_sub(s.camera_look_at, s.camera_position));
+            assert_true(distance < 0.5 * iso_geometry_box_radius_mm(g) / sin(12.5 * acos(-1) / 180));
+            iso_scene threads = whole;
+            assert_ok(iso_scene_frame_visible(&threads, &l, &table, 3, &err));
+            assert_memory_equal(&threads.camera_position, &s.camera_position, sizeof s.camera_position);
+        }
+        iso_tf_table_destroy(&table);
+        free(l.scalar);
+    }
+}
+
 static void bad_views_name_what_is_wanted(void **state)
 {
     (void)state;
@@ -320,6 +383,8 @@ int main(void)
         cmocka_unit_test(a_wall_and_nothing_are_told),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(any_volume_gets_a_transfer_function),
+        cmocka_unit_test(air_is_the_background_of_a_body_that_is_cut_off),
+        cmocka_unit_test(the_camera_frames_what_is_visible),
         cmocka_unit_test(views_have_their_sides),
         cmocka_unit_test(bad_views_name_what_is_wanted),
     };

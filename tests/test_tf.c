@@ -103,6 +103,30 @@ static void two_points_of_one_value_make_a_step(void **state)
     free(path);
 }
 
+/* Values 0 to 65535 in at most 4096 entries: 16 values from one to the next. */
+static void a_peak_between_two_entries_is_refused(void **state)
+{
+    (void)state;
+    iso_tf_point peak[] = {
+        {.value = 0}, {.value = 1001}, {.value = 1004, .opacity = 0.8}, {.value = 1007}, {.value = 65535}};
+    iso_tf tf = {.points = peak, .point_count = 5, .range = {0, 65535}, .unit_distance = 1, .table_size = 4096};
+    iso_tf_table table;
+    const iso_geometry g = box();
+    iso_error e = {""};
+    assert_int_equal(iso_tf_tabulate(&tf, 0, 1, &g, &table, &e), ISO_E_RANGE);
+    assert_non_null(strstr(e.text, "point at 1004 with opacity 0.8 is lost between two of its table's 4096 entries"));
+    tf.range[0] = 900, tf.range[1] = 1100;
+    assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
+    double at[4];
+    iso_tf_lookup(&table, 1004, at);
+    assert_within(-expm1(-at[3]), 0.8, 0.02); /* an entry is .05 wide, the flank rises by .27 a value */
+    iso_tf_table_destroy(&table);
+    peak[1].value = 900, peak[3].value = 1100; /* as wide as several entries: its top lies nearly at its height */
+    tf.range[0] = 0, tf.range[1] = 65535;
+    assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
+    iso_tf_table_destroy(&table);
+}
+
 static void a_saved_tf_loads_as_the_same_table(void **state)
 {
     (void)state;
@@ -336,6 +360,7 @@ int main(void)
         cmocka_unit_test(opacity_becomes_extinction_over_its_unit_distance),
         cmocka_unit_test(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing),
         cmocka_unit_test(two_points_of_one_value_make_a_step),
+        cmocka_unit_test(a_peak_between_two_entries_is_refused),
         cmocka_unit_test(a_saved_tf_loads_as_the_same_table),
         cmocka_unit_test(bad_transfer_functions_are_refused_by_key_and_value),
         cmocka_unit_test(a_fitted_camera_frames_the_whole_box),

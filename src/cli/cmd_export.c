@@ -377,8 +377,8 @@ const iso_command iso_command_export = {
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
         "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
-        "povray: run `povray NAME.ini` in the folder. Without --scene the camera frames the box and the transfer function is\n"
-        "suggested; vdb takes a scene only for --extinction-scale and --plan. With --plan only what the scene\n"
+        "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
+        "makes it; vdb takes a scene only for --extinction-scale and --plan. With --plan only what the scene\n"
         "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
         "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
     .examples =

@@ -2,6 +2,7 @@
 /* cmd_scenes.c - a contact sheet: a volume under several transfer functions, from several sides, each picture with the
  * command that makes it. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@
 #include "scene/visible.h"
 #include "tf/presets.h"
 
-enum { MOST_CHOICES = 32 };
+enum { MOST_CHOICES = 32, LEVELS = 4 };
 
 typedef struct scenes_arguments {
     iso_volume_input input;
@@ -106,7 +107,7 @@ static const char *name_of_view(const sheet *s, size_t view)
 }
 
 /* The command of a picture: the reader's to copy. To be freed. */
-static char *command_of(const sheet *s, size_t tf, size_t view)
+static char *command_of(const sheet *s, size_t tf, size_t view, size_t level)
 {
     const scenes_arguments *a = s->arguments;
     char number[16], *text = NULL, *input = iso_volume_input_line(&a->input);
@@ -118,7 +119,10 @@ static char *command_of(const sheet *s, size_t tf, size_t view)
         char name[256];
         fputs("isoshade render ", f);
         iso_words_put_quoted(f, a->cli->arguments[0]);
-        fprintf(f, "%s%s -o ", input ? input : "", look);
+        fprintf(f, "%s%s", input ? input : "", look);
+        if (level > 0)
+            fprintf(f, " --level %zu", level);
+        fputs(" -o ", f);
         snprintf(name, sizeof name, "%.120s-%.60s.png", name_of_tf(s, tf), name_of_view(s, view));
         iso_words_put_quoted(f, name);
         fclose(f);
@@ -139,15 +143,31 @@ static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out,
     return status == ISO_OK ? iso_subject_make_view(&look, &s->pyramid, out, err) : status;
 }
 
+/* The coarsest whose voxels are at most one and a half pixels wide in the middle of the box: finer ones cannot be seen. */
+static size_t level_for(const iso_pyramid *p, const iso_view *v)
+{
+    static const double most_pixels = 1.5;
+    const iso_camera *c = &v->camera;
+    const iso_vec3 away = iso_sub(iso_geometry_box_center_mm(&p->levels[0].geometry), c->position);
+    const double distance = c->orthographic ? 1 : fmax(iso_dot(away, c->forward), 0),
+                 pixel_mm = 2 * c->half_height * distance / (double)v->height;
+    size_t level = 0;
+    while (level + 1 < p->level_count &&
+           iso_geometry_min_spacing_mm(&p->levels[level + 1].geometry) <= most_pixels * pixel_mm)
+        ++level;
+    return level;
+}
+
 static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
     iso_progress silent = {0};
     iso_image image = {0};
     opt.threads = s->arguments->cli->threads;
-    const iso_render_request request = {&s->renderers, &s->pyramid, 0, v, &opt, &silent};
+    const size_t level = level_for(&s->pyramid, v);
+    const iso_render_request request = {&s->renderers, &s->pyramid, level, v, &opt, &silent};
     iso_status status = iso_render_with(&request, &image, NULL, err);
-    char *command = command_of(s, tf, view), *label = NULL;
+    char *command = command_of(s, tf, view, level), *label = NULL;
     if (asprintf(&label, "%s, %s", name_of_tf(s, tf), name_of_view(s, view)) < 0)
         label = NULL;
     if (status == ISO_OK)
@@ -229,7 +249,8 @@ static iso_status report(const sheet *s, iso_error *err)
     json_array_foreach(s->left_out, i, left_out)
         printf("left out: %s: %s\n", json_string_value(json_object_get(left_out, "tf")),
                json_string_value(json_object_get(left_out, "why")));
-    printf("%s: %zu pictures; without --size a command makes a larger one\n", a->output, s->pictures.count);
+    printf("%s: %zu pictures; without --size and --level a command makes a larger and finer one\n", a->output,
+           s->pictures.count);
     return ISO_OK;
 }
 
@@ -240,7 +261,7 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
     sheet s = {.arguments = a, .left_out = json_array()};
     iso_cli_expect(a->cli, (const iso_cli_stage[]){{"pyramid", 2}, {"pictures", 3}}, 2);
     build.threads = a->cli->threads;
-    build.level_count = 1;
+    build.level_count = LEVELS;
     iso_status status = a->output
                             ? iso_words_check_range("--size", a->size, 32, 1024, err)
                             : iso_fail(err, ISO_E_USAGE, "-o is missing: the picture to write, .png, .svg or .pdf");
@@ -306,8 +327,8 @@ const iso_command iso_command_scenes = {
     .usage = "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options]",
     .details =
         "Every picture has a number; the command of that number is printed, and stands with the picture's place in SHEET.json.\n"
-        "It makes the same picture; without its --size a larger one. Transfer functions that show next to nothing of the\n"
-        "volume, or an opaque box, are left out, which is said with the reason.",
+        "It makes the same picture; without its --size a larger one. Large volumes are drawn at a coarse level whose voxels are\n"
+        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque box, are left out, which is said with the reason.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"

@@ -23,7 +23,7 @@ typedef struct iso_cli_look {
 
 /* clang-format off */
 #define ISO_CLI_SCENE_OPTION(a)                                                                                             \
-    {"scene", 0, POPT_ARG_STRING, &(a)->scene, 0, "camera, lights, shading and transfer function (a first picture of the volume)", "SCENE.scene.json"}
+    {"scene", 0, POPT_ARG_STRING, &(a)->scene, 0, "camera, lights, shading and transfer function (a first picture of what is visible of the volume)", "SCENE.scene.json"}
 
 #define ISO_CLI_TF_OPTIONS(a)                                                                                               \
     {"tf", 0, POPT_ARG_STRING, &(a)->tf, 0, "transfer function: a file, or a preset of isoshade list (the scene's; auto)", "FILE|PRESET"}, \

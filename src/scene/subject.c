@@ -98,6 +98,18 @@ static iso_status change_scene(const iso_subject_look *look, const iso_geometry 
     return status;
 }
 
+static iso_status frame_visible(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    iso_tf_table table = {0};
+    iso_status status = iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, &table,
+                                        err);
+    if (status == ISO_OK)
+        status = iso_scene_frame_visible(scene, level0, &table, look->threads, err);
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0];
@@ -112,6 +124,8 @@ iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyrami
         iso_tf_destroy(&scene->tf);
         status = iso_tf_of_level(look->tf, &look->request, look->survey, level0, look->threads, &scene->tf, err);
     }
+    if (status == ISO_OK && !look->scene && level0->scalar)
+        status = frame_visible(look, p, scene, err);
     if (status != ISO_OK)
         iso_scene_destroy(scene);
     return status;

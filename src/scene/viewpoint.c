@@ -2,8 +2,11 @@
 #include "scene/viewpoint.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/parallel.h"
 
 static const struct {
     const char *name, *summary;
@@ -55,24 +58,149 @@ const char *iso_viewpoint_usual(const iso_geometry *g)
     return g->is_patient ? "front" : "iso";
 }
 
-/* The margin of a fitted camera with which the box's corners just fit, with a twentieth around them: the sphere round the
- * box, which fitted cameras frame, leaves a cube .58 of the picture. */
-static double margin_for_corners(const iso_scene *s, const iso_geometry *g)
+/* A box in index coordinates. */
+typedef struct part {
+    double lo[3], hi[3];
+} part;
+
+static iso_vec3 center_of(const part *p, const iso_geometry *g)
+{
+    return iso_geometry_to_world(g, iso_v3((p->lo[0] + p->hi[0]) / 2, (p->lo[1] + p->hi[1]) / 2,
+                                           (p->lo[2] + p->hi[2]) / 2));
+}
+
+static double half_angle(const iso_scene *s)
+{
+    return 0.5 * s->fov_y_deg * (acos(-1) / 180);
+}
+
+/* From the part's center, so that its corners just fit with a twentieth around them. */
+static double distance_for(const iso_scene *s, const iso_geometry *g, const part *p)
 {
     const iso_vec3 right = iso_normalize(iso_cross(s->camera_direction, s->camera_up)),
-                   up = iso_cross(right, s->camera_direction), center = iso_geometry_box_center_mm(g);
-    const double half_fov = 0.5 * s->fov_y_deg * (acos(-1) / 180), high = 0.95 * tan(half_fov),
-                 aspect = (double)s->width / (double)s->height;
+                   up = iso_cross(right, s->camera_direction), center = center_of(p, g);
+    const double high = 0.95 * tan(half_angle(s)), aspect = (double)s->width / (double)s->height;
     double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const iso_vec3 index = iso_v3((corner & 1) * g->box_index[0], (corner >> 1 & 1) * g->box_index[1],
-                                      (corner >> 2 & 1) * g->box_index[2]),
-                       at = iso_sub(iso_geometry_to_world(g, index), center);
+        double index[3];
+        for (int a = 0; a < 3; ++a)
+            index[a] = corner >> a & 1 ? p->hi[a] : p->lo[a];
+        const iso_vec3 at = iso_sub(iso_geometry_to_world(g, iso_v3(index[0], index[1], index[2])), center);
         const double across = fmax(fabs(iso_dot(at, right)) / aspect, fabs(iso_dot(at, up)));
         distance = fmax(distance, across / high - iso_dot(at, s->camera_direction));
     }
-    return distance * sin(half_fov) / iso_geometry_box_radius_mm(g) * fmin(1, aspect);
+    return distance;
 }
+
+static part whole_box(const iso_geometry *g)
+{
+    return (part){.hi = {g->box_index[0], g->box_index[1], g->box_index[2]}};
+}
+
+/* The margin of a fitted camera with which the box's corners just fit: the sphere round the box, which fitted cameras frame,
+ * leaves a cube .58 of the picture. */
+static double margin_for_corners(const iso_scene *s, const iso_geometry *g)
+{
+    const part box = whole_box(g);
+    return distance_for(s, g, &box) * sin(half_angle(s)) / iso_geometry_box_radius_mm(g) *
+           fmin(1, (double)s->width / (double)s->height);
+}
+
+/* ---- what is visible --------------------------------------------------------------------------------------------- */
+
+/* Of large volumes every second voxel along each axis is looked at, or every third ...: some millions say where what is
+ * visible ends, but for what planes between them show alone. */
+static size_t stride_of(const iso_geometry *g)
+{
+    const size_t most = 1 << 21;
+    size_t stride = 1;
+    while (iso_geometry_voxel_count(g) / (stride * stride * stride) > most)
+        ++stride;
+    return stride;
+}
+
+/* Opacities of voxels in 65535ths, summed along x for each (y, z) and along y for each (x, z): integers, the same whatever
+ * the number of threads. */
+static void sum_opacities(const iso_level *l, const iso_tf_table *tf, int threads, uint64_t *of_y, uint64_t *of_x)
+{
+    const size_t stride = stride_of(&l->geometry);
+    const size_t nx = l->geometry.size[0], ny = l->geometry.size[1], nz = l->geometry.size[2];
+    const double length = iso_geometry_mean_spacing_mm(&l->geometry);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+    for (size_t z = 0; z < nz; z += stride)
+        for (size_t y = 0; y < ny; y += stride)
+            for (size_t x = 0; x < nx; x += stride) {
+                double rgbs[4];
+                iso_tf_lookup(tf, (double)l->scalar[(z * ny + y) * nx + x], rgbs);
+                const uint64_t opacity = rgbs[3] > 0 ? (uint64_t)(65535 * -expm1(-rgbs[3] * length)) : 0;
+                of_y[z * ny + y] += opacity;
+                of_x[z * nx + x] += opacity;
+            }
+}
+
+/* The range of planes without those at the ends that hold a thousandth of the sum each. */
+static void trim(const uint64_t *planes, size_t count, double range[2])
+{
+    uint64_t all = 0, below = 0, above = 0;
+    size_t first = 0, end = count;
+    for (size_t i = 0; i < count; ++i)
+        all += planes[i];
+    while (first < end && (below += planes[first]) <= all / 1000)
+        ++first;
+    while (end > first && (above += planes[end - 1]) <= all / 1000)
+        --end;
+    range[0] = (double)first, range[1] = (double)end;
+}
+
+/* ISO_E_MEMORY. An empty part: nothing is visible. */
+static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int threads, part *p, iso_error *err)
+{
+    const size_t *n = l->geometry.size;
+    uint64_t *sums = calloc(n[2] * (n[0] + n[1]) + n[0] + n[1] + n[2], sizeof *sums);
+    if (!sums)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for what is visible in %zu planes", n[0] + n[1] + n[2]);
+    uint64_t *of_y = sums, *of_x = of_y + n[2] * n[1];
+    uint64_t *planes[3] = {of_x + n[2] * n[0], of_x + n[2] * n[0] + n[0], of_x + n[2] * n[0] + n[0] + n[1]};
+    sum_opacities(l, tf, threads, of_y, of_x);
+    for (size_t z = 0; z < n[2]; ++z) {
+        for (size_t x = 0; x < n[0]; ++x)
+            planes[0][x] += of_x[z * n[0] + x];
+        for (size_t y = 0; y < n[1]; ++y) {
+            planes[1][y] += of_y[z * n[1] + y];
+            planes[2][z] += of_y[z * n[1] + y];
+        }
+    }
+    for (int a = 0; a < 3; ++a) {
+        double range[2];
+        trim(planes[a], n[a], range);
+        /* What was trimmed is faint, but may reach farther. */
+        const double around = 0.05 * (range[1] - range[0]) + (double)stride_of(&l->geometry);
+        p->lo[a] = range[1] > range[0] ? fmax(range[0] - around, 0) : 0;
+        p->hi[a] = range[1] > range[0] ? fmin(range[1] + around, l->geometry.box_index[a]) : 0;
+    }
+    free(sums);
+    return ISO_OK;
+}
+
+iso_status iso_scene_frame_visible(iso_scene *s, const iso_level *level0, const iso_tf_table *tf, int threads,
+                                   iso_error *err)
+{
+    const iso_geometry *g = &level0->geometry;
+    const part box = whole_box(g);
+    part visible;
+    const iso_status status = find_visible(level0, tf, threads, &visible, err);
+    if (status != ISO_OK || !(visible.hi[0] > visible.lo[0]))
+        return status;
+    const double distance = distance_for(s, g, &visible);
+    if (distance >= ISO_FRAME_VISIBLE_BELOW * distance_for(s, g, &box))
+        return ISO_OK;
+    s->camera_fit = false;
+    s->camera_look_at = center_of(&visible, g);
+    s->camera_position = iso_madd(s->camera_look_at, s->camera_direction, -distance);
+    return ISO_OK;
+}
+
+/* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 void iso_scene_look_from(iso_scene *s, const iso_geometry *level0, const iso_viewpoint *v)
 {

@@ -8,6 +8,7 @@
 #define ISO_SCENE_VIEWPOINT_H
 
 #include "base/names.h"
+#include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
 typedef struct iso_viewpoint {
@@ -24,6 +25,12 @@ const char *iso_viewpoint_usual(const iso_geometry *g);
 /* Camera, light, shading and background of a first picture: the camera frames the corners of the box closely. The
  * transfer function is left empty, to be set. */
 iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewpoint, size_t width, size_t height);
+/* From nearer, where the visible part of the volume needs no more than this of the distance from which the box is framed. */
+#define ISO_FRAME_VISIBLE_BELOW 0.7
+/* The camera of a first picture frames what the table shows of level 0: the planes across each axis without a thousandth of
+ * all opacity at each end. ISO_E_MEMORY. */
+iso_status iso_scene_frame_visible(iso_scene *scene, const iso_level *level0, const iso_tf_table *tf, int threads,
+                                   iso_error *err);
 /* A camera that looks from there in a scene that has another, framing the box of `level0`. */
 void iso_scene_look_from(iso_scene *scene, const iso_geometry *level0, const iso_viewpoint *viewpoint);
 

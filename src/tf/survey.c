@@ -323,6 +323,13 @@ static void find_background(iso_survey *s)
         s->background = s->background_lo = s->background_hi = fmax(s->padding, s->lo);
         return;
     }
+    /* Of a body that reaches all faces the air is inside, or what little of it is left outside. */
+    if (!s->has_background && s->is_hounsfield) {
+        s->has_background = true;
+        s->background = s->background_lo = s->lo;
+        s->background_hi = -800;
+        return;
+    }
     s->background = iso_survey_value(s, peak);
     s->background_lo = iso_survey_value(s, first);
     s->background_hi = iso_survey_value(s, last);

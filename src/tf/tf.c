@@ -148,6 +148,26 @@ static void sample_points(const iso_tf *tf, double value, double rgba[4])
     rgba[3] = (1 - f) * lo->opacity + f * hi->opacity;
 }
 
+/* A point whose opacity is far above, or below, those of the entries on both sides of it: a peak narrower than an entry, of
+ * which the table would show nothing. Steps are not: their entries are on both sides of them. */
+static const iso_tf_point *find_lost(const iso_tf *tf, const iso_tf_table *t)
+{
+    static const double much = 0.25;
+    const double span = tf->fit_range ? 1 : t->hi - t->lo, begin = tf->fit_range ? 0 : t->lo,
+                 step = span / (double)(t->count - 1);
+    for (size_t i = 0; i < tf->point_count; ++i) {
+        const double entry = floor((tf->points[i].value - begin) / step), opacity = tf->points[i].opacity;
+        double a[4], b[4];
+        if (!(entry >= 0 && entry + 1 < (double)t->count))
+            continue;
+        sample_points(tf, begin + step * entry, a);
+        sample_points(tf, begin + step * (entry + 1), b);
+        if (opacity > fmax(a[3], b[3]) + much || opacity < fmin(a[3], b[3]) - much)
+            return &tf->points[i];
+    }
+    return NULL;
+}
+
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err)
 {
@@ -162,6 +182,13 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
         /* A constant volume: any range that holds its value at the start serves. */
         table->hi = value_max > value_min ? value_max : value_min + fmax(1, fabs(value_min));
     }
+    const iso_tf_point *lost = find_lost(tf, table);
+    if (lost)
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "the transfer function's point at %g with opacity %.3g is lost between two of its table's %zu entries "
+            "over %g to %g: a larger \"table_size\" (at most 4096) or a narrower \"range\" keeps it",
+            lost->value, lost->opacity, table->count, table->lo, table->hi);
     double unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(level0) : 1);
     table->entries = malloc(table->count * 4 * sizeof *table->entries);
     if (!table->entries)

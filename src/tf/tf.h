@@ -79,7 +79,7 @@ typedef struct iso_tf_table {
 } iso_tf_table;
 
 /* Resolves range and unit distance against a volume: value_min/max and the
- * geometry of level 0. ISO_E_RANGE for an empty range. */
+ * geometry of level 0. ISO_E_RANGE for an empty range, and for a peak so narrow that no entry shows it. */
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err);
 /* ISO_E_MEMORY. */
