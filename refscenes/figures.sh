@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
-#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine
+#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine,
+#                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
 set -eu
 cd "$(dirname "$0")/.."
@@ -74,11 +75,16 @@ chart() { # doc/results/chart.md
         --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
+first_pictures() { # doc/results/first-pictures.md, which says where the volumes are from
+    sh refscenes/first-pictures.sh "${VOLUMES:?the folder of the volumes of doc/results/first-pictures.md}" "$work/first-pictures" 224
+    montage -label %t "$work"/first-pictures/tuned-*.png "$work"/first-pictures/reported-*.png -resize 200x200 -tile 7x \
+        -geometry +2+2 -pointsize 9 -quality 86 "$out/first-pictures.jpg"
+}
 
 [ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | first-pictures) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"
