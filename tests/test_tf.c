@@ -103,7 +103,7 @@ static void two_points_of_one_value_make_a_step(void **state)
     free(path);
 }
 
-/* Values 0 to 65535 in at most 4096 entries: 16 values from one to the next. */
+/* Values 0 to 65535 in 4096 entries: 16 values from one to the next. */
 static void a_peak_between_two_entries_is_refused(void **state)
 {
     (void)state;

@@ -187,8 +187,8 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
         return iso_fail(
             err, ISO_E_RANGE,
             "the transfer function's point at %g with opacity %.3g is lost between two of its table's %zu entries "
-            "over %g to %g: a larger \"table_size\" (at most 4096) or a narrower \"range\" keeps it",
-            lost->value, lost->opacity, table->count, table->lo, table->hi);
+            "over %g to %g: a larger \"table_size\" (at most %d) or a narrower \"range\" keeps it",
+            lost->value, lost->opacity, table->count, table->lo, table->hi, ISO_TF_MOST_ENTRIES);
     double unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(level0) : 1);
     table->entries = malloc(table->count * 4 * sizeof *table->entries);
     if (!table->entries)
