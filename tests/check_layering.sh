@@ -37,37 +37,41 @@ rivals:     $shared render
 bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
 cli:        $shared render vdb povray blender renderers compare plan targets report validate chart options atlas rivals bench
 "
-allowed() { sed -n "s/^$1: *//p" <<<"$table"; } # room: what it may include
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
+declare -A may # of each room: what it may include, itself too, each between blanks
+while IFS=: read -r room names; do
+    [ -z "$room" ] || may[$room]=" $names $room "
+done <<<"$table"
 
-check() { # file, room: a line for each include that the room's row does not name
-    local include
-    for include in $(sed -n 's/^#include "\([a-z_]*\)\/[^"]*".*/\1/p' "$1"); do
-        case " $(allowed "$2") $2 " in
-            *" $include "*) ;;
-            *) echo "not ok layering: $1 includes a file of $include" ;;
-        esac
-    done
-}
+# files: "FILE ROOM" for each include of a file of a room
+includes() { awk -F'"' '/^#include "[a-z_]*\/[^"]*"/ { sub(/\/.*/, "", $2); print FILENAME, $2 }' "$@"; }
+
+refused() { [[ ${may[$1]-} != *" $2 "* ]]; } # room, what it includes
 
 bad=0
 fail() { echo "not ok layering: $*"; bad=1; }
 
-count=0
-for file in $(find src exporters -name '*.[ch]' -o -name '*.cc'); do
-    room=${file#*/}
-    case $room in */*) room=${room%%/*} ;; *) continue ;; esac # src/isoshade.h stands above all rooms
-    grep -qx "$room" <<<"$rooms" || fail "$file lies in $room, which has no row"
-    found=$(check "$file" "$room")
-    [ -z "$found" ] || { echo "$found"; bad=1; }
-    count=$((count + 1))
+room_of() { # path, into $room; no room stands for src/isoshade.h, which stands above all rooms
+    room=${1#*/}
+    case $room in */*) room=${room%%/*} ;; *) room= ;; esac
+}
+
+mapfile -t files < <(find src exporters -mindepth 2 -name '*.[ch]' -o -mindepth 2 -name '*.cc')
+count=${#files[@]}
+for file in "${files[@]}"; do
+    room_of "$file"
+    [ -n "${may[$room]-}" ] || fail "$file lies in $room, which has no row"
 done
+while read -r file include; do
+    room_of "$file"
+    ! refused "$room" "$include" || fail "$file includes a file of $include"
+done < <(includes "${files[@]}")
 
 # Rows name only what stands above them: no two rooms include each other, directly or by a third.
 above=" "
 for room in $rooms; do
-    for other in $(allowed "$room"); do
-        case $above in *" $other "*) ;; *) fail "$room may include $other, which does not stand above it" ;; esac
+    for other in ${may[$room]}; do
+        [ "$other" = "$room" ] || [[ $above == *" $other "* ]] || fail "$room may include $other, which does not stand above it"
     done
     above="$above$room "
 done
@@ -75,14 +79,19 @@ done
 # The check can fail: in each room an include of each room that its row does not name is found, and none that it names.
 planted=$(mktemp)
 trap 'rm -f "$planted"' EXIT
+for other in $rooms; do echo "#include \"$other/x.h\""; done >"$planted"
 for room in $rooms; do
+    names=" $(sed -n "s/^$room: *//p" <<<"$table") $room "
+    found=" "
+    while read -r file include; do
+        ! refused "$room" "$include" || found="$found$include "
+    done < <(includes "$planted")
     for other in $rooms; do
-        [ "$room" = "$other" ] && continue
-        echo "#include \"$other/x.h\"" >"$planted"
-        case " $(allowed "$room") " in
-            *" $other "*) [ -z "$(check "$planted" "$room")" ] || fail "an include of $other in $room was refused" ;;
-            *) [ -n "$(check "$planted" "$room")" ] || fail "an include of $other planted in $room was not found" ;;
-        esac
+        if [[ $names == *" $other "* ]]; then
+            [[ $found != *" $other "* ]] || fail "an include of $other in $room was refused"
+        else
+            [[ $found == *" $other "* ]] || fail "an include of $other planted in $room was not found"
+        fi
     done
 done
 
