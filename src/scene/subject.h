@@ -26,6 +26,7 @@ typedef struct iso_subject_look {
     double zoom;            /* 0: not given */
     iso_tf_request request; /* what the file that tf names leaves open */
     int threads;
+    bool frames_box; /* the camera of a first picture does, whatever of it is visible: of a series others may be */
     const iso_survey *survey; /* of the volume, where there is one already; else NULL */
 } iso_subject_look;
 

@@ -63,6 +63,8 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
                                      const iso_subject_look *look, const iso_progress *progress, iso_subject_frames *f,
                                      iso_error *err)
 {
+    iso_subject_look of_all = look ? *look : (iso_subject_look){0};
+    of_all.frames_box = true;
     iso_frames_facts facts;
     iso_pyramid p = {0};
     size_t labels = 0;
@@ -87,7 +89,7 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     if (status == ISO_OK)
         f->geometry = p.levels[0].geometry;
     if (status == ISO_OK && look) {
-        status = iso_subject_make_scene(look, &p, &f->scene, err);
+        status = iso_subject_make_scene(&of_all, &p, &f->scene, err);
         f->has_scene = status == ISO_OK;
     }
     iso_pyramid_destroy(&p);
