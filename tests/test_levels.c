@@ -283,7 +283,10 @@ static void what_is_measured_is_held_to_its_bound(void **state)
 {
     (void)state;
     subject s;
-    open_subject(&s, ISO_FIELD_TUBES, "bound");
+    const iso_geometry geometry = plain_geometry();
+    const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
+    /* fewer views than there are diagonals: another one is none of them */
+    open_field(&s, &field, make_scene(), "bound", (subject_size){pixels, levels, ISO_DIAGONAL_VIEWS / 2});
     judge(&s);
     for (size_t level = 1; level < levels; ++level) {
         const json_t *bound = json_object_get(row_of(&s, level), "bound");
