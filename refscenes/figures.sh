@@ -3,7 +3,7 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
 #   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine,
-#                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
+#                                        chart-across, of the volume $ENGINE, and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
 set -eu
 cd "$(dirname "$0")/.."
@@ -75,6 +75,12 @@ chart() { # doc/results/chart.md
         --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
+chart_across() { # doc/results/chart.md
+    unu crop -min 80 80 16 -max 175 175 111 -i "${ENGINE:?the volume of the engine, 256 x 256 x 128}" -o "$work/engine.nrrd"
+    "$isoshade" chart "$work/engine.nrrd" --across-levels --scene refscenes/shells.scene.json --size 128 --views 3 --levels 4 \
+        -q -o "$work/chart-engine"
+    cp "$work/chart-engine/across.svg" "$out/chart-across.svg"
+}
 first_pictures() { # doc/results/first-pictures.md, which says where the volumes are from
     sh refscenes/first-pictures.sh "${VOLUMES:?the folder of the volumes of doc/results/first-pictures.md}" "$work/first-pictures" 224
     montage -label %t "$work"/first-pictures/tuned-*.png "$work"/first-pictures/reported-*.png -resize 200x200 -tile 7x \
@@ -84,7 +90,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 [ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | first-pictures) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | first-pictures) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"
