@@ -35,7 +35,7 @@ for lossy in ['shell', 'region48', 'squeeze', 'fit, L a byte, filtered apart']: 
     assert rmse[lossy, 1] > 5 * rmse['fit', 1], lossy
 assert len(report['image_ratios']) == 2 * 9
 PY
-expect "volumes without a scene are bad usage" 2 "$ISOSHADE" bench encode "$dir/ml.nrrd"
+expect "a scene that is not there is an I/O error" 3 "$ISOSHADE" bench encode "$dir/ml.nrrd" --scene none.json
 expect "an unknown benchmark is bad usage" 2 "$ISOSHADE" bench nothing
 expect "a count out of range is bad usage" 2 "$ISOSHADE" bench encode --count 1
 expect "a folder that is not there is an I/O error" 3 "$ISOSHADE" bench encode --count 500 --chart "$dir/none"

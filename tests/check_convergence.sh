@@ -10,7 +10,7 @@ check both_agree_with_the_reference test "$(grep -c '"agrees": true' out)" = 2
 has_files the_chart_has conv convergence.csv convergence.gp convergence.svg style.gp
 expect an_unknown_renderer_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --with gl,radiance
 expect one_step_is_refused 2 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --steps 1
-expect a_missing_scene_is_refused 2 "$ISOSHADE" bench convergence v.nrrd
+expect a_scene_that_is_not_there_is_refused 3 "$ISOSHADE" bench convergence v.nrrd --scene none.json
 mkdir mine && touch mine/file
 expect a_foreign_folder_is_not_replaced 3 "$ISOSHADE" bench convergence v.nrrd --scene "$scene" --with gl --size 8 --steps 2 -o mine
 check and_keeps_its_files test -e mine/file

@@ -17,7 +17,7 @@ page = sys.argv[1]
 # Words that stand for something, and volumes that a reader has and this test does not; all are the same small volume.
 STANDS_FOR = [
     (r"(VOLUME|[a-z0-9_/]*(ch2|ch2bet)\.nii\.gz)\b", "v.nrrd"),
-    (r"\b(nucleon_41|fuel_crop|aneurism_256|bonsai_256|engine_256x256x128|cranium_ct_hu|mr_seg3d|heptane_302|inia19_t1_float|big)\.nrrd", "v.nrrd"),
+    (r"\b(nucleon_41|fuel_crop|aneurism_256|bonsai_256|engine_256x256x128|cranium_ct_hu|mr_seg3d|heptane_302|inia19_t1_float|engine|big)\.nrrd", "v.nrrd"),
     (r"v\.nrrd\.\.\.|v\.nrrd,\.\.\.", "v.nrrd"),
     (r"\b(SCENE|s)\.scene\.json|(?<=--scene )S\b", "refscenes/shells.scene.json"),
     (r"\b(FOLDER|DIR|FILE)\b", "folder"),
@@ -31,6 +31,7 @@ SMALL = [
     ("render", "--size 12"),
     ("export .*--to (blender|povray)", "--size 12"),
     ("plan", "--size 12"),
+    ("chart .*--across-levels", "--size 16 --views 1 --levels 2"),
     ("chart", "--size 12 --levels 1 --steps 1 --codes fit --filters moments --estimators central --with gl --budget 0 --want 1"),
     ("validate", "--size 8 --quick --with gl --levels 2"),
     ("palette", "--entries 16 --steps 10"),
