@@ -252,6 +252,16 @@ static iso_status add_grids(iso_vdb_file *file, const iso_vdb_source *common, co
     return ISO_OK;
 }
 
+/* Voxel 0 gets the index `first` along each axis, and stays where it is in the world. */
+static void begin_at(iso_vdb_source *source, const long first[3])
+{
+    for (int a = 0; a < 3; ++a) {
+        source->first[a] = first[a];
+        for (int r = 0; r < 3; ++r)
+            source->index_to_world[r][3] -= source->index_to_world[r][a] * (double)first[a];
+    }
+}
+
 static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, bool plain_names, const char *path,
                             const iso_vdb_options *opt, iso_error *err)
 {
@@ -268,6 +278,10 @@ static iso_status add_level(iso_vdb_file *file, const iso_pyramid *p, size_t k, 
     const bool reversed = iso_vdb_reverses_x(&level->geometry);
     if (reversed)
         reverse_x(&source);
+    /* Cycles marks one voxel more on each side as its own, and up to Blender 5.1 it bounds a grid wrongly that then has
+     * negative indices: parts of levels of a few voxels were not drawn (projects.blender.org, issue 141488). */
+    const long first = opt->pad_voxels > 0 ? (long)opt->pad_voxels + 1 : 0;
+    begin_at(&source, (const long[3]){first, first, first});
     char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
     if (level->labels)
         source.labels = segments ? segments : "[]";
@@ -318,11 +332,8 @@ static iso_status add_lattice(iso_vdb_file *file, const iso_lattice *l, const ch
         reverse_x(&source);
     /* Index 0 is the volume's first node, wherever the lattice begins; reversed, it is -1, and bricks still begin where
      * leaves do. */
-    for (int a = 0; a < 3; ++a) {
-        source.first[a] = reversed && a == 0 ? -l->first[a] - (long)l->size[a] : l->first[a];
-        for (int r = 0; r < 3; ++r)
-            source.index_to_world[r][3] -= source.index_to_world[r][a] * (double)source.first[a];
-    }
+    const long x = reversed ? -l->first[0] - (long)l->size[0] : l->first[0];
+    begin_at(&source, (const long[3]){x, l->first[1], l->first[2]});
     const level_readers readers = {read_node_scalars, opt->gradient ? read_node_directions : NULL, NULL, NULL};
     return add_grids(file, &source, &readers, reversed, plain_names, path, err);
 }

@@ -35,7 +35,8 @@ typedef struct iso_vdb_options {
     const uint8_t *tf_2d; /* of one level, a byte a voxel: a float grid "second_value" of byte / 255 as well; or NULL */
     const uint8_t
         *extinction_scale; /* likewise: a float grid "log2_extinction_scale", 0 where the scale is 1; or NULL */
-    size_t pad_voxels;     /* rim of edge values around the level: renderers that fade at the border need one */
+    size_t pad_voxels;     /* rim of edge values around the level: renderers that fade at the border need one. Voxel 0 then
+                              has the index pad_voxels + 1, so that no renderer that adds a voxel sees negative indices */
     const char *creator;   /* metadata */
     /* A unit of the file's world is so many mm, and its origin stands there in the world; geometries are in it. 0: the
      * geometries are in mm, and so is the file, but for voxels so small or large that OpenVDB takes their transform for
