@@ -113,19 +113,6 @@ static char *rows_csv(const iso_across_chart *c, const iso_across_row *rows, siz
     return NULL;
 }
 
-static iso_status copy_style(const char *from, const char *dir, iso_error *err)
-{
-    char *content = NULL, *path = iso_path_join(dir, "style.gp");
-    size_t size = 0;
-    iso_status status = path ? iso_file_read(from, &content, &size, err)
-                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK)
-        status = iso_file_write(path, content, size, err);
-    free(content);
-    free(path);
-    return status;
-}
-
 iso_status iso_across_write(const iso_across_chart *c, const iso_across_row *rows, size_t count, const json_t *json,
                             iso_error *err)
 {
@@ -139,7 +126,7 @@ iso_status iso_across_write(const iso_across_chart *c, const iso_across_row *row
     if (status == ISO_OK)
         status = iso_json_save(path, json, err);
     if (status == ISO_OK && c->style)
-        status = copy_style(c->style, out.temp_path, err);
+        status = iso_gnuplot_use_style(c->style, out.temp_path, err);
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
         status = iso_gnuplot_draw(out.temp_path, "across", csv, iso_across_gp, formats[i], err);

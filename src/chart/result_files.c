@@ -73,19 +73,6 @@ static char *result_csv(const iso_chart_result *r)
     return NULL;
 }
 
-static iso_status write_style(const iso_chart_result *r, const char *dir, iso_error *err)
-{
-    char *content = NULL, *path = iso_path_join(dir, "style.gp");
-    size_t size = 0;
-    iso_status status = path ? iso_file_read(r->style, &content, &size, err)
-                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK)
-        status = iso_file_write(path, content, size, err);
-    free(content);
-    free(path);
-    return status;
-}
-
 /* What commands refer to. */
 static iso_status write_images(const iso_chart_result *r, const char *dir, iso_error *err)
 {
@@ -121,7 +108,7 @@ iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json,
     if (status == ISO_OK)
         status = write_images(r, out.temp_path, err);
     if (status == ISO_OK && r->style)
-        status = write_style(r, out.temp_path, err);
+        status = iso_gnuplot_use_style(r->style, out.temp_path, err);
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
         status = iso_gnuplot_draw(out.temp_path, "pareto", csv, iso_pareto_gp, formats[i], err);

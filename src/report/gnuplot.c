@@ -66,6 +66,19 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
     return status;
 }
 
+iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *err)
+{
+    char *content = NULL, *path = iso_path_join(dir, "style.gp");
+    size_t size = 0;
+    iso_status status = path ? iso_file_read(from, &content, &size, err)
+                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (status == ISO_OK)
+        status = iso_file_write(path, content, size, err);
+    free(content);
+    free(path);
+    return status;
+}
+
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
                             iso_error *err)
 {

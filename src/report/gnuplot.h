@@ -16,6 +16,9 @@
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
                             iso_error *err);
 
+/* Before charts are drawn in the folder: its style.gp is a copy of the file `from`. */
+iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *err);
+
 /* One picture alone, NAME.png, .svg or .pdf by its ending: `write` prints the gnuplot script that follows "set terminal" and
  * "set output". Width and height in pixels of 1/96 inch; a PNG has twice as many, for print. The picture appears when it is
  * whole. ISO_E_USAGE: another ending; ISO_E_MISSING without gnuplot. */
