@@ -114,7 +114,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         iso_blender_append_level(levels, &shown, view, &space, &frames[0]);
         json_t *about = iso_blender_describe_scene(view, &space, g, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", levels);
-        json_object_set_new(about, "tf", iso_blender_describe_tf(view, 1, space.units));
+        json_object_set_new(about, "tf", iso_blender_describe_tf(view, level, 1, space.units));
         json_object_set_new(about, "extinction_scale", json_boolean(view->extinction_scale));
         json_object_set_new(about, "film_transparent", json_true());
         json_object_set_new(about, "frames", iso_blender_describe_frames(voxel, folder, frames, count));
@@ -225,7 +225,7 @@ static json_t *describe_export(const export_job *e)
         free(roi_path);
     }
     json_object_set_new(about, "levels", levels);
-    json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->count, e->space->units));
+    json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->first, e->count, e->space->units));
     json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));

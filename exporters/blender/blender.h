@@ -44,7 +44,8 @@ typedef struct iso_blender_options {
     int seed;
     int threads;
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
-    iso_blender_session **session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */
+    iso_blender_session *
+        *session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */
 } iso_blender_options;
 iso_blender_options iso_blender_defaults(void);
 
@@ -122,16 +123,26 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
 iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
                                   iso_image *image, const iso_progress *progress, iso_error *err);
 
-/* The TF as Blender's ColorRamp: at most 32 stops, which Cycles bakes to 256
- * entries. The .blend carries it as the group "isoshade ramp" beside the exact
- * image. The losses are the largest differences from the table, after baking. */
+/* The TF as Blender's ColorRamp, to be edited by hand: at most 32 stops, which Cycles bakes to 256 entries. The .blend
+ * carries one for each different TF in the group "isoshade ramp", beside the exact image.
+ *
+ * Alpha is the opacity of unit_mm, as in a TF file; nodes behind the ramp make extinction = -ln(1 - alpha) / unit_mm of
+ * it. So a TF's own points are the stops where there are at most 32. Others get the fewest stops that keep colour
+ * and opacity within 1/1024, or within more where 32 do not suffice. The ramp spans the values between which the TF
+ * changes, or the table's range where that loses less. */
 #define ISO_RAMP_MAX_STOPS 32
 typedef struct iso_color_ramp {
     size_t count;
-    double position[ISO_RAMP_MAX_STOPS]; /* fraction of [lo, hi], ascending */
-    double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear colour; alpha is extinction / max_extinction */
-    double max_extinction;               /* 1/mm */
-    double color_loss, alpha_loss;       /* of 1 */
+    bool own_points;                     /* the stops are the TF's points */
+    double lo, hi;                       /* values of positions 0 and 1 */
+    double unit_mm;                      /* that alpha is the opacity of */
+    double position[ISO_RAMP_MAX_STOPS]; /* single precision, ascending without equals */
+    double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear colour, opacity */
+    /* The largest differences from the table after baking, at its entries: colour (of entries of an opacity of at least
+     * 1/1024), opacity of unit_mm, both of 1, and extinction as a part of the largest one. */
+    double color_loss, opacity_loss, extinction_loss;
+    double worst_value; /* where colour or opacity differ most */
+    double off;         /* share of the entries where colour or opacity differ by more than 1/255 */
 } iso_color_ramp;
 void iso_color_ramp_fit(const iso_tf_table *table, iso_color_ramp *ramp);
 

@@ -47,8 +47,9 @@ json_t *iso_blender_text(const char *text, size_t limit);
 /* mm: the geometry of the level, or of the whole box. */
 json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space *space, const iso_geometry *mm,
                                    const char *name, const iso_blender_options *opt);
-/* The transfer function of each view, row by row where it is 2D; then that of each region of interest. */
-json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units);
+/* The transfer function of each view, of levels from `first` on, row by row where it is 2D; then that of each region of
+ * interest; and a ramp for each that differs from the others. */
+json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t count, double units);
 
 /* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading "//". */
 typedef struct blender_level {

@@ -48,6 +48,7 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_level"] = level["level"]
         tables = about["tf"]["tables"]
         thing["isoshade_table"] = table_properties(tables[level["table"]])
+        thing["isoshade_ramp"] = float(tables[level["table"]]["ramp"])
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
         thing["isoshade_last_row"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])

@@ -124,8 +124,9 @@ static json_t *describe_ramp(const iso_tf_table *t, double units)
         json_array_append_new(stops, iso_json_numbers((double[]){ramp.position[i], ramp.rgba[i][0], ramp.rgba[i][1],
                                                                  ramp.rgba[i][2], ramp.rgba[i][3]},
                                                       5));
-    return json_pack("{so sf sf sf sf sf}", "stops", stops, "lo", t->lo, "hi", t->hi, "max_extinction",
-                     ramp.max_extinction / units, "color_loss", ramp.color_loss, "alpha_loss", ramp.alpha_loss);
+    return json_pack("{so sb sf sf sf sf sf sf}", "stops", stops, "own_points", ramp.own_points, "lo", ramp.lo, "hi",
+                     ramp.hi, "unit_distance_mm", ramp.unit_mm, "unit_distance", ramp.unit_mm * units, "color_loss",
+                     ramp.color_loss, "opacity_loss", ramp.opacity_loss);
 }
 
 static void append_entries(json_t *to, const iso_tf_table *t, double units)
@@ -134,24 +135,61 @@ static void append_entries(json_t *to, const iso_tf_table *t, double units)
         json_array_append_new(to, json_real((double)t->entries[i] / (i % 4 == 3 ? units : 1)));
 }
 
-static void append_table(json_t *to, const iso_tf_table *t, int rows, double units)
+static bool is_same_table(const iso_tf_table *a, const iso_tf_table *b)
 {
-    json_t *entries = json_array();
-    for (int r = 0; r < rows; ++r)
-        append_entries(entries, &t[r], units);
-    json_array_append_new(to, json_pack("{sf sf si so}", "lo", t->lo, "hi", t->hi, "rows", rows, "entries", entries));
+    return a->count == b->count && a->lo == b->lo && a->hi == b->hi &&
+           memcmp(a->entries, b->entries, 4 * a->count * sizeof *a->entries) == 0;
 }
 
-json_t *iso_blender_describe_tf(const iso_view *views, size_t count, double units)
+/* The tables of objects, and the ramps of those that differ. */
+typedef struct described_tf {
+    json_t *tables, *ramps;
+    const iso_tf_table **owners; /* whose ramps these are */
+    double units;
+} described_tf;
+
+/* The ramp of t: that of an equal table, or a new one. name: what has it. */
+static size_t find_ramp(described_tf *d, const iso_tf_table *t, const char *name)
 {
-    json_t *all = json_array();
-    for (size_t k = 0; k < count; ++k)
-        append_table(all, views[k].tf_2d ? views[k].tf_2d->rows : &views[k].tf, views[k].tf_2d ? ISO_TF_2D_ROWS : 1,
-                     units);
-    for (size_t k = 0; k < count; ++k)
-        if (views[k].roi)
-            append_table(all, &views[k].roi->tf, 1, units);
-    return json_pack("{so so}", "tables", all, "ramp", describe_ramp(&views[0].tf, units));
+    size_t i = 0;
+    while (i < json_array_size(d->ramps) && !is_same_table(d->owners[i], t))
+        ++i;
+    if (i == json_array_size(d->ramps)) {
+        d->owners[i] = t;
+        json_array_append_new(d->ramps, describe_ramp(t, d->units));
+        json_object_set_new(json_array_get(d->ramps, i), "of", json_array());
+    }
+    json_array_append_new(json_object_get(json_array_get(d->ramps, i), "of"), json_string(name));
+    return i;
+}
+
+/* rows: those of a 2D transfer function, or the one of a table; flat: the 1D one, for the ramp. */
+static void append_table(described_tf *d, const iso_tf_table *rows, int count, const iso_tf_table *flat,
+                         const char *name)
+{
+    json_t *entries = json_array();
+    for (int r = 0; r < count; ++r)
+        append_entries(entries, &rows[r], d->units);
+    json_array_append_new(d->tables, json_pack("{sf sf si sI so}", "lo", rows->lo, "hi", rows->hi, "rows", count,
+                                               "ramp", (json_int_t)find_ramp(d, flat, name), "entries", entries));
+}
+
+json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t count, double units)
+{
+    described_tf d = {json_array(), json_array(), calloc(2 * count, sizeof *d.owners), units};
+    char name[64];
+    for (size_t k = 0; k < count && d.owners; ++k) {
+        const iso_view *v = &views[k];
+        snprintf(name, sizeof name, "level %zu", first + k);
+        append_table(&d, v->tf_2d ? v->tf_2d->rows : &v->tf, v->tf_2d ? ISO_TF_2D_ROWS : 1, &v->tf, name);
+    }
+    for (size_t k = 0; k < count && d.owners; ++k)
+        if (views[k].roi) {
+            snprintf(name, sizeof name, "region in level %zu", first + k);
+            append_table(&d, &views[k].roi->tf, 1, &views[k].roi->tf, name);
+        }
+    free(d.owners);
+    return json_pack("{so so}", "tables", d.tables, "ramps", d.ramps);
 }
 
 static json_t *describe_lights(const iso_view *view)

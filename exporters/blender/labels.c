@@ -65,8 +65,7 @@ static label_tiles lay_tiles(const size_t size[3], size_t first_row)
 }
 
 /* A class number is red + 256 green. */
-static void draw_level(const iso_level *l, const label_tiles *t, const label_classes *c, size_t width,
-                       uint8_t *pixels)
+static void draw_level(const iso_level *l, const label_tiles *t, const label_classes *c, size_t width, uint8_t *pixels)
 {
     const size_t *n = l->geometry.size;
     const float *label = l->scalar;
@@ -121,7 +120,10 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
 static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso_tf_table *table, iso_error *err)
 {
     const size_t count = c->count > 1 ? c->count : 2;
-    *table = (iso_tf_table){.count = count, .hi = (double)(count - 1), .entries = malloc(4 * count * sizeof(float))};
+    *table = (iso_tf_table){.count = count,
+                            .hi = (double)(count - 1),
+                            .entries = malloc(4 * count * sizeof(float)),
+                            .unit_mm = tf->unit_mm};
     if (!table->entries)
         return iso_fail(err, ISO_E_MEMORY, "blender: no memory for %zu classes", count);
     for (size_t i = 0; i < count; ++i) {
@@ -136,33 +138,35 @@ static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso
 /* A stop a class instead, from halfway to the class before on: with constant colors between stops all are exact. */
 static void describe_class_ramp(json_t *ramp, const iso_tf_table *table, const label_classes *c)
 {
-    const double last = table->hi;
+    const double last = table->hi, unit_mm = json_number_value(json_object_get(ramp, "unit_distance_mm"));
     json_t *stops = json_array();
-    double peak = 0;
-    for (size_t i = 0; i < c->count; ++i)
-        peak = fmax(peak, (double)table->entries[4 * i + 3]);
     for (size_t i = 0; i < c->count; ++i) {
         const float *e = &table->entries[4 * i];
-        json_array_append_new(stops, iso_json_numbers((double[]){i > 0 ? ((double)i - 0.5) / last : 0, (double)e[0],
-                                                                 (double)e[1], (double)e[2],
-                                                                 peak > 0 ? (double)e[3] / peak : 0},
-                                                      5));
+        json_array_append_new(stops,
+                              iso_json_numbers((double[]){i > 0 ? ((double)i - 0.5) / last : 0, (double)e[0],
+                                                          (double)e[1], (double)e[2], -expm1(-(double)e[3] * unit_mm)},
+                                               5));
     }
-    json_object_update_new(ramp, json_pack("{so sf sf sb}", "stops", stops, "color_loss", 0.0, "alpha_loss", 0.0,
-                                           "constant", true));
+    json_object_update_new(ramp,
+                           json_pack("{so sf sf sf sf sb sb}", "stops", stops, "lo", 0.0, "hi", last, "color_loss", 0.0,
+                                     "opacity_loss", 0.0, "constant", true, "own_points", false));
 }
 
-static iso_status describe_tables(json_t *about, const iso_view *views, size_t count, const label_classes *c,
-                                  double units, iso_error *err)
+static iso_status describe_tables(json_t *about, const iso_blender_levels *levels, const label_classes *c, double units,
+                                  iso_error *err)
 {
+    const iso_view *views = levels->views;
+    const size_t first = levels->first, count = levels->count;
     iso_view *by_class = calloc(count, sizeof *by_class);
     iso_status status = by_class ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = make_table(&views[i].tf, c, &by_class[i].tf, err);
     if (status == ISO_OK) {
-        json_t *tf = iso_blender_describe_tf(by_class, count, units);
-        if (c->count <= ISO_RAMP_MAX_STOPS)
-            describe_class_ramp(json_object_get(tf, "ramp"), &by_class[0].tf, c);
+        json_t *tf = iso_blender_describe_tf(by_class, first, count, units), *ramps = json_object_get(tf, "ramps"), *t;
+        size_t i;
+        json_array_foreach(json_object_get(tf, "tables"), i, t) if (c->count <= ISO_RAMP_MAX_STOPS)
+            describe_class_ramp(json_array_get(ramps, (size_t)json_integer_value(json_object_get(t, "ramp"))),
+                                &by_class[i].tf, c);
         json_object_set_new(about, "tf", tf);
     }
     for (size_t i = 0; by_class && i < count; ++i)
@@ -195,7 +199,7 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
     if (status == ISO_OK)
         status = draw_levels(p, first, count, &classes, tiles, path, err);
     if (status == ISO_OK)
-        status = describe_tables(about, levels->views, count, &classes, units, err);
+        status = describe_tables(about, levels, &classes, units, err);
     if (status == ISO_OK) {
         json_t *list = json_array();
         for (size_t i = 0; i < classes.count; ++i)

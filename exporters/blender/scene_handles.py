@@ -68,9 +68,9 @@ README = """{name}, exported by isoshade{source}
 The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
 {far}{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
 "isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
-packed. Use Ramp = 1 takes the ColorRamp in "isoshade ramp" instead, {stops} stops to edit by hand; as exported it
-differs from the exact map by up to {color_loss:.2g} in colour and {alpha_loss:.2g} of the largest opacity.
-
+packed. Use Ramp = 1 takes the ColorRamps in "isoshade ramp" instead, to edit by hand. Their alpha is the opacity of a
+length, as in a transfer function's file. As exported they differ from the exact map by up to:
+{ramps}
 A millimetre is {units:g} Blender unit(s).{unit} Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
 turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
@@ -78,8 +78,15 @@ moved back by that. Other versions of Blender may differ; export again with the 
 """
 
 
+def tell_ramps(ramps):
+    """A line each: of what, how many stops, opacity of which length, what it loses."""
+    return "".join("    {}: {} stops{}, opacity of {:.4g} mm; {:.2g} in colour, {:.2g} in opacity\n".format(
+        ", ".join(ramp["of"]), len(ramp["stops"]), ", the points of the transfer function" if ramp["own_points"] else "",
+        ramp["unit_distance_mm"], ramp["color_loss"], ramp["opacity_loss"]) for ramp in ramps)
+
+
 def explain(about, shift):
-    ramp = about["tf"]["ramp"]
+    ramps = about["tf"]["ramps"]
     several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
                if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
     if "sequence" in about:
@@ -101,8 +108,7 @@ def explain(about, shift):
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              far=far, levels=several, units=about["units_per_mm"],
-                             unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", stops=len(ramp["stops"]), color_loss=ramp["color_loss"],
-                             alpha_loss=ramp["alpha_loss"], samples=about["samples"], step=about["levels"][0]["step"],
+                             unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", ramps=tell_ramps(ramps), samples=about["samples"], step=about["levels"][0]["step"],
                              blender=bpy.app.version_string, shift=shift))
     scene = bpy.context.scene
     scene["isoshade_source"] = about["source"]
@@ -110,8 +116,6 @@ def explain(about, shift):
     scene["isoshade_origin_mm"] = about["origin_mm"]
     scene["isoshade_units_per_mm"] = about["units_per_mm"]
     scene["isoshade_unit"] = about.get("unit", "")
-    scene["isoshade_ramp_color_loss"] = ramp["color_loss"]
-    scene["isoshade_ramp_alpha_loss"] = ramp["alpha_loss"]
 
 
 def arrange_windows(scene, about):

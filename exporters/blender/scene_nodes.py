@@ -281,7 +281,8 @@ def isoshade_group(about, frame):
         where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the 2D transfer function")
     exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar,
                        Table=table.outputs["Vector"], Row=where)
-    ramp = group.call(ramp_group(about["tf"]["ramp"]), Scalar=scalar)
+    which = group.node('ShaderNodeAttribute', "ramp of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_ramp")
+    ramp = group.call(ramp_group(about["tf"]["ramps"]), Scalar=scalar, Ramp=which.outputs["Fac"])
     use_ramp = group.given["Use Ramp"]
     color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),

@@ -3,8 +3,13 @@
 
 Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
 """
+import json
+import math
+
 import bpy
 import numpy
+
+MOST_OPAQUE = 1e-4  # what passes the unit distance where the opacity is at its limit, as in transfer functions
 
 # ---- transfer functions ----------------------------------------------------------------------------------------
 
@@ -54,20 +59,53 @@ def transfer_function_group(tf):
     return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
 
 
-def ramp_group(ramp):
-    """The first level's colour map by a ColorRamp of at most 32 stops: less exact, but easy to edit. Of classes a stop
-    each, constant from halfway to the class before: exact."""
-    group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0)],
-                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
-    offset = group.math('SUBTRACT', group.given["Scalar"], ramp["lo"], label="from the range's start")
-    u = group.math('MULTIPLY', offset, 1 / (ramp["hi"] - ramp["lo"]), label="fraction of the range", clamp=True)
-    node = group.node('ShaderNodeValToRGB', "", {0: u})
-    stops = node.color_ramp.elements
-    node.color_ramp.interpolation = 'CONSTANT' if ramp.get("constant") else 'LINEAR'
+def set_stops(color_ramp, ramp):
+    """The stops. Blender sorts them by position, so the colours are given when all have their places."""
+    color_ramp.interpolation = 'CONSTANT' if ramp.get("constant") else 'LINEAR'
+    stops = color_ramp.elements
+    while len(stops) > len(ramp["stops"]):
+        stops.remove(stops[-1])
     while len(stops) < len(ramp["stops"]):
         stops.new(1.0)
-    for stop, (position, red, green, blue, alpha) in zip(stops, ramp["stops"]):
+    for stop, (position, *_) in zip(stops, ramp["stops"]):
         stop.position = position
-        stop.color = (red, green, blue, alpha)
-    extinction = group.math('MULTIPLY', node.outputs["Alpha"], ramp["max_extinction"], label="extinction of alpha 1")
-    return group.finish(Color=node.outputs["Color"], Extinction=extinction)
+    for stop, (_, *color) in zip(stops, ramp["stops"]):
+        stop.color = color
+
+
+def one_ramp(group, ramp, number):
+    """Colour and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by their
+    names."""
+    name = f"isoshade ramp {number}"
+    offset = group.node('ShaderNodeMath', "from the first value", {0: group.given["Scalar"], 1: ramp["lo"]}, operation='SUBTRACT',
+                        name=name + " start").outputs[0]
+    u = group.node('ShaderNodeMath', "fraction of the range", {0: offset, 1: 1 / (ramp["hi"] - ramp["lo"])}, operation='MULTIPLY',
+                   use_clamp=True, name=name + " scale").outputs[0]
+    node = group.node('ShaderNodeValToRGB', ", ".join(ramp["of"]), {0: u}, name=name)
+    set_stops(node.color_ramp, ramp)
+    passed = group.math('MAXIMUM', group.math('SUBTRACT', 1.0, node.outputs["Alpha"], label="1 - opacity"), MOST_OPAQUE)
+    depth = group.math('LOGARITHM', passed, math.e, label="ln")
+    extinction = group.math('MULTIPLY', depth, -1 / ramp["unit_distance"], label="extinction")
+    return node, extinction
+
+
+def ramp_group(ramps):
+    """The colour maps by ColorRamps of at most 32 stops, one for each that differs; Ramp, the number of the object's, chooses.
+    Less exact than the image, but easy to edit. Of classes a stop each, constant from halfway to the class before: exact."""
+    group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketFloat', "Ramp", 0.0)],
+                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+    node, extinction = one_ramp(group, ramps[0], 0)
+    nodes, color = [node], node.outputs["Color"]
+    for number, ramp in enumerate(ramps[1:], 1):
+        node, own_extinction = one_ramp(group, ramp, number)
+        nodes.append(node)
+        mine = group.math('COMPARE', group.given["Ramp"], float(number), 0.5, label=f"is ramp {number} asked for?")
+        color = group.node('ShaderNodeMixRGB', "color", {0: mine, 1: color, 2: node.outputs["Color"]}).outputs[0]
+        extinction = group.math('MULTIPLY_ADD', mine, group.math('SUBTRACT', own_extinction, extinction), extinction)
+    tree = group.finish(Color=color, Extinction=extinction)
+    tree["isoshade_ramps"] = json.dumps([{key: ramp[key] for key in ("of", "lo", "hi", "unit_distance_mm", "unit_distance",
+                                                                     "own_points", "color_loss", "opacity_loss")}
+                                         for ramp in ramps])
+    for number, node in enumerate(nodes):  # what the exact table shows; the add-on sees by it whether a person has edited a ramp
+        tree[f"isoshade_shown_{number}"] = [float(v) for stop in node.color_ramp.elements for v in (stop.position, *stop.color)]
+    return tree

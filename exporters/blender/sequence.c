@@ -44,7 +44,7 @@ static void describe(sequence_job *job, const iso_pyramid *p)
                              job->opt);
     json_object_set_new(job->about, "levels", levels);
     json_object_set_new(job->about, "sequence", json_integer((json_int_t)s->count));
-    json_object_set_new(job->about, "tf", iso_blender_describe_tf(s->view, 1, job->space.units));
+    json_object_set_new(job->about, "tf", iso_blender_describe_tf(s->view, s->level, 1, job->space.units));
     json_object_set_new(job->about, "extinction_scale", json_false());
     json_object_set_new(job->about, "film_transparent", json_false());
     json_object_set_new(job->about, "source", iso_blender_text(p->source ? p->source : "", 1000));

@@ -9,25 +9,58 @@
 #include "blender/blender.h"
 #include "targets/targets.h"
 
-static void tell_ramp(const iso_export_job *job, const iso_tf_table *table)
+static json_t *ramp_json(const iso_color_ramp *r, size_t level)
 {
-    iso_color_ramp ramp;
+    return json_pack("{sI sI sb sf sf sf sf sf sf}", "level", (json_int_t)level, "stops", (json_int_t)r->count,
+                     "own_points", r->own_points, "opacity_of_mm", r->unit_mm, "max_color_difference", r->color_loss,
+                     "max_opacity_difference", r->opacity_loss, "max_extinction_difference", r->extinction_loss,
+                     "worst_value", r->worst_value, "entries_off", r->off);
+}
+
+static bool is_same_ramp(const iso_color_ramp *a, const iso_color_ramp *b)
+{
+    return a->count == b->count && a->lo == b->lo && a->hi == b->hi && a->worst_value == b->worst_value &&
+           memcmp(a->position, b->position, sizeof a->position) == 0 && memcmp(a->rgba, b->rgba, sizeof a->rgba) == 0;
+}
+
+/* Of levels [first, last], which have the same. */
+static void print_ramp(FILE *notes, const iso_color_ramp *r, size_t first, size_t last)
+{
+    char levels[64];
+    snprintf(levels, sizeof levels, first == last ? "level %zu" : "levels %zu to %zu", first, last);
+    fprintf(
+        notes,
+        "%s: color map exact as an image; as a ColorRamp of %zu stops%s within %.2g in color and %.2g in opacity of "
+        "%.4g mm (worst at %.6g; %.1f %% of the entries by more than 1/255)\n",
+        levels, r->count, r->own_points ? ", the transfer function's points," : "", r->color_loss, r->opacity_loss,
+        r->unit_mm, r->worst_value, 100 * r->off);
+}
+
+/* views: of `count` levels. */
+static void tell_ramps(const iso_export_job *job, const iso_view *views, size_t count)
+{
     if (job->pyramid && job->pyramid->levels[job->level].labels) {
         if (job->notes)
             fprintf(job->notes,
                     "label map: exact as an image of class numbers and a color map with an entry a class\n");
         return;
     }
-    iso_color_ramp_fit(table, &ramp);
+    json_t *list = json_array();
+    iso_color_ramp ramp = {0}, next;
+    for (size_t k = 0, first = 0; k < count; ++k) {
+        iso_color_ramp_fit(&views[k].tf, &next);
+        if (k > 0 && job->notes && !is_same_ramp(&next, &ramp)) {
+            print_ramp(job->notes, &ramp, job->level + first, job->level + k - 1);
+            first = k;
+        }
+        ramp = next;
+        json_array_append_new(list, ramp_json(&ramp, job->level + k));
+        if (k + 1 == count && job->notes)
+            print_ramp(job->notes, &ramp, job->level + first, job->level + k);
+    }
     if (job->results)
-        json_object_set_new(job->results, "color_ramp",
-                            json_pack("{sI sf sf}", "stops", (json_int_t)ramp.count, "max_color_difference",
-                                      ramp.color_loss, "max_opacity_difference", ramp.alpha_loss));
-    if (job->notes)
-        fprintf(
-            job->notes,
-            "colour map: exact as an image; as a ColorRamp of %zu stops within %.2g in colour, %.2g of the largest opacity\n",
-            ramp.count, ramp.color_loss, ramp.alpha_loss);
+        json_object_set(job->results, "color_ramps", list);
+    json_decref(list);
 }
 
 static iso_status write_planned(const iso_export_job *job, const iso_blender_options *o, iso_error *err)
@@ -49,7 +82,7 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
     status = pieces ? iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err)
                     : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     if (status == ISO_OK)
-        tell_ramp(job, &job->view->tf);
+        tell_ramps(job, job->view, 1);
     free(pieces);
     iso_planned_lattices_destroy(&lattices);
     return status;
@@ -71,7 +104,7 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
         status = iso_blender_export_levels(job->pyramid, &(iso_blender_levels){job->level, count, views}, job->output,
                                            &o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramp(job, &views[0].tf);
+        tell_ramps(job, views, count);
     for (size_t k = 0; views && k < count; ++k)
         iso_view_destroy(&views[k]);
     free(views);
@@ -86,7 +119,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramp(job, &job->view->tf);
+        tell_ramps(job, job->view, 1);
     return status;
 }
 

@@ -303,7 +303,10 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
 iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const iso_geometry *level0, size_t level,
                              iso_tf_table *table, iso_error *err)
 {
-    *table = (iso_tf_table){.count = a->s.count, .lo = a->s.lo, .hi = a->s.lo + a->s.step * (double)(a->s.count - 1)};
+    *table = (iso_tf_table){.count = a->s.count,
+                            .lo = a->s.lo,
+                            .hi = a->s.lo + a->s.step * (double)(a->s.count - 1),
+                            .unit_mm = tf->unit_mm};
     table->entries = calloc(4 * table->count, sizeof *table->entries);
     if (!table->entries) {
         *table = (iso_tf_table){0};

@@ -167,7 +167,10 @@ static iso_status read_lines(csv *c, iso_error *err)
 /* Ours: linear color and extinction at even distances. */
 static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
 {
-    iso_tf_table t = {c->rows, c->row[0][VALUE], c->row[c->rows - 1][VALUE], malloc(4 * c->rows * sizeof(float))};
+    iso_tf_table t = {.count = c->rows,
+                      .lo = c->row[0][VALUE],
+                      .hi = c->row[c->rows - 1][VALUE],
+                      .entries = malloc(4 * c->rows * sizeof(float))};
     iso_status status = t.entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", c->file->path);
     if (status == ISO_OK && (!c->has[VALUE] || !(t.hi > t.lo) || t.count > 4096))
         status = iso_fail(err, ISO_E_RANGE, "%s: values must rise over at most 4096 lines", c->file->path);

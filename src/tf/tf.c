@@ -168,6 +168,18 @@ static const iso_tf_point *find_lost(const iso_tf *tf, const iso_tf_table *t)
     return NULL;
 }
 
+/* Few points stay beside the entries. */
+static void keep_points(const iso_tf *tf, double unit_mm, iso_tf_table *t)
+{
+    t->unit_mm = unit_mm;
+    t->point_count = tf->point_count <= ISO_TF_FEW_POINTS ? tf->point_count : 0;
+    for (size_t i = 0; i < t->point_count; ++i) {
+        t->points[i] = tf->points[i];
+        if (tf->fit_range)
+            t->points[i].value = t->lo + tf->points[i].value * (t->hi - t->lo);
+    }
+}
+
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err)
 {
@@ -200,6 +212,7 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
             table->entries[4 * i + (size_t)c] = (float)rgba[c];
         table->entries[4 * i + 3] = (float)(-log1p(-fmin(rgba[3], ISO_TF_MAX_OPACITY)) / unit_mm);
     }
+    keep_points(tf, unit_mm, table);
     return ISO_OK;
 }
 

@@ -72,10 +72,15 @@ iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);
 void iso_tf_destroy(iso_tf *tf);
 
 /* The form that renderers and exporters use. */
+enum { ISO_TF_FEW_POINTS = 32 };
 typedef struct iso_tf_table {
     size_t count; /* entries */
     double lo, hi;
     float *entries; /* 4 for each entry: linear r, g, b, extinction per mm */
+    /* What the entries were made of, for those who let a person edit it; renderers look at the entries alone. */
+    double unit_mm;     /* that opacities are stated for; 0: not known */
+    size_t point_count; /* 0: of more points than these, or of none; their values are the volume's */
+    iso_tf_point points[ISO_TF_FEW_POINTS];
 } iso_tf_table;
 
 /* Resolves range and unit distance against a volume: value_min/max and the
