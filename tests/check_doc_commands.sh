@@ -41,6 +41,7 @@ SMALL = [
     ("bench gradient", "--size 32"),
     ("bench palette", "--steps 4 --seeds 1"),
     ("bench seams", "--layouts 2"),
+    ("bench ghosts", "--levels 2"),
     ("bench extinction-scale", "--size 16 --levels 2 --runs 1"),
     ("bench tf", "--size 24 --runs 1"),
     ("bench render", "--image 16 --runs 1 --size 32"),

@@ -19,6 +19,7 @@
     X(encode) \
     X(extinction_scale) \
     X(fit) \
+    X(ghosts) \
     X(palette) \
     X(power) \
     X(plan) \

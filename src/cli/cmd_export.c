@@ -361,6 +361,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     a.cli = &cli;
+    a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = a.frames ? export_series(&a, err) : export_it(&a, err);

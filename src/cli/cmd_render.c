@@ -431,6 +431,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_cli cli;
     iso_cli_next next;
+    a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);

@@ -30,10 +30,11 @@ static json_t *json_of_level(size_t level, const char *path, size_t entry_count,
                               "kept_original", v->use_original);
     if (v->seen)
         json_object_set_new(entry, "small_views",
-                            json_pack("{s:f, s:f, s:f, s:f}", "ssim_dissimilarity_original",
+                            json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:i}", "ssim_dissimilarity_original",
                                       v->seen_original.ssim_dissimilarity, "ssim_dissimilarity_adapted",
                                       v->seen_adapted.ssim_dissimilarity, "rmse_original", v->seen_original.rmse,
-                                      "rmse_adapted", v->seen_adapted.rmse));
+                                      "rmse_adapted", v->seen_adapted.rmse, "ghost", v->ghost, "ghost_left",
+                                      v->seen_adapted.ghost, "given_back", (int)v->given_back));
     return entry;
 }
 
@@ -46,6 +47,10 @@ static void print_level(size_t level, const char *path, const iso_adapt_judgment
     else
         printf("  error at the voxels %.5f, adapted %.5f", v->rms_original, v->rms_adapted);
     printf("%s\n", v->use_original ? "  original kept" : "");
+    if (v->given_back > 0)
+        printf("         a ghost of %.1f %% is left out with the values that draw it; --extinction-scale of render and "
+               "export shows both in their places\n",
+               100 * v->ghost);
 }
 
 /* The levels of one pyramid. */

@@ -7,6 +7,7 @@
 
 #include "fit/extinction_scale.h"
 #include "options/cli.h"
+#include "tf/ghost.h"
 
 /* Appends a name of a list of `count`: "rgba, opacity (default), extinction or transmittance". */
 static void list_name(char *text, size_t size, const char *name, size_t row, size_t count, bool is_default)
@@ -72,11 +73,37 @@ static bool is_told_how(const iso_cli_adapted *a)
            a->bits != iso_adapt_defaults().bits;
 }
 
-/* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
-static iso_status adapt(const iso_pyramid *p, size_t level, iso_second_value second, iso_adapt_options *opt,
-                        iso_view *view, iso_error *err)
+/* One line: what is left out, or that it is drawn. */
+static void tell_of_ghost(const iso_cli_adapted *a, size_t level, double ghost, bool is_left_out)
 {
-    iso_tf_table table;
+    if (!a->cli)
+        return;
+    iso_progress_line_hide(a->cli->progress);
+    fprintf(stderr,
+            "isoshade %s: %s: level %zu: the adapted transfer function %s a ghost, %.1f %% of what level 0 shows, where "
+            "level 0 shows nothing%s; --extinction-scale shows each in its place\n",
+            a->cli->command->name, is_left_out ? "note" : "warning", level, is_left_out ? "would draw" : "draws",
+            100 * ghost, is_left_out ? ", so the values that draw it are left as they were" : "");
+}
+
+/* What small views said, or, where nothing was to be refused, what the level shows. */
+static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p, size_t level, const iso_tf_table *original,
+                                 const iso_tf_table *tf, const iso_tf_2d *tf_2d, iso_error *err)
+{
+    double ghost = 0;
+    const iso_status status = iso_ghost_measure(p, level, original, tf, tf_2d, a->cli ? a->cli->threads : 0, &ghost,
+                                                err);
+    if (status == ISO_OK && ghost > ISO_GHOST_LIMIT)
+        tell_of_ghost(a, level, ghost, false);
+    return status;
+}
+
+/* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
+static iso_status adapt(const iso_cli_adapted *a, const iso_pyramid *p, size_t level, iso_second_value second,
+                        iso_adapt_options *opt, iso_view *view, iso_error *err)
+{
+    iso_adapt_judgment judgment = {0};
+    iso_tf_table table = {0};
     iso_tf_2d *tf_2d = NULL;
     iso_status status = ISO_OK;
     if (second != ISO_SECOND_VALUE_NONE && level > 0) {
@@ -86,8 +113,13 @@ static iso_status adapt(const iso_pyramid *p, size_t level, iso_second_value sec
                        : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     if (status == ISO_OK)
-        status = iso_adapt_level(p, level, &view->tf, opt, &table, NULL, err);
+        status = iso_adapt_level(p, level, &view->tf, opt, &table, &judgment, err);
+    if (status == ISO_OK && judgment.given_back > 0)
+        tell_of_ghost(a, level, judgment.ghost, true);
+    if (status == ISO_OK && a->cli && level > 0 && !opt->fall_back && !a->extinction_scale)
+        status = look_for_ghost(a, p, level, &view->tf, &table, tf_2d, err);
     if (status != ISO_OK) {
+        iso_tf_table_destroy(&table);
         iso_tf_2d_destroy(tf_2d);
         free(tf_2d);
         return status;
@@ -111,7 +143,7 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;
-    return status == ISO_OK ? adapt(p, level, second, &opt, view, err) : status;
+    return status == ISO_OK ? adapt(a, p, level, second, &opt, view, err) : status;
 }
 
 static iso_status check_together(const iso_cli_adapted *a, iso_error *err)

@@ -15,6 +15,7 @@
 
 #include <popt.h>
 
+#include "options/cli.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 #include "tf/adapt.h"
@@ -25,6 +26,7 @@ typedef struct iso_cli_adapted {
     double window, mix_s, mix_t;
     int bits, always, extinction_scale;
     char averages[80], weights[80]; /* for --help */
+    const iso_cli *cli;             /* where ghosts are told of, or NULL */
 } iso_cli_adapted;
 
 /* How to adapt, without the switch that asks for it. */
@@ -52,7 +54,8 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
 
 /* Replaces view->tf by the transfer function adapted to `level` when it is wanted; with --tf-2d and a coarse level
  * sets view->tf_2d too, whether adapting pays or not; with --extinction-scale and a coarse level view->extinction_scale, made
- * for the transfer function that the view has then; that one is adapted whatever small views say, which see no scale. path: what p was loaded from; a pyramid on disk keeps its
+ * for the transfer function that the view has then; that one is adapted whatever small views say, which see no scale. A level
+ * that draws a ghost (tf/ghost.h), or would, is told of in a line of a->cli. path: what p was loaded from; a pyramid on disk keeps its
  * histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err);

@@ -95,6 +95,9 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * the views show nothing. What is thin and flat looks different from each side: a plate gained .03 in twelve views and
  * lost .03 in ten others, hence the scatter.
  *
+ * Before that, an adapted TF that draws more of a ghost than ISO_GHOST_LIMIT (ghost.h) has the entries given back that draw
+ * it; where more is left, the original is kept.
+ *
  * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied colour and
  * opacity, over the length of a level-0 voxel (the error of Eq. 6 and Figure 7), falls while the image gets worse:
  *   - it weighs a voxel in front of black as one inside an opaque wall, but a haze of .003 a voxel before black is all
@@ -111,11 +114,12 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 #define ISO_ADAPT_WORST_VIEW 0.02
 #define ISO_ADAPT_RMSE_GAIN 0.75
 #define ISO_ADAPT_SSIM_LOSS 0.005
-#define ISO_SMALL_VIEWS_MAX_VOXELS ((size_t)1 << 28)
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted; /* at the voxels */
     iso_small_views_error seen_original, seen_adapted;
-    bool seen; /* the small views judged; else the two above are empty */
+    bool seen;      /* the small views judged; else the two above are empty */
+    double ghost;      /* of the adapted TF as Eq. 7 has it, by the small views (ghost.h) */
+    size_t given_back; /* entries that have the original's extinction for it; seen_adapted is of what is left then */
     bool use_original;
 } iso_adapt_judgment;
 /* At the voxels alone; *judgment is written anew. */

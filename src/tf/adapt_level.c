@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tf/ghost.h"
+
 /* Premultiplied colour and opacity over a length, and the square of their norm. */
 typedef struct seen {
     double rgba[4], square;
@@ -82,28 +84,46 @@ static bool is_better(const iso_small_views_error *original, const iso_small_vie
     return (nearer || much_nearer_by_rmse) && worst <= ISO_ADAPT_WORST_VIEW;
 }
 
-/* Small views of the level through both tables judge, where there are samples to draw. */
-static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_tf_table *adapted,
-                       int threads, iso_adapt_judgment *judgment, iso_error *err)
+/* The views of the level through `tfs`, with what each shows where level 0 shows nothing. */
+static iso_small_views_input views_of(const iso_pyramid *p, size_t level, const iso_tf_table *tf,
+                                      const iso_tf_table *adapted, const uint8_t *empty, int threads)
 {
-    const iso_small_views_input in = {.fine = &p->levels[0],
-                                      .coarse = &p->levels[level],
-                                      .level = level,
-                                      .original = tf,
-                                      .tfs = {tf, adapted},
-                                      .tf_count = 2,
-                                      .threads = threads};
+    return (iso_small_views_input){.fine = &p->levels[0],
+                                   .coarse = &p->levels[level],
+                                   .level = level,
+                                   .original = tf,
+                                   .tfs = {tf, adapted},
+                                   .tf_count = 2,
+                                   .empty = empty,
+                                   .threads = threads};
+}
+
+/* Small views of the level through both tables judge, where there are samples to draw; an adapted one that draws a ghost is
+ * first relieved of it. */
+static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *adapted, int threads,
+                       iso_adapt_judgment *judgment, iso_error *err)
+{
     iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS];
-    if (!in.fine->scalar || !in.coarse->scalar ||
-        iso_geometry_voxel_count(&in.fine->geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+    uint8_t *empty = NULL;
+    if (!p->levels[0].scalar || !p->levels[level].scalar ||
+        iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
         return ISO_OK;
-    const iso_status status = iso_small_views_compare(&in, errors, err);
+    iso_status status = iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, threads, &empty, err);
+    const iso_small_views_input in = views_of(p, level, tf, adapted, empty, threads);
+    if (status == ISO_OK)
+        status = iso_small_views_compare(&in, errors, err);
+    judgment->ghost = status == ISO_OK ? errors[1].ghost : 0;
+    if (judgment->ghost > ISO_GHOST_LIMIT)
+        status = iso_ghost_remove(&in, adapted, &judgment->given_back, err);
+    if (status == ISO_OK && judgment->given_back > 0)
+        status = iso_small_views_compare(&in, errors, err);
+    free(empty);
     if (status != ISO_OK)
         return status;
     judgment->seen = true;
     judgment->seen_original = errors[0];
     judgment->seen_adapted = errors[1];
-    judgment->use_original = !is_better(&errors[0], &errors[1]);
+    judgment->use_original = !is_better(&errors[0], &errors[1]) || errors[1].ghost > ISO_GHOST_LIMIT;
     return ISO_OK;
 }
 

@@ -79,79 +79,166 @@ static void clip_to_box(const small_camera *c, const iso_geometry *g, iso_vec3 p
     *last = t1 < t0 ? *first - 1 : (long)floor(t1);
 }
 
-/* Trilinear between voxel centres at i + 1/2, clamped to the edge. */
-static double sample(const iso_level *level, const double index[3])
-{
-    const size_t *n = level->geometry.size;
-    size_t i[3], step[3] = {1, n[0], n[0] * n[1]};
+/* A place between voxel centres at i + 1/2, clamped to the edge: the first of its eight voxels, the way to the others, and
+ * how far it lies between them. */
+typedef struct place {
+    size_t first, step[3];
     double f[3];
+} place;
+
+static place find_place(const iso_geometry *g, const double index[3])
+{
+    const size_t *n = g->size;
+    place p = {.step = {1, n[0], n[0] * n[1]}};
+    size_t i[3];
     for (int a = 0; a < 3; ++a) {
         const double last = (double)(n[a] - 1);
         double x = index[a] - 0.5;
         x = x > 0 ? (x < last ? x : last) : 0;
         i[a] = (size_t)x;
-        f[a] = x - (double)i[a];
-        step[a] = i[a] + 1 < n[a] ? step[a] : 0;
+        p.f[a] = x - (double)i[a];
+        p.step[a] = i[a] + 1 < n[a] ? p.step[a] : 0;
     }
-    const float *v = level->scalar + i[0] + n[0] * (i[1] + n[1] * i[2]);
-    double rows[4];
-    for (size_t row = 0; row < 4; ++row) {
-        const float *r = v + (row & 1) * step[1] + (row >> 1) * step[2];
-        rows[row] = (double)r[0] + f[0] * ((double)r[step[0]] - (double)r[0]);
-    }
-    const double near = rows[0] + f[1] * (rows[1] - rows[0]), far = rows[2] + f[1] * (rows[3] - rows[2]);
-    return near + f[2] * (far - near);
+    p.first = i[0] + n[0] * (i[1] + n[1] * i[2]);
+    return p;
 }
 
-/* Adds a step to a pixel, front to back; pixel[3] is its transmittance. */
-static void add_step(const iso_tf_table *tf, double value, double length_mm, double pixel[4])
+static double sample(const float *values, const place *p)
 {
-    double rgbs[4];
-    iso_tf_lookup(tf, value, rgbs);
+    const float *v = values + p->first;
+    double rows[4];
+    for (size_t row = 0; row < 4; ++row) {
+        const float *r = v + (row & 1) * p->step[1] + (row >> 1) * p->step[2];
+        rows[row] = (double)r[0] + p->f[0] * ((double)r[p->step[0]] - (double)r[0]);
+    }
+    const double near = rows[0] + p->f[1] * (rows[1] - rows[0]), far = rows[2] + p->f[1] * (rows[3] - rows[2]);
+    return near + p->f[2] * (far - near);
+}
+
+static double sample_bytes(const uint8_t *bytes, const place *p)
+{
+    double sum = 0;
+    for (size_t corner = 0; corner < 8; ++corner) {
+        size_t at = p->first;
+        double weight = 1;
+        for (size_t a = 0; a < 3; ++a) {
+            const bool high = corner >> a & 1;
+            at += high ? p->step[a] : 0;
+            weight *= high ? p->f[a] : 1 - p->f[a];
+        }
+        sum += weight * bytes[at];
+    }
+    return sum;
+}
+
+/* Adds a step to a pixel, front to back, and returns what is seen of it; pixel[3] is its transmittance. */
+static double add_step(const double rgbs[4], double length_mm, double pixel[4])
+{
     if (rgbs[3] <= 0 || pixel[3] <= OPAQUE)
-        return;
+        return 0;
     const double through = exp(-rgbs[3] * length_mm), seen = pixel[3] * (1 - through);
     for (int c = 0; c < 3; ++c)
         pixel[c] += seen * rgbs[c];
     pixel[3] *= through;
+    return seen;
 }
 
-/* One pixel of all pictures: level 0's, then one for each transfer function. */
-static void march(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixels[PICTURES][4])
+/* What the coarse level shows at a place through transfer function i. */
+static void look_up(const iso_small_views_input *in, size_t i, const place *p, double value, double rgbs[4])
+{
+    if (in->tfs_2d[i])
+        iso_tf_2d_lookup(in->tfs_2d[i], value, iso_tf_2d_row_of(sample_bytes(in->tfs_2d[i]->bytes, p)), rgbs);
+    else
+        iso_tf_lookup(in->tfs[i], value, rgbs);
+    if (in->octaves[i] && rgbs[3] > 0)
+        rgbs[3] *= exp2(sample(in->octaves[i], p));
+}
+
+/* Whether level 0 shows nothing in the coarse voxel that holds the index. */
+static bool is_empty(const iso_small_views_input *in, const double index[3])
+{
+    size_t i[3];
+    for (int a = 0; a < 3; ++a) {
+        const size_t n = in->coarse->geometry.size[a];
+        i[a] = index[a] > 0 ? (size_t)index[a] : 0;
+        i[a] = i[a] < n ? i[a] : n - 1;
+    }
+    return in->empty[i[0] + in->coarse->geometry.size[0] * (i[1] + in->coarse->geometry.size[1] * i[2])];
+}
+
+static void add_atomic(int64_t *sum, double seen)
+{
+    const int64_t more = llround(seen / ISO_SMALL_VIEWS_UNIT);
+#pragma omp atomic
+    *sum += more;
+}
+
+/* To the two entries that the value lies between, by what each of them has of the extinction. */
+static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, double value, double seen, bool ghost)
+{
+    const double last = (double)(tf->count - 1), x = (value - tf->lo) / (tf->hi - tf->lo) * last;
+    const double at = x > 0 ? (x < last ? x : last) : 0;
+    const size_t i = at < last ? (size_t)at : tf->count - 2;
+    const double f = at - (double)i, low = (1 - f) * (double)tf->entries[4 * i + 3];
+    const double part = low / (low + f * (double)tf->entries[4 * i + 7]);
+    for (size_t k = 0; k < 2; ++k) {
+        const double more = seen * (k == 0 ? part : 1 - part);
+        add_atomic(rows->seen + i + k, more);
+        if (ghost)
+            add_atomic(rows->ghost + i + k, more);
+    }
+}
+
+/* One pixel of all pictures: level 0's, then one for each transfer function; and what of it is seen where level 0 is empty. */
+static void march(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixels[PICTURES][4],
+                  double ghosts[PICTURES])
 {
     const double scale = ldexp(1, -(int)in->level);
+    double rgbs[4];
     long first, last;
     for (size_t i = 0; i <= in->tf_count; ++i)
-        pixels[i][0] = pixels[i][1] = pixels[i][2] = 0, pixels[i][3] = 1;
+        pixels[i][0] = pixels[i][1] = pixels[i][2] = ghosts[i] = 0, pixels[i][3] = 1;
     clip_to_box(c, &in->fine->geometry, from, &first, &last);
     for (long k = first; k <= last; ++k) {
         const iso_vec3 p = iso_madd(from, c->direction, (double)k);
+        const double coarse_index[3] = {scale * p.x, scale * p.y, scale * p.z};
         bool all_opaque = true;
-        if (pixels[0][3] > OPAQUE)
-            add_step(in->original, sample(in->fine, (double[]){p.x, p.y, p.z}), c->step_mm, pixels[0]);
+        if (pixels[0][3] > OPAQUE) {
+            const place at = find_place(&in->fine->geometry, (double[]){p.x, p.y, p.z});
+            iso_tf_lookup(in->original, sample(in->fine->scalar, &at), rgbs);
+            add_step(rgbs, c->step_mm, pixels[0]);
+        }
         for (size_t i = 0; i <= in->tf_count; ++i)
             all_opaque = all_opaque && pixels[i][3] <= OPAQUE;
         if (all_opaque)
             break;
-        const double value = sample(in->coarse, (double[]){scale * p.x, scale * p.y, scale * p.z});
-        for (size_t i = 0; i < in->tf_count; ++i)
-            add_step(in->tfs[i], value, c->step_mm, pixels[1 + i]);
+        const place at = find_place(&in->coarse->geometry, coarse_index);
+        const double value = sample(in->coarse->scalar, &at);
+        const bool empty = in->empty && is_empty(in, coarse_index);
+        for (size_t i = 0; i < in->tf_count; ++i) {
+            look_up(in, i, &at, value, rgbs);
+            const double seen = add_step(rgbs, c->step_mm, pixels[1 + i]);
+            ghosts[1 + i] += empty ? seen : 0;
+            if (in->rows && i + 1 == in->tf_count && seen > 0)
+                note_rows(in->tfs[i], in->rows, value, seen, empty);
+        }
     }
 }
 
-static void draw_view(const iso_small_views_input *in, int view, iso_image pictures[PICTURES])
+static void draw_view(const iso_small_views_input *in, int view, iso_image pictures[PICTURES], int64_t ghosts[PICTURES])
 {
     const small_camera c = frame_box(&in->fine->geometry, view);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(iso_threads(in->threads))
     for (int y = 0; y < PIXELS; ++y)
         for (int x = 0; x < PIXELS; ++x) {
-            double pixels[PICTURES][4];
-            march(in, &c, iso_madd(iso_madd(c.corner, c.right, x), c.down, y), pixels);
+            double pixels[PICTURES][4], ghost[PICTURES];
+            march(in, &c, iso_madd(iso_madd(c.corner, c.right, x), c.down, y), pixels, ghost);
             for (size_t i = 0; i <= in->tf_count; ++i) {
                 float *to = pictures[i].rgba + 4 * (size_t)(y * PIXELS + x);
                 for (int k = 0; k < 3; ++k)
                     to[k] = (float)pixels[i][k];
                 to[3] = (float)(1 - pixels[i][3]);
+                add_atomic(&ghosts[i], i == 0 ? 1 - pixels[0][3] : ghost[i]); /* of level 0: all that it shows */
             }
         }
 }
@@ -176,18 +263,21 @@ iso_status iso_small_views_compare(const iso_small_views_input *in,
                                    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS], iso_error *err)
 {
     iso_image pictures[PICTURES] = {{0}};
+    int64_t ghosts[PICTURES] = {0};
     iso_status status = ISO_OK;
     for (size_t i = 0; i <= in->tf_count && status == ISO_OK; ++i)
         status = iso_image_create(&pictures[i], PIXELS, PIXELS, err);
     for (size_t i = 0; i < in->tf_count; ++i)
         errors[i] = (iso_small_views_error){0};
     for (int view = 0; view < ISO_SMALL_VIEWS_COUNT && status == ISO_OK; ++view) {
-        draw_view(in, view, pictures);
+        draw_view(in, view, pictures, ghosts);
         for (size_t i = 0; i < in->tf_count && status == ISO_OK; ++i)
             status = add_error(&pictures[0], &pictures[1 + i], view, &errors[i], err);
     }
-    for (size_t i = 0; i < in->tf_count; ++i)
+    for (size_t i = 0; i < in->tf_count; ++i) {
         errors[i].rmse = sqrt(errors[i].rmse);
+        errors[i].ghost = ghosts[0] > 0 ? (double)ghosts[1 + i] / (double)ghosts[0] : 0;
+    }
     for (size_t i = 0; i <= in->tf_count; ++i)
         iso_image_destroy(&pictures[i]);
     return status;

@@ -13,14 +13,24 @@
 
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
+#include "tf/tf_2d.h"
 
+#define ISO_SMALL_VIEWS_MAX_VOXELS ((size_t)1 << 28) /* of a level 0 that is looked at */
 enum { ISO_SMALL_VIEWS_COUNT = 12, ISO_SMALL_VIEWS_PIXELS = 64, ISO_SMALL_VIEWS_MAX_TFS = 4 };
 
 typedef struct iso_small_views_error {
     double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM, as compare/ssim.h */
     double ssim_dissimilarity;             /* their mean */
     double rmse;                           /* of linear colour, over all views */
+    double ghost;                          /* with a mask: what is seen where level 0 shows nothing (tf/ghost.h) */
 } iso_small_views_error;
+
+/* What is seen of each entry of a table, over all pixels, in units of ISO_SMALL_VIEWS_UNIT: where level 0 shows nothing,
+ * and everywhere. Integers, which come out alike whatever thread adds what. */
+#define ISO_SMALL_VIEWS_UNIT 0x1p-32
+typedef struct iso_small_views_rows {
+    int64_t *ghost, *seen; /* of as many entries as the last of `tfs` has; zeros before */
+} iso_small_views_rows;
 
 /* What is compared: level 0 through `original` is what `coarse` should look like through each of `tfs`. */
 typedef struct iso_small_views_input {
@@ -28,7 +38,11 @@ typedef struct iso_small_views_input {
     size_t level;                   /* of the coarse one */
     const iso_tf_table *original;
     const iso_tf_table *tfs[ISO_SMALL_VIEWS_MAX_TFS]; /* of the coarse level */
+    const iso_tf_2d *tfs_2d[ISO_SMALL_VIEWS_MAX_TFS]; /* instead of the one above, or NULL */
+    const float *octaves[ISO_SMALL_VIEWS_MAX_TFS];    /* log2 of what scales the extinction, a coarse voxel each, or NULL */
     size_t tf_count;
+    const uint8_t *empty;             /* of the coarse level: whether level 0 shows nothing there (tf/ghost.h), or NULL */
+    const iso_small_views_rows *rows; /* of the last of `tfs`, with a mask; or NULL */
     int threads;
 } iso_small_views_input;
 

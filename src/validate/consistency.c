@@ -132,16 +132,18 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
                                   iso_measured_level views, iso_error *err)
 {
     const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
-    char name[64], why[160];
+    char name[64], why[224];
     iso_status status = ISO_OK;
     row.adapted = true;
     views.use = ISO_USE_ADAPTED;
     if (judgment->use_original) {
         if (judgment->seen)
             snprintf(why, sizeof why,
-                     "in small views the adapted TF has 1-SSIM %.3g and RMSE %.3g, the original one %.3g and %.3g",
+                     "in small views the adapted TF has 1-SSIM %.3g and RMSE %.3g, the original one %.3g and %.3g; it "
+                     "draws a ghost of %.2g %%",
                      judgment->seen_adapted.ssim_dissimilarity, judgment->seen_adapted.rmse,
-                     judgment->seen_original.ssim_dissimilarity, judgment->seen_original.rmse);
+                     judgment->seen_original.ssim_dissimilarity, judgment->seen_original.rmse,
+                     100 * judgment->seen_adapted.ghost);
         else
             snprintf(why, sizeof why,
                      "adapted, the TF would be %.3g off at the voxels (RMS), and the original is %.3g off",

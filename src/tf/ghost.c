@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+#include "tf/ghost.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+
+enum { ROUNDS = 4 };
+
+/* ---- where level 0 shows nothing --------------------------------------------------------------------------------- */
+
+/* How many of a table's entries below each one show something. */
+static uint32_t *count_shown(const iso_tf_table *tf, double length_mm)
+{
+    const double least = -log1p(-ISO_GHOST_TRANSPARENT) / length_mm;
+    uint32_t *below = calloc(tf->count + 1, sizeof *below);
+    for (size_t i = 0; below && i < tf->count; ++i)
+        below[i + 1] = below[i] + ((double)tf->entries[4 * i + 3] >= least);
+    return below;
+}
+
+static double entry_of(const iso_tf_table *tf, double value)
+{
+    const double last = (double)(tf->count - 1), x = (value - tf->lo) / (tf->hi - tf->lo) * last;
+    return x > 0 ? (x < last ? x : last) : 0;
+}
+
+/* Whether a value between the two shows anything: one of the entries that its values lie between. */
+static bool shows(const iso_tf_table *tf, const uint32_t *below, double min, double max)
+{
+    const size_t first = (size_t)entry_of(tf, min), end = (size_t)ceil(entry_of(tf, max)) + 1;
+    return below[end] > below[first];
+}
+
+typedef struct range {
+    float min, max;
+} range;
+
+static range range_of_block(const iso_level *fine, const size_t begin[3], const size_t end[3])
+{
+    const size_t *n = fine->geometry.size;
+    range r = {INFINITY, -INFINITY};
+    for (size_t z = begin[2]; z < end[2]; ++z)
+        for (size_t y = begin[1]; y < end[1]; ++y) {
+            const float *row = fine->scalar + n[0] * (y + n[1] * z);
+            for (size_t x = begin[0]; x < end[0]; ++x) {
+                r.min = fminf(r.min, row[x]);
+                r.max = fmaxf(r.max, row[x]);
+            }
+        }
+    return r;
+}
+
+static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
+                       const uint32_t *below, int threads, uint8_t *empty)
+{
+    const size_t *n = coarse->size, *fine_size = fine->geometry.size, half = ((size_t)1 << level) / 2;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y)
+            for (size_t x = 0; x < n[0]; ++x) {
+                const size_t at[3] = {x, y, z};
+                size_t begin[3], end[3];
+                for (int a = 0; a < 3; ++a) {
+                    const size_t first = at[a] << level, past = (at[a] + 1) << level;
+                    begin[a] = first > half ? first - half : 0;
+                    end[a] = past + half < fine_size[a] ? past + half : fine_size[a];
+                }
+                const range r = range_of_block(fine, begin, end);
+                empty[x + n[0] * (y + n[1] * z)] = !shows(tf, below, (double)r.min, (double)r.max);
+            }
+}
+
+iso_status iso_ghost_mask(const iso_level *fine, const iso_level *coarse, size_t level, const iso_tf_table *original,
+                          int threads, uint8_t **empty, iso_error *err)
+{
+    uint32_t *below = count_shown(original, iso_geometry_min_spacing_mm(&fine->geometry));
+    *empty = malloc(iso_geometry_voxel_count(&coarse->geometry));
+    if (below && *empty) {
+        mark_empty(fine, &coarse->geometry, level, original, below, iso_threads(threads), *empty);
+        free(below);
+        return ISO_OK;
+    }
+    free(below);
+    free(*empty);
+    *empty = NULL;
+    return iso_fail(err, ISO_E_MEMORY, "ghost: no memory for a byte a voxel of level %zu", level);
+}
+
+iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_table *original, const iso_tf_table *tf,
+                             const iso_tf_2d *tf_2d, int threads, double *ghost, iso_error *err)
+{
+    iso_small_views_error seen[ISO_SMALL_VIEWS_MAX_TFS];
+    iso_small_views_input in = {.fine = &p->levels[0],
+                                .coarse = &p->levels[level],
+                                .level = level,
+                                .original = original,
+                                .tfs = {tf},
+                                .tfs_2d = {tf_2d},
+                                .tf_count = 1,
+                                .threads = threads};
+    uint8_t *empty = NULL;
+    *ghost = 0;
+    if (!in.fine->scalar || !in.coarse->scalar ||
+        iso_geometry_voxel_count(&in.fine->geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
+        return ISO_OK;
+    iso_status status = iso_ghost_mask(in.fine, in.coarse, level, original, threads, &empty, err);
+    in.empty = empty;
+    if (status == ISO_OK)
+        status = iso_small_views_compare(&in, seen, err);
+    *ghost = status == ISO_OK ? seen[0].ghost : 0;
+    free(empty);
+    return status;
+}
+
+/* ---- a transfer function without ghosts --------------------------------------------------------------------------- */
+
+/* The extinction of the original transfer function, where it is less. */
+static bool give_back(const iso_tf_table *original, iso_tf_table *adapted, size_t entry)
+{
+    const double step = (adapted->hi - adapted->lo) / (double)(adapted->count - 1);
+    double rgbs[4];
+    iso_tf_lookup(original, adapted->lo + (double)entry * step, rgbs);
+    if (!(rgbs[3] < (double)adapted->entries[4 * entry + 3]))
+        return false;
+    adapted->entries[4 * entry + 3] = (float)rgbs[3];
+    return true;
+}
+
+/* One round: the entries of which too much of what is seen is ghost. */
+static size_t give_ghosts_back(const iso_tf_table *original, const iso_small_views_rows *rows, iso_tf_table *adapted)
+{
+    size_t given = 0;
+    for (size_t i = 0; i < adapted->count; ++i)
+        if (rows->ghost[i] > 0 && (double)rows->ghost[i] >= ISO_GHOST_SHARE * (double)rows->seen[i])
+            given += give_back(original, adapted, i);
+    return given;
+}
+
+iso_status iso_ghost_remove(const iso_small_views_input *in, iso_tf_table *adapted, size_t *given_back, iso_error *err)
+{
+    const size_t n = adapted->count;
+    int64_t *sums = malloc(2 * n * sizeof *sums);
+    iso_status status = sums ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for %zu entries", n);
+    size_t given = 1;
+    *given_back = 0;
+    for (int round = 0; round < ROUNDS && given > 0 && status == ISO_OK; ++round) {
+        const iso_small_views_rows rows = {sums, sums + n};
+        iso_small_views_error seen[ISO_SMALL_VIEWS_MAX_TFS];
+        iso_small_views_input own = *in;
+        memset(sums, 0, 2 * n * sizeof *sums);
+        own.tfs[0] = adapted;
+        own.tf_count = 1;
+        own.rows = &rows;
+        status = iso_small_views_compare(&own, seen, err);
+        if (status != ISO_OK || seen[0].ghost <= ISO_GHOST_LIMIT / 10)
+            break;
+        given = give_ghosts_back(in->original, &rows, adapted);
+        *given_back += given;
+    }
+    free(sums);
+    return status;
+}
