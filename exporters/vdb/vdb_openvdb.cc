@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+#include "vdb/vdb_tree.h"
 #include "vdb/vdb_openvdb.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <list>
 #include <new>
 
 #include <openvdb/io/Archive.h>
@@ -49,85 +51,60 @@ struct archive : openvdb::io::Archive {
     }
 };
 
-long clamp(long v, long size)
+/* Which of the eight voxels from x on of row (y, z) are active; x, y, z counted from the first voxel. What lies beyond
+ * the rim is not. */
+void read_active_row(const iso_vdb_source &s, const long at[3], unsigned char *row)
 {
-    return v < 0 ? 0 : v < size ? v : size - 1;
-}
-
-/* Row (y, z) of eight voxels from x on, with edge values where it leaves the volume. */
-void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
-{
-    const long nx = static_cast<long>(s.size[0]);
-    const long first = clamp(x, nx), last = clamp(x + 7, nx);
-    float inside[24];
-    s.read(s.user, static_cast<size_t>(first), static_cast<size_t>(clamp(y, static_cast<long>(s.size[1]))),
-           static_cast<size_t>(clamp(z, static_cast<long>(s.size[2]))), static_cast<size_t>(last - first + 1), inside);
-    for (long i = 0; i < 8; ++i)
-        for (int c = 0; c < s.channels; ++c)
-            row[i * s.channels + c] = inside[(clamp(x + i, nx) - first) * s.channels + c];
-}
-
-void take(const float *v, float &out)
-{
-    out = v[0];
-}
-void take(const float *v, openvdb::Vec3f &out)
-{
-    out = openvdb::Vec3f(v[0], v[1], v[2]);
-}
-
-/* Eight voxels from x on of row (y, z): which are active. Nothing is beyond a volume whose voxels are not all
- * active. */
-void read_active_row(const iso_vdb_source &s, long x, long y, long z, unsigned char *row)
-{
-    std::fill_n(row, 8, static_cast<unsigned char>(!s.read_active));
-    if (!s.read_active || y < 0 || z < 0 || y >= static_cast<long>(s.size[1]) || z >= static_cast<long>(s.size[2]))
+    const long pad = static_cast<long>(s.pad);
+    long size[3];
+    std::fill_n(row, 8, static_cast<unsigned char>(0));
+    for (int a = 0; a < 3; ++a)
+        size[a] = static_cast<long>(s.size[a]) + 2 * pad;
+    const long x = at[0] + pad, y = at[1] + pad, z = at[2] + pad;
+    const long first = std::max(x, 0L), end = std::min(x + 8, size[0]);
+    if (y < 0 || z < 0 || y >= size[1] || z >= size[2] || first >= end)
         return;
-    const long first = std::max(x, 0L), end = std::min(x + 8, static_cast<long>(s.size[0]));
-    if (first < end)
-        s.read_active(s.user, static_cast<size_t>(first), static_cast<size_t>(y), static_cast<size_t>(z),
+    if (!s.read_active)
+        std::fill(row + (first - x), row + (end - x), static_cast<unsigned char>(1));
+    else
+        s.read_active(s.active_user, static_cast<size_t>(first), static_cast<size_t>(y), static_cast<size_t>(z),
                       static_cast<size_t>(end - first), row + (first - x));
 }
 
-/* The active voxels [lo, hi) of one leaf at block; a leaf is made when there is one. */
-template <typename Grid>
-void fill_leaf(Grid &grid, const iso_vdb_source &s, const long block[3], const long lo[3], const long hi[3])
+/* The active voxels of the leaf at `block`. */
+openvdb::util::NodeMask<3> active_voxels(const iso_vdb_source &s, const long block[3])
 {
-    typename Grid::TreeType::LeafNodeType *leaf = nullptr;
-    for (long z = std::max(block[2], lo[2]); z < std::min(block[2] + 8, hi[2]); ++z)
-        for (long y = std::max(block[1], lo[1]); y < std::min(block[1] + 8, hi[1]); ++y) {
-            float row[24];
-            unsigned char active[8];
-            const long x0 = block[0] - s.first[0], y0 = y - s.first[1], z0 = z - s.first[2];
-            read_active_row(s, x0, y0, z0, active);
-            read_row(s, x0, y0, z0, row);
-            for (long x = std::max(block[0], lo[0]); x < std::min(block[0] + 8, hi[0]); ++x) {
-                if (!active[x - block[0]])
-                    continue;
-                const Coord at(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z));
-                typename Grid::ValueType value;
-                take(row + (x - block[0]) * s.channels, value);
-                leaf = leaf ? leaf : grid.tree().touchLeaf(at);
-                leaf->setValueOn(at, value);
-            }
+    openvdb::util::NodeMask<3> mask;
+    unsigned char row[8];
+    for (int z = 0; z < 8; ++z)
+        for (int y = 0; y < 8; ++y) {
+            const long at[3] = {block[0] - s.first[0], block[1] + y - s.first[1], block[2] + z - s.first[2]};
+            read_active_row(s, at, row);
+            for (int x = 0; x < 8; ++x)
+                if (row[x])
+                    mask.setOn(static_cast<openvdb::Index>(64 * x + 8 * y + z));
         }
+    return mask;
 }
 
-/* Every active voxel of the padded volume is set in a leaf of its own 8 x 8 x 8
- * block: no tiles, which Cycles misreads, and no value is taken for background. */
-template <typename Grid> void fill(Grid &grid, const iso_vdb_source &s)
+/* A leaf for each 8 x 8 x 8 block that has an active voxel: no tiles, which Cycles misreads. */
+template <typename Tree> void fill(Tree &tree, const iso_vdb_source &s)
 {
     const long pad = static_cast<long>(s.pad);
     long lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {
-        lo[a] = s.first[a] - pad;
+        lo[a] = (s.first[a] - pad) & ~7L;
         hi[a] = s.first[a] + static_cast<long>(s.size[a]) + pad;
     }
-    for (long bz = lo[2] & ~7L; bz < hi[2]; bz += 8)
-        for (long by = lo[1] & ~7L; by < hi[1]; by += 8)
-            for (long bx = lo[0] & ~7L; bx < hi[0]; bx += 8) {
-                const long block[3] = {bx, by, bz};
-                fill_leaf(grid, s, block, lo, hi);
+    for (long z = lo[2]; z < hi[2]; z += 8)
+        for (long y = lo[1]; y < hi[1]; y += 8)
+            for (long x = lo[0]; x < hi[0]; x += 8) {
+                const long block[3] = {x, y, z};
+                const auto mask = active_voxels(s, block);
+                if (mask.isOff())
+                    continue;
+                const Coord origin(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z));
+                tree.add(origin, mask);
             }
 }
 
@@ -141,6 +118,8 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.setName(s.name);
     grid.setCreator(s.creator);
     grid.setSaveFloatAsHalf(s.half_float);
+    if (s.fog_volume)
+        grid.setGridClass(openvdb::GRID_FOG_VOLUME);
     if (s.channels == 3) {
         grid.setVectorType(openvdb::VEC_COVARIANT);
         grid.setIsInWorldSpace(true);
@@ -157,6 +136,8 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.insertMeta("isoshade_size",
                     openvdb::Vec3IMetadata(openvdb::Vec3i(static_cast<int>(s.size[0]), static_cast<int>(s.size[1]),
                                                           static_cast<int>(s.size[2]))));
+    if (s.direction_scale != 1)
+        grid.insertMeta("isoshade_direction_scale", openvdb::DoubleMetadata(s.direction_scale));
     if (s.reversed_x)
         grid.insertMeta("isoshade_reversed_x", openvdb::BoolMetadata(true));
     grid.insertMeta("isoshade_made_from", openvdb::StringMetadata(s.made_from));
@@ -165,14 +146,17 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.insertMeta("isoshade_meaning", openvdb::StringMetadata(s.meaning));
 }
 
-template <typename Grid> openvdb::GridBase::Ptr build(const iso_vdb_source &s)
+template <typename Value> openvdb::GridBase::Ptr build(const iso_vdb_source &s)
 {
-    typename Grid::ValueType background;
+    using Tree = iso_vdb::written_tree<Value>;
+    using Grid = openvdb::Grid<typename openvdb::tree::Tree4<Value, 5, 4, 3>::Type>;
+    Value background;
     const float empty[3] = {s.channels == 1 ? s.background : 0, 0, 0};
-    take(empty, background);
-    typename Grid::Ptr grid = Grid::create(background);
+    iso_vdb::take(empty, background);
+    const auto tree = std::make_shared<Tree>(background, &s);
+    fill(*tree, s);
+    const typename Grid::Ptr grid = Grid::create(tree);
     describe(*grid, s);
-    fill(*grid, s);
     return grid;
 }
 
@@ -208,7 +192,9 @@ void read_info(const openvdb::GridBase &grid, const size_t size[3], iso_vdb_grid
 } // namespace
 
 struct iso_vdb_file {
+    std::list<iso_vdb_source> sources;
     openvdb::GridCPtrVec grids;
+    openvdb::MetaMap about;
 };
 
 iso_vdb_file *iso_vdb_file_create(void)
@@ -226,8 +212,17 @@ iso_vdb_file *iso_vdb_file_create(void)
 int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
 {
     return guarded(message, [&] {
-        file->grids.push_back(source->channels == 3 ? build<openvdb::Vec3SGrid>(*source)
-                                                    : build<openvdb::FloatGrid>(*source));
+        file->sources.push_back(*source); /* stays where it is: the leaves read from it */
+        const iso_vdb_source &own = file->sources.back();
+        file->grids.push_back(own.channels == 3 ? build<openvdb::Vec3f>(own) : build<float>(own));
+        return static_cast<int>(ISO_OPENVDB_OK);
+    });
+}
+
+int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message)
+{
+    return guarded(message, [&] {
+        file->about.insertMeta(key, openvdb::StringMetadata(text));
         return static_cast<int>(ISO_OPENVDB_OK);
     });
 }
@@ -238,7 +233,7 @@ int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_messa
         std::ofstream out;
         out.exceptions(std::ios::failbit | std::ios::badbit);
         out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
-        archive().save(out, file->grids, openvdb::MetaMap());
+        archive().save(out, file->grids, file->about);
         out.close();
         return static_cast<int>(ISO_OPENVDB_OK);
     });

@@ -29,13 +29,18 @@ typedef struct iso_vdb_source {
     double index_to_world[3][4];
     /* Copies `count` voxels of the row (y, z) from x on, `channels` floats each. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
-    /* Which of these voxels are active: all, or a byte each; NULL: all. Others are background. */
-    void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user;
+    /* Which voxels are active, a byte each, of the row (y, z) from x on, counted with the rim; NULL: all. Others are
+     * background. */
+    void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
+    const void *active_user;
     float background;
+    bool fog_volume;
+    double direction_scale;      /* that vectors are multiplied by; 1 else */
     bool half_float, reversed_x; /* reversed_x: what is given runs along x the other way than the volume does */
     const char *creator, *made_from, *meaning;
-    const char *labels; /* of a label map: its segments as JSON (volume/segments.h), "[]" where none are named; else NULL */
+    const char
+        *labels; /* of a label map: its segments as JSON (volume/segments.h), "[]" where none are named; else NULL */
     int level;
     double value_min, value_max, box_index[3], spacing_mm[3];
     const char *unit; /* of the transform; "" where it has no name */
@@ -46,8 +51,11 @@ typedef struct iso_vdb_file iso_vdb_file;
 
 /* NULL when memory ends. */
 iso_vdb_file *iso_vdb_file_create(void);
-/* Builds the grid's tree in memory. */
+/* Asks which voxels are active. Their values are read by iso_vdb_file_write(), in no order, so that what the source's
+ * users point to has to stay until then. */
 int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
+/* An entry of the file's own metadata. */
+int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);
 int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_message *message);
 void iso_vdb_file_destroy(iso_vdb_file *file); /* accepts NULL */
 

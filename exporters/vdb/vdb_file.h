@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/* vdb_file.h - how a file of grids comes about; private to this folder.
+ *
+ *   vdb.c            saving: metadata, units, and the file
+ *   vdb_grids.c      the grids of a level and of a lattice, as sources of rows
+ *   vdb_sparse.c     which voxels of a level are active
+ *   vdb_read.c       reading back, measuring
+ *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory */
+#ifndef ISO_VDB_FILE_H
+#define ISO_VDB_FILE_H
+
+#include "vdb/vdb.h"
+#include "vdb/vdb_openvdb.h"
+#include "vdb/vdb_sparse.h"
+
+/* Rows that run the other way. */
+typedef struct iso_vdb_reversed {
+    void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+    void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
+    const void *user, *active_user;
+    size_t width, wide; /* of rows; with the rim */
+    size_t channels;
+} iso_vdb_reversed;
+
+enum { ISO_VDB_MAX_GRIDS = 4 };
+
+/* What the grids of a level are read from. It stays where it is until the file is written. */
+typedef struct iso_vdb_grids {
+    const iso_level *level;
+    iso_code code;
+    const uint8_t *tf_2d, *extinction_scale;
+    float direction_scale;
+    iso_vdb_activity activity; /* owned; empty: all voxels are active */
+    iso_vdb_reversed reversed[ISO_VDB_MAX_GRIDS];
+} iso_vdb_grids;
+
+/* What is being saved. */
+typedef struct iso_vdb_job {
+    iso_vdb_file *file;
+    const char *path;
+    const iso_vdb_options *opt;
+    bool plain_names;
+} iso_vdb_job;
+
+/* Fills in what a level and a lattice have alike. */
+iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt);
+iso_status iso_vdb_fail(int code, const char *path, const iso_vdb_message *message, iso_error *err);
+
+/* Adds the grids of level k to the file; shown: of this level, or NULL. */
+iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_t k, const iso_vdb_shown *shown,
+                             iso_vdb_grids *grids, iso_error *err);
+iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, const char *made_from,
+                               iso_vdb_grids *grids, iso_error *err);
+void iso_vdb_grids_destroy(iso_vdb_grids *grids); /* accepts empty */
+
+#endif

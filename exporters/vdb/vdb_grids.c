@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/* vdb_grids.c - the grids of a level and of a lattice, as sources of rows. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/extinction_scale.h"
+#include "vdb/vdb_file.h"
+
+typedef void read_row(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
+typedef void read_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
+
+/* ---- rows of a level -------------------------------------------------------------- */
+
+static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
+{
+    return (z * g->size[1] + y) * g->size[0] + x;
+}
+
+static void read_scalar(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const iso_vdb_grids *s = user;
+    memcpy(out, s->level->scalar + voxel_at(&s->level->geometry, x, y, z), count * sizeof *out);
+}
+
+static void read_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const iso_vdb_grids *s = user;
+    iso_code_decode_all(s->code, s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z), out, count);
+    for (size_t i = 0; i < 3 * count && s->direction_scale != 1; ++i)
+        out[i] *= s->direction_scale;
+}
+
+static void read_tf_2d(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const iso_vdb_grids *s = user;
+    const uint8_t *from = s->tf_2d + voxel_at(&s->level->geometry, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = (float)(from[i] / 255.0);
+}
+
+static void read_log2_scale(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const iso_vdb_grids *s = user;
+    const uint8_t *from = s->extinction_scale + voxel_at(&s->level->geometry, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = (float)iso_extinction_scale_log2(from[i]);
+}
+
+static void read_bits(const iso_vdb_activity *a, const uint8_t *bits, const size_t first[3], size_t count,
+                      unsigned char *out)
+{
+    for (size_t i = 0; i < count; ++i)
+        out[i] = iso_vdb_activity_bit(a, bits,
+                                      (const size_t[]){first[0] + i + a->skip, first[1] + a->skip, first[2] + a->skip});
+}
+
+static void read_kept(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const iso_vdb_activity *a = user;
+    read_bits(a, a->kept, (const size_t[]){x, y, z}, count, out);
+}
+
+static void read_lit(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const iso_vdb_activity *a = user;
+    read_bits(a, a->lit, (const size_t[]){x, y, z}, count, out);
+}
+
+/* ---- rows that run the other way --------------------------------------------------- */
+
+bool iso_vdb_reverses_x(const iso_geometry *g)
+{
+    return iso_mat3_det(g->index_to_world) < 0;
+}
+
+/* Index x becomes size - 1 - x, for a transform from the first voxel's centre. */
+static void reverse_x(iso_vdb_source *s)
+{
+    s->reversed_x = true;
+    for (int r = 0; r < 3; ++r) {
+        s->index_to_world[r][3] += s->index_to_world[r][0] * (double)(s->size[0] - 1);
+        s->index_to_world[r][0] = -s->index_to_world[r][0];
+    }
+}
+
+static void read_reversed(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const iso_vdb_reversed *r = user;
+    r->read(r->user, r->width - x - count, y, z, count, out);
+    for (size_t i = 0, j = count - 1; i < j; ++i, --j)
+        for (size_t c = 0; c < r->channels; ++c) {
+            float t = out[r->channels * i + c];
+            out[r->channels * i + c] = out[r->channels * j + c];
+            out[r->channels * j + c] = t;
+        }
+}
+
+static void read_reversed_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const iso_vdb_reversed *r = user;
+    r->read_active(r->active_user, r->wide - x - count, y, z, count, out);
+    for (size_t i = 0, j = count - 1; i < j; ++i, --j) {
+        unsigned char t = out[i];
+        out[i] = out[j];
+        out[j] = t;
+    }
+}
+
+/* ---- grids -------------------------------------------------------------------------- */
+
+double iso_vdb_direction_scale(iso_code code)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    return info->is_linear && info->is_signed ? 127.0 / 128 : 1;
+}
+
+/* Half floats hold 11 significant bits, from 2^-14 to 65504. */
+static bool is_half(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const uint32_t exponent = bits >> 23 & 0xff;
+    return (bits & 0x1fff) == 0 && ((bits & 0x7fffffff) == 0 || (exponent >= 127 - 14 && exponent <= 127 + 15));
+}
+
+static bool are_halves(const float *values, size_t count)
+{
+    size_t i = 0;
+    while (i < count && is_half(values[i]))
+        ++i;
+    return i == count;
+}
+
+/* Of all grids but the first: from 0 to 1, or what bytes give. */
+static void set_range(iso_vdb_source *s, bool is_log2_scale)
+{
+    s->value_min = is_log2_scale ? iso_extinction_scale_log2(0) : 0;
+    s->value_max = is_log2_scale ? iso_extinction_scale_log2(ISO_EXTINCTION_SCALE_LAST) : 1;
+    s->background = 0;
+}
+
+/* The grids that can be read. `common` is complete but for what tells them apart; its transform is reversed where rows are
+ * to be. */
+typedef struct grid_readers {
+    read_row *scalar, *directions, *tf_2d, *log2_scale;
+    read_activity *kept, *lit; /* of the scalar, of the others */
+    bool reversed, half_scalar;
+} grid_readers;
+
+static void reverse_rows(iso_vdb_source *s, iso_vdb_reversed *r)
+{
+    *r = (iso_vdb_reversed){
+        s->read, s->read_active, s->user, s->active_user, s->size[0], s->size[0] + 2 * s->pad, (size_t)s->channels};
+    s->read = read_reversed;
+    s->user = r;
+    s->read_active = r->read_active ? read_reversed_activity : NULL;
+    s->active_user = r;
+}
+
+static iso_status add_grids(const iso_vdb_job *job, const iso_vdb_source *common, const grid_readers *readers,
+                            iso_vdb_grids *owner, iso_error *err)
+{
+    const struct {
+        const char *base, *meaning;
+        int channels;
+        read_row *read;
+    } grids[ISO_VDB_MAX_GRIDS] = {
+        {"density", "the scalar", 1, readers->scalar},
+        {"gradient", "direction of the scalar's gradient in world axes; length: how far it can be trusted, 0: none", 3,
+         readers->directions},
+        {"second_value", "second value of the 2D transfer function: 0 in its first row, 1 in its last", 1,
+         readers->tf_2d},
+        {"log2_extinction_scale", "the extinction is multiplied by 2 to the power of this", 1, readers->log2_scale}};
+    enum { SCALAR, GRADIENT, SECOND_VALUE, SCALE };
+    for (size_t i = 0; i < ISO_VDB_MAX_GRIDS; ++i) {
+        char name[40];
+        iso_vdb_source source = *common;
+        if (!grids[i].read)
+            continue;
+        snprintf(name, sizeof name, job->plain_names ? "%s" : "%s_level_%d", grids[i].base, source.level);
+        source.name = name;
+        source.channels = grids[i].channels;
+        source.read = grids[i].read;
+        source.read_active = i == SCALAR ? readers->kept : readers->lit;
+        source.meaning = grids[i].meaning;
+        source.direction_scale = i == GRADIENT ? (double)owner->direction_scale : 1;
+        source.half_float = job->opt->half_float || (i == SCALAR && readers->half_scalar) ||
+                            (i == GRADIENT && job->opt->half_directions);
+        if (i != SCALAR)
+            set_range(&source, i == SCALE);
+        if (i != SCALAR)
+            source.labels = NULL;
+        else if (source.labels)
+            source.meaning = "labels, which are looked up without interpolation";
+        source.fog_volume = i == SCALAR && !source.labels && source.value_min >= 0 && source.background == 0;
+        if (readers->reversed)
+            reverse_rows(&source, &owner->reversed[i]);
+        iso_vdb_message message = {""};
+        int code = iso_vdb_file_add(job->file, &source, &message);
+        if (code != ISO_OPENVDB_OK)
+            return iso_vdb_fail(code, job->path, &message, err);
+    }
+    return ISO_OK;
+}
+
+/* Voxel 0 gets the index `first` along each axis, and stays where it is in the world. */
+static void begin_at(iso_vdb_source *source, const long first[3])
+{
+    for (int a = 0; a < 3; ++a) {
+        source->first[a] = first[a];
+        for (int r = 0; r < 3; ++r)
+            source->index_to_world[r][3] -= source->index_to_world[r][a] * (double)first[a];
+    }
+}
+
+iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_t k, const iso_vdb_shown *shown,
+                             iso_vdb_grids *grids, iso_error *err)
+{
+    const iso_level *level = &p->levels[k];
+    const iso_vdb_options *opt = job->opt;
+    const iso_code code = p->options.code;
+    *grids = (iso_vdb_grids){.level = level,
+                             .code = code,
+                             .tf_2d = opt->tf_2d,
+                             .extinction_scale = opt->extinction_scale,
+                             .direction_scale = opt->half_directions ? (float)iso_vdb_direction_scale(code) : 1};
+    iso_vdb_source source = iso_vdb_describe(&level->geometry, p->source, opt);
+    source.pad = opt->pad_voxels;
+    source.user = grids;
+    source.active_user = &grids->activity;
+    source.level = (int)k;
+    source.value_min = level->min;
+    source.value_max = level->max;
+    const bool sparse = shown && !level->labels;
+    if (sparse) {
+        iso_status status = iso_vdb_activity_create(&grids->activity, level, shown, opt->pad_voxels, opt->threads, err);
+        if (status != ISO_OK)
+            return status;
+        source.background = grids->activity.background;
+    }
+    const grid_readers readers = {.scalar = read_scalar,
+                                  .directions = opt->gradient ? read_directions : NULL,
+                                  .tf_2d = opt->tf_2d ? read_tf_2d : NULL,
+                                  .log2_scale = opt->extinction_scale ? read_log2_scale : NULL,
+                                  .kept = sparse ? read_kept : NULL,
+                                  .lit = sparse ? read_lit : NULL,
+                                  .reversed = iso_vdb_reverses_x(&level->geometry),
+                                  .half_scalar = are_halves(level->scalar,
+                                                            iso_geometry_voxel_count(&level->geometry)) &&
+                                                 is_half(source.background)};
+    if (readers.reversed)
+        reverse_x(&source);
+    /* Cycles marks one voxel more on each side as its own, and up to Blender 5.1 it bounds a grid wrongly that then has
+     * negative indices: parts of levels of a few voxels were not drawn (projects.blender.org, issue 141488). */
+    const long first = opt->pad_voxels > 0 ? (long)opt->pad_voxels + 1 : 0;
+    begin_at(&source, (const long[3]){first, first, first});
+    char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
+    if (level->labels)
+        source.labels = segments ? segments : "[]";
+    const iso_status status = add_grids(job, &source, &readers, grids, err);
+    free(segments);
+    return status;
+}
+
+void iso_vdb_grids_destroy(iso_vdb_grids *grids)
+{
+    iso_vdb_activity_destroy(&grids->activity);
+}
+
+/* ---- lattices ------------------------------------------------------------------ */
+
+static const float *lattice_row(const iso_lattice *l, size_t x, size_t y, size_t z)
+{
+    return l->nodes + ISO_NODE_CHANNELS * (x + l->size[0] * (y + l->size[1] * z));
+}
+
+static void read_node_scalars(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const float *row = lattice_row(user, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = row[ISO_NODE_CHANNELS * i];
+}
+
+static void read_node_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const float *row = lattice_row(user, x, y, z);
+    for (size_t i = 0; i < count; ++i)
+        memcpy(out + 3 * i, row + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *out);
+}
+
+static void read_node_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const iso_lattice *l = user;
+    memcpy(out, l->active + x + l->size[0] * (y + l->size[1] * z), count);
+}
+
+/* A multiple of the leaves' size, and of the coarsest bricks', that makes all indices of a lattice positive. */
+static long beginning(long first, long cells)
+{
+    const long margin = first - 2; /* Cycles marks a voxel on each side as its own */
+    return margin < 0 ? cells * ((-margin + cells - 1) / cells) : 0;
+}
+
+iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, const char *made_from,
+                               iso_vdb_grids *grids, iso_error *err)
+{
+    enum { LEAF = 8 };
+    const iso_vdb_options *opt = job->opt;
+    *grids = (iso_vdb_grids){.direction_scale = opt->half_directions ? 127.0F / 128 : 1};
+    iso_vdb_source source = iso_vdb_describe(&l->geometry, made_from, opt);
+    source.user = source.active_user = l;
+    source.level = (int)l->level;
+    source.value_min = l->min;
+    source.value_max = l->max;
+    source.background = (float)l->background;
+    const bool reversed = iso_vdb_reverses_x(&l->geometry);
+    if (reversed)
+        reverse_x(&source);
+    /* Bricks begin where leaves do: the volume's first node, which is also the last along a reversed x, has a multiple of 8
+     * for its index. It is not 0, because a rim lies before it, and Cycles bounds grids with negative indices wrongly. */
+    long first[3] = {reversed ? -l->first[0] - (long)l->size[0] : l->first[0], l->first[1], l->first[2]};
+    for (int a = 0; a < 3; ++a)
+        first[a] += beginning(first[a], LEAF);
+    begin_at(&source, first);
+    const grid_readers readers = {.scalar = read_node_scalars,
+                                  .directions = opt->gradient ? read_node_directions : NULL,
+                                  .kept = read_node_activity,
+                                  .lit = read_node_activity,
+                                  .reversed = reversed};
+    return add_grids(job, &source, &readers, grids, err);
+}
