@@ -8,21 +8,10 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/simd.h"
 #include "pyramid/cascade_spline.h"
-
-ISO_SIMD static void extend_low(const float *restrict row, size_t n, float *restrict low)
-{
-    for (size_t i = 0; i < n; ++i)
-        low[i] = row[i] < low[i] ? row[i] : low[i];
-}
-
-ISO_SIMD static void extend_high(const float *restrict row, size_t n, float *restrict high)
-{
-    for (size_t i = 0; i < n; ++i)
-        high[i] = row[i] > high[i] ? row[i] : high[i];
-}
 
 ISO_SIMD static void halve_mean(const float *restrict v, size_t n, float *restrict out)
 {
@@ -30,16 +19,33 @@ ISO_SIMD static void halve_mean(const float *restrict v, size_t n, float *restri
         out[i] = 0.5f * (v[2 * i] + v[2 * i + 1]);
 }
 
-ISO_SIMD static void halve_low(const float *restrict v, size_t n, float *restrict out)
+/* Pairs of voxels of two rows, a and b: half of their mean is added, their range extends that of the voxel. */
+ISO_SIMD static void add_mean(const float *restrict a, const float *restrict b, size_t n, float *restrict plane)
 {
-    for (size_t i = 0; i < n; ++i)
-        out[i] = v[2 * i + 1] < v[2 * i] ? v[2 * i + 1] : v[2 * i];
+    for (size_t i = 0; i < n; ++i) {
+        const float first = 0.5f * a[2 * i] + 0.5f * b[2 * i], second = 0.5f * a[2 * i + 1] + 0.5f * b[2 * i + 1];
+        plane[i] += 0.5f * (0.5f * (first + second));
+    }
 }
 
-ISO_SIMD static void halve_high(const float *restrict v, size_t n, float *restrict out)
+ISO_SIMD static void extend_low(const float *restrict a, const float *restrict b, size_t n, float *restrict plane)
 {
-    for (size_t i = 0; i < n; ++i)
-        out[i] = v[2 * i + 1] > v[2 * i] ? v[2 * i + 1] : v[2 * i];
+    for (size_t i = 0; i < n; ++i) {
+        const float first = b[2 * i] < a[2 * i] ? b[2 * i] : a[2 * i],
+                    second = b[2 * i + 1] < a[2 * i + 1] ? b[2 * i + 1] : a[2 * i + 1],
+                    low = second < first ? second : first;
+        plane[i] = low < plane[i] ? low : plane[i];
+    }
+}
+
+ISO_SIMD static void extend_high(const float *restrict a, const float *restrict b, size_t n, float *restrict plane)
+{
+    for (size_t i = 0; i < n; ++i) {
+        const float first = b[2 * i] > a[2 * i] ? b[2 * i] : a[2 * i],
+                    second = b[2 * i + 1] > a[2 * i + 1] ? b[2 * i + 1] : a[2 * i + 1],
+                    high = second > first ? second : first;
+        plane[i] = high > plane[i] ? high : plane[i];
+    }
 }
 
 static void fill(float value, size_t n, float *row)
@@ -80,61 +86,83 @@ static float *own_row(const spline_level *s, int number, size_t y, size_t z)
 
 size_t iso_own_scratch(const spline_level *s)
 {
-    return 4 * iso_spline_padded(&s->axis[0]);
+    return 2 * iso_spline_padded(&s->axis[0]);
 }
 
 void iso_own_begin(const spline_level *s, size_t z, size_t j0, size_t j1, float *memory, own_rows *t)
 {
     const size_t padded = iso_spline_padded(&s->axis[0]);
-    *t = (own_rows){.z = z, .j0 = j0, .j1 = j1, .row = SIZE_MAX, .sums = {memory}};
-    for (int i = 1; i < 4; ++i)
-        t->sums[i] = t->sums[i - 1] + padded;
+    *t = (own_rows){.z = z, .j0 = j0, .j1 = j1, .row = SIZE_MAX, .sums = {memory, memory + padded}};
 }
 
-/* One number of the rows that were added, reduced along x and put to the plane. */
-static void close_number(const spline_level *s, const own_rows *t, int number)
+/* ---- rows of level 1: the two fine rows of a row of own voxels are kept, and go into its planes together ---- */
+
+enum { FIRST, SECOND };
+
+static void close_pair(const spline_level *s, own_rows *t)
+{
+    const size_t nx = s->axis[0].coarse, n = s->axis[0].fine;
+    float *a = t->sums[FIRST], *b = t->sums[SECOND], *planes[NUMBERS];
+    for (int i = 0; i < NUMBERS; ++i) {
+        planes[i] = own_row(s, i, t->row, t->z / 2);
+        if (t->z % 2 == 0)
+            fill(empty[i], nx, planes[i]);
+    }
+    if (t->count == 1)
+        fill(0, 2 * nx, b);
+    if (n < 2 * nx) /* beyond the volume zeros in the mean ... */
+        a[n] = b[n] = 0;
+    add_mean(a, b, nx, planes[MEAN]);
+    if (n < 2 * nx) { /* ... and nothing in the range */
+        a[n] = a[n - 1];
+        b[n] = b[n - 1];
+    }
+    extend_low(a, t->count == 1 ? a : b, nx, planes[LOW]);
+    extend_high(a, t->count == 1 ? a : b, nx, planes[HIGH]);
+}
+
+/* ---- rows of coarser levels: added up, and reduced along x ---- */
+
+static void close_sums(const spline_level *s, const own_rows *t)
 {
     const size_t nx = s->axis[0].coarse, ratio = s->axis[0].ratio;
-    float *from = t->sums[number], *to = t->sums[NUMBERS], *plane = own_row(s, number, t->row, t->z / ratio);
+    float *from = t->sums[0], *to = t->sums[1], *plane = own_row(s, MEAN, t->row, t->z / ratio);
     for (size_t n = nx * ratio / 2; n >= nx; n /= 2) {
-        if (number == MEAN)
-            halve_mean(from, n, to);
-        else
-            (number == LOW ? halve_low : halve_high)(from, n, to);
+        halve_mean(from, n, to);
         float *used = from;
         from = to, to = used;
     }
     if (t->z % ratio == 0)
-        fill(empty[number], nx, plane);
-    if (number == MEAN)
-        iso_add_weighted_row((float)(1 / (double)ratio), from, nx, plane);
-    else
-        (number == LOW ? extend_low : extend_high)(from, nx, plane);
+        fill(empty[MEAN], nx, plane);
+    iso_add_weighted_row((float)(1 / (double)ratio), from, nx, plane);
 }
 
 void iso_own_end(const spline_level *s, own_rows *t)
 {
-    for (int i = 0; i < (int)numbers_of(s) && t->row != SIZE_MAX; ++i)
-        close_number(s, t, i);
+    if (t->row != SIZE_MAX && numbers_of(s) == NUMBERS)
+        close_pair(s, t);
+    else if (t->row != SIZE_MAX)
+        close_sums(s, t);
     t->row = SIZE_MAX;
 }
 
 void iso_own_row(const spline_level *s, size_t y, const float *row, own_rows *t)
 {
     const size_t ratio = s->axis[1].ratio, j = y / ratio, n = s->axis[0].fine;
+    const bool has_range = numbers_of(s) == NUMBERS;
     if (j < t->j0 || j >= t->j1)
         return;
     if (j != t->row) {
         iso_own_end(s, t);
         t->row = j;
-        for (int i = 0; i < (int)numbers_of(s); ++i)
-            fill(empty[i], s->axis[0].coarse * ratio, t->sums[i]);
+        t->count = 0;
+        if (!has_range)
+            fill(empty[MEAN], s->axis[0].coarse * ratio, t->sums[0]);
     }
-    iso_add_weighted_row((float)(1 / (double)ratio), row, n, t->sums[MEAN]);
-    if (numbers_of(s) == NUMBERS) {
-        extend_low(row, n, t->sums[LOW]);
-        extend_high(row, n, t->sums[HIGH]);
-    }
+    if (has_range)
+        memcpy(t->sums[t->count++], row, n * sizeof *row);
+    else
+        iso_add_weighted_row((float)(1 / (double)ratio), row, n, t->sums[0]);
 }
 
 void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cell_z, const float *means, size_t cells)

@@ -51,7 +51,8 @@ static inline float *spline_scratch(const spline_run *r)
 /* cascade_own.c: of damped levels. Fine rows of plane z, added to the own voxels of coarse rows j0 .. j1 - 1. */
 typedef struct own_rows {
     size_t z, j0, j1, row;
-    float *sums[4];
+    size_t count;   /* at level 1: fine rows that are kept, 1 or 2 */
+    float *sums[2]; /* ... these; of coarser levels a sum and what it is reduced to */
 } own_rows;
 bool iso_own_create(spline_level *s);
 size_t iso_own_floats(const spline_level *s);
