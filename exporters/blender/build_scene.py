@@ -68,12 +68,16 @@ def build(about, shift):
     configure(scene, about)
     scene.unit_settings.scale_length = 0.001 / about["units_per_mm"]
     scene.unit_settings.length_unit = 'MILLIMETERS'
-    frame = frame_object(about, scene.collection)
+    collection = bpy.data.collections.new(about["name"])
+    scene.collection.children.link(collection)
+    frame = frame_object(about, collection)
     look = material(about, frame)
-    add_levels(about, shift, frame, look, scene.collection)
+    add_levels(about, shift, frame, look, collection)
+    scene.camera = camera_object(about["camera"], collection)
     if "save" in about:
-        light_handles(about, look, scene.collection)
-    scene.camera = camera_object(about["camera"], scene.collection)
+        light_handles(about, look, collection)
+        missing_signs(about, frame, scene.camera, collection)
+        choose(frame, collection)
     return scene
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a person finds who opens the file: lights to turn, an explanation, windows that show the volume.
+"""What a person finds who opens the file: lights to turn, an explanation.
 
 Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
 """
@@ -50,15 +50,13 @@ def drive(owner, path, index, expression, variables):
 def light_handles(about, look, collection):
     """Turning a sun turns the volume's light: its z axis, from its angles, drives the direction."""
     tree = look.node_tree
-    node = tree.nodes["isoshade"]
     axis = ("cos(z) * sin(y) * cos(x) + sin(z) * sin(x)", "sin(z) * sin(y) * cos(x) - cos(z) * sin(x)", "cos(y) * cos(x)")
     for i, light in enumerate(about["lights"]):
         sun = sun_object(i + 1, light, about, collection)
-        number = list(node.inputs).index(node.inputs[f"Light {i + 1}"])
         for c in range(3):
-            drive(tree, f'nodes["isoshade"].inputs[{number}].default_value', c, axis[c],
+            drive(tree, f'nodes["isoshade"].inputs["Light {i + 1}"].default_value', c, axis[c],
                   {"x": (sun, 'ROT_X'), "y": (sun, 'ROT_Y'), "z": (sun, 'ROT_Z')})
-        drive(tree, f'nodes["isoshade"].inputs[{number + 1}].default_value', None, "energy", {"energy": (sun.data, "energy")})
+        drive(tree, f'nodes["isoshade"].inputs["Intensity {i + 1}"].default_value', None, "energy", {"energy": (sun.data, "energy")})
 
 
 # ---- what a person finds who opens the file --------------------------------------------------------------------
@@ -116,27 +114,3 @@ def explain(about, shift):
     scene["isoshade_origin_mm"] = about["origin_mm"]
     scene["isoshade_units_per_mm"] = about["units_per_mm"]
     scene["isoshade_unit"] = about.get("unit", "")
-
-
-def arrange_windows(scene, about):
-    """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once.
-
-    (Blender opens no file in a rendered view.) EEVEE's slices span the volume."""
-    eevee = scene.eevee
-    position, forward = (Vector(about["camera"][k]) for k in ("position", "forward"))
-    corners = [Matrix(about["box_to_world"]) @ Vector((x, y, z, 1)) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
-    depths = [(corner.xyz - position).dot(forward) for corner in corners]
-    for name, value in (("volumetric_start", max(min(depths), about["camera"]["clip_start"])),
-                        ("volumetric_end", max(depths)), ("volumetric_tile_size", '4'), ("volumetric_samples", 64),
-                        ("volumetric_sample_distribution", 0.0)):
-        if hasattr(eevee, name):
-            setattr(eevee, name, value)
-    for screen in bpy.data.screens:
-        for area in screen.areas:
-            if area.type == 'VIEW_3D':
-                view = area.spaces.active
-                view.shading.type = 'MATERIAL'
-                view.shading.use_scene_lights = True
-                view.shading.use_scene_world = True
-                view.clip_end = 10 * about["camera"]["clip_end"]
-                view.region_3d.view_perspective = 'CAMERA'

@@ -314,9 +314,9 @@ def isoshade_group(about, frame):
         shading[f"Light {i + 1}"] = group.given[f"Light {i + 1}"]
         shading[f"Intensity {i + 1}"] = group.given[f"Intensity {i + 1}"]
     shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"], **shading)["Shade"]
-    emission = group.node('ShaderNodeEmission', "", {0: color, 1: group.math('MULTIPLY', sigma, shade)}).outputs[0]
+    emission = group.node('ShaderNodeEmission', "", {"Color": color, "Strength": group.math('MULTIPLY', sigma, shade)}).outputs[0]
     # Absorption takes density (1 - color): black leaves sigma itself.
-    absorption = group.node('ShaderNodeVolumeAbsorption', "", {0: (0, 0, 0, 1), 1: sigma}).outputs[0]
+    absorption = group.node('ShaderNodeVolumeAbsorption', "", {"Color": (0, 0, 0, 1), "Density": sigma}).outputs[0]
     volume = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
     return group.finish(Volume=volume)
 

@@ -17,6 +17,7 @@ def volume_object(name, path, collection):
     data = bpy.data.volumes.new(name)
     data.filepath = path
     data.render.space = 'WORLD'  # 'OBJECT' takes the smallest component of the turned step, near 0 for some turns
+    data.render.precision = 'FULL'  # Cycles with NanoVDB would take halves
     data.render.clipping = 0.0  # else small values are cut away before the shader sees them
     thing = bpy.data.objects.new(name, data)
     collection.objects.link(thing)
@@ -93,7 +94,12 @@ def configure(scene, about):
     settings.exr_codec = 'ZIP'
     world = bpy.data.worlds.new("isoshade background")
     world.use_nodes = True
-    background = world.node_tree.nodes["Background"]
+    nodes = world.node_tree.nodes
+    nodes.clear()
+    background = nodes.new('ShaderNodeBackground')
+    sink = nodes.new('ShaderNodeOutputWorld')
+    sink.location = (240, 0)
+    world.node_tree.links.new(background.outputs["Background"], sink.inputs["Surface"])
     background.inputs["Color"].default_value = (*about["background"], 1)
     background.inputs["Strength"].default_value = 1
     scene.world = world

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first second: what the window shows when the file is opened, and a sign where a grid's file is missing.
+
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
+"""
+import bpy
+from mathutils import Matrix, Vector
+
+# ---- a sign where a file is missing ----------------------------------------------------------------------------
+
+
+def sign_paint():
+    """Red, whatever lights there are."""
+    paint = bpy.data.materials.new("isoshade missing file")
+    paint.use_nodes = True
+    paint.diffuse_color = (1, 0.1, 0.05, 1)
+    nodes = paint.node_tree.nodes
+    nodes.clear()
+    emission = nodes.new('ShaderNodeEmission')
+    emission.inputs["Color"].default_value = (1, 0.1, 0.05, 1)
+    sink = nodes.new('ShaderNodeOutputMaterial')
+    sink.location = (240, 0)
+    paint.node_tree.links.new(emission.outputs[0], sink.inputs["Surface"])
+    return paint
+
+
+def sign_group(thing, words, size, frames, paint):
+    """Words where the volume is empty, in frames 1 to `frames` of a series; nothing else. Geometry nodes need no
+    permission to run, as scripts in a file do: a volume whose file is not there has no bounding box."""
+    tree = bpy.data.node_groups.new("isoshade missing file", 'GeometryNodeTree')
+    if hasattr(tree, "interface"):
+        tree.interface.new_socket(name="Geometry", in_out='OUTPUT', socket_type='NodeSocketGeometry')
+    else:
+        tree.outputs.new('NodeSocketGeometry', "Geometry")
+    column = 0
+
+    def node(kind, inputs, **settings):
+        nonlocal column
+        result = tree.nodes.new(kind)
+        result.location = (200 * column, 0)
+        column += 1
+        for key, value in settings.items():
+            if hasattr(result, key):
+                setattr(result, key, value)
+        sockets = {socket.name: socket for socket in result.inputs if socket.enabled}
+        for key, value in inputs.items():
+            socket = result.inputs[key] if isinstance(key, int) else sockets[key]
+            if isinstance(value, bpy.types.NodeSocket):
+                tree.links.new(value, socket)
+            else:
+                socket.default_value = value
+        return next(socket for socket in result.outputs if socket.enabled)
+
+    volume = node('GeometryNodeObjectInfo', {"Object": thing}).node.outputs["Geometry"]
+    box = node('GeometryNodeBoundBox', {"Geometry": volume}).node
+    extent = node('ShaderNodeVectorMath', {0: box.outputs["Min"], 1: box.outputs["Max"]}, operation='DISTANCE').node.outputs["Value"]
+    silent = node('ShaderNodeMath', {0: extent, 1: 0.0}, operation='GREATER_THAN')
+    if frames:
+        frame = node('GeometryNodeInputSceneTime', {}).node.outputs["Frame"]
+        early = node('ShaderNodeMath', {0: frame, 1: 0.5}, operation='LESS_THAN')
+        late = node('ShaderNodeMath', {0: frame, 1: frames + 0.5}, operation='GREATER_THAN')
+        outside = node('ShaderNodeMath', {0: early, 1: late}, operation='ADD')
+        silent = node('ShaderNodeMath', {0: silent, 1: outside}, operation='ADD')
+    text = node('GeometryNodeStringToCurves', {"String": words, "Size": size}, align_x='CENTER', align_y='MIDDLE')
+    curves = node('GeometryNodeRealizeInstances', {"Geometry": text})
+    letters = node('GeometryNodeFillCurve', {"Curve": curves})
+    letters = node('GeometryNodeSetMaterial', {"Geometry": letters, "Material": paint})
+    shown = node('GeometryNodeSwitch', {"Switch": silent, "False": letters}, input_type='GEOMETRY')
+    sink = tree.nodes.new('NodeGroupOutput')
+    sink.location = (200 * column, 0)
+    tree.links.new(shown, sink.inputs[0])
+    return tree
+
+
+def missing_signs(about, frame, camera, collection):
+    """In front of each volume object, turned to the camera, hidden as the volume is."""
+    middle = Matrix(about["box_to_world"]) @ Vector((0.5, 0.5, 0.5, 1))
+    reach = (Matrix(about["box_to_world"]).to_3x3() @ Vector((1, 1, 1))).length
+    paint = sign_paint()
+    for thing in [thing for thing in collection.objects if thing.type == 'VOLUME']:
+        file = thing.data.filepath.lstrip("/")
+        words = f"{file}\nis missing: put it beside\nthe .blend file"
+        size = 0.9 * reach / max(16.0, 0.6 * max(len(line) for line in words.split("\n")))
+        sign = bpy.data.objects.new(f"{thing.name} is missing", bpy.data.meshes.new("isoshade missing file"))
+        collection.objects.link(sign)
+        sign.parent = frame
+        sign.location = middle.xyz
+        sign.hide_select = True
+        turn = sign.constraints.new('COPY_ROTATION')
+        turn.target = camera
+        sign.modifiers.new("isoshade missing file", 'NODES').node_group = sign_group(thing, words, size, about.get("sequence", 0), paint)
+        if thing.animation_data:
+            for curve in thing.animation_data.drivers:
+                copy_driver(curve, sign)
+
+
+def copy_driver(curve, owner):
+    """hide_render and hide_viewport by the frame's level, as the volume has them."""
+    variable = curve.driver.variables[0]
+    target = variable.targets[0]
+    drive(owner, curve.data_path, None, curve.driver.expression, {variable.name: (target.id, target.data_path)})
+
+
+# ---- the window ------------------------------------------------------------------------------------------------
+
+
+def choose(frame, collection):
+    """The box is what a person moves: active and selected, in the collection that is active."""
+    layer = bpy.context.view_layer
+    layer.active_layer_collection = layer.layer_collection.children[collection.name]
+    for thing in bpy.context.scene.objects:
+        thing.select_set(thing == frame)
+    layer.objects.active = frame
+
+
+def set_eevee(scene, distance, reach):
+    """Slices from the nearest to the farthest place of the volume, seen from any side at the camera's distance."""
+    eevee = scene.eevee
+    for name, value in (("use_volume_custom_range", True), ("volumetric_start", max(distance - reach, 1e-3 * reach)),
+                        ("volumetric_end", distance + reach), ("volumetric_tile_size", '4'), ("volumetric_samples", 128),
+                        ("volumetric_sample_distribution", 0.0)):
+        if hasattr(eevee, name):
+            setattr(eevee, name, value)
+
+
+def arrange_windows(scene, about):
+    """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once. Who leaves
+    the camera's view turns around the middle of the volume. (Blender opens no file in a rendered view.)"""
+    place = Matrix(about["box_to_world"])
+    middle = (place @ Vector((0.5, 0.5, 0.5, 1))).xyz
+    reach = (place.to_3x3() @ Vector((1, 1, 1))).length / 2
+    for x in (-1, 1):
+        for y in (-1, 1):
+            reach = max(reach, (place.to_3x3() @ Vector((x, y, 1))).length / 2)
+    camera = scene.camera
+    distance = (middle - camera.matrix_world.translation).length
+    set_eevee(scene, distance, reach)
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            if area.type == 'TEXT_EDITOR':
+                area.spaces.active.text = bpy.data.texts["README"]
+            if area.type != 'VIEW_3D':
+                continue
+            view = area.spaces.active
+            view.shading.type = 'MATERIAL'
+            view.shading.use_scene_lights = True
+            view.shading.use_scene_world = True
+            view.clip_start = 0.01 * reach  # EEVEE finds places in a volume through it: see clip_start() in describe.c
+            view.clip_end = max(10 * about["camera"]["clip_end"], 100 * reach)
+            view.region_3d.view_location = middle
+            view.region_3d.view_rotation = camera.matrix_world.to_quaternion()
+            view.region_3d.view_distance = max(distance, 0.1 * reach)
+            view.region_3d.view_perspective = 'CAMERA'
+            view.region_3d.view_camera_zoom = 50  # the picture's frame over three quarters of the view's height
