@@ -105,25 +105,32 @@ static void describe_box(json_t *about, const iso_geometry *g)
     json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
 }
 
-/* How far before the camera the box begins; negative where a part of it lies behind. */
-static double nearest_depth(const iso_camera *c, iso_vec3 position, const iso_geometry *g)
+/* The depths of the box before the camera, nearest first; negative behind it. */
+static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geometry *g, double depths[2])
 {
-    double nearest = INFINITY;
+    depths[0] = INFINITY;
+    depths[1] = -INFINITY;
     for (int corner = 0; corner < 8; ++corner) {
         const iso_vec3 index = iso_v3((corner & 1 ? 1 : 0) * g->box_index[0], (corner & 2 ? 1 : 0) * g->box_index[1],
                                       (corner & 4 ? 1 : 0) * g->box_index[2]);
         const iso_vec3 p = iso_add(g->origin_mm, iso_mul(g->index_to_world, index));
-        nearest = fmin(nearest, iso_dot(iso_sub(p, position), c->forward));
+        const double depth = iso_dot(iso_sub(p, position), c->forward);
+        depths[0] = fmin(depths[0], depth);
+        depths[1] = fmax(depths[1], depth);
     }
-    return nearest;
 }
 
 /* EEVEE finds a sample's place in a volume from its depth as a depth buffer stores it. In single precision that is off by
- * 6e-8 z z / near, z away from the camera: with a near plane of a thousandth of a voxel by many voxels, which draws rings
- * and holes. So the near plane stands halfway to the box, where nothing of the volume is lost to any renderer. */
+ * about 1e-7 z z / near, z away from the camera: by ten voxels and more where the near plane is a thousandth of a voxel
+ * away, which draws rings and holes. So the plane stands where a quarter of a voxel is lost at the far side of the box,
+ * which leaves room to move the camera nearer; but never so far that a renderer would lose a part of the volume. */
 static double clip_start(const iso_camera *c, iso_vec3 position, const iso_geometry *g)
 {
-    return fmax(1e-3 * iso_geometry_min_spacing_mm(g), 0.5 * nearest_depth(c, position, g));
+    const double least = 1e-3 * iso_geometry_min_spacing_mm(g);
+    double depths[2];
+    depths_of_box(c, position, g, depths);
+    const double wanted = 1e-7 * depths[1] * depths[1] / (0.25 * iso_geometry_min_spacing_mm(g));
+    return fmax(least, fmin(wanted, 0.5 * depths[0]));
 }
 
 static json_t *describe_camera(const iso_camera *c, const iso_blender_space *space, const iso_geometry *g)
