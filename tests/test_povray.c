@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/process.h"
 #include "compare/extrapolation.h"
+#include "image/image.h"
 #include "povray/df3.h"
 #include "povray/povray.h"
 #include "render/reference.h"
@@ -46,6 +47,30 @@ static void lock_step_agrees_from_inside_the_volume(void **state)
     c.view.camera.position = iso_madd(iso_geometry_box_center_mm(&c.pyramid.levels[0].geometry), c.view.camera.right,
                                       5);
     check_lock_step(c);
+}
+
+static void lock_step_agrees_with_planes(void **state)
+{
+    (void)state;
+    comparison c = lock_step(0, false, 256);
+    double rmse, most;
+    iso_image wanted;
+    iso_reference_options opt = iso_reference_defaults();
+    c.options.planes = 3;
+    c.options.intervals = 20;
+    opt.quadrature = c.quadrature;
+    opt.intervals = c.options.intervals;
+    render_povray(&c.pyramid, c.level, &c.view, &c.options, &c.image);
+    for (opt.planes = 2; opt.planes <= 3; ++opt.planes) {
+        assert_ok(iso_reference_render(&c.pyramid.levels[0], ISO_CODE_SNORM, &c.view, &opt, &wanted, NULL, &err));
+        most = largest_difference(&c.image, &wanted, &rmse);
+        if (opt.planes == 3)
+            assert_at_most(most, lock_step_max);
+        else
+            assert_more_than(most, 5 * lock_step_max);
+        iso_image_destroy(&wanted);
+    }
+    end_comparison(&c);
 }
 
 static void lock_step_agrees_with_float_directions(void **state)
@@ -221,10 +246,27 @@ static void df3_files_are_big_endian_with_a_rim_of_edge_values(void **state)
     free(dir);
 }
 
+/* Of colors, which a PNG holds from 0 to 1. */
+static double largest_color_difference(const iso_image *png, const iso_image *image)
+{
+    double most = 0;
+    assert_int_equal(png->width, image->width);
+    assert_int_equal(png->height, image->height);
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        if (i % 4 != 3)
+            most = fmax(most, fabs((double)png->rgba[i] - fmin((double)image->rgba[i], 1)));
+    return most;
+}
+
+/* Half a step of 16 bits, 7.6e-6 as sRGB, is 2.27 times that in linear light where it is brightest; and half a step of both
+ * of the passes that a render is made of. */
+static const double png_max = 4e-5;
+
 static void an_exported_folder_renders_where_it_lies(void **state)
 {
     (void)state;
     comparison c = lock_step(1, true, 300);
+    c.options.planes = 2;
     char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
     assert_ok(iso_povray_export(&c.pyramid, 1, &c.view, dir, &c.options, NULL, &err));
     static const char *const names[] = {"two_words.pov",        "two_words.inc",    "two_words.ini",
@@ -240,7 +282,15 @@ static void an_exported_folder_renders_where_it_lies(void **state)
     const iso_process_options options = {.directory = dir};
     assert_ok(iso_process_run(argv, &options, &err));
     char *png = iso_path_join(dir, "two_words.png");
-    assert_true(iso_path_exists(png));
+    iso_image picture;
+    assert_ok(iso_image_load_png(png, &picture, &err));
+    render_povray(&c.pyramid, 1, &c.view, &c.options, &c.image);
+    assert_at_most(largest_color_difference(&picture, &c.image), png_max);
+    iso_image_destroy(&c.image);
+    c.options.intervals /= 2; /* another step is another picture */
+    render_povray(&c.pyramid, 1, &c.view, &c.options, &c.image);
+    assert_more_than(largest_color_difference(&picture, &c.image), 2 * png_max);
+    iso_image_destroy(&picture);
     /* The same name again replaces it; a folder of something else stays. */
     assert_ok(iso_povray_export(&c.pyramid, 0, &c.view, dir, &c.options, NULL, &err));
     assert_false(iso_path_exists(png));
@@ -297,6 +347,7 @@ int main(void)
         cmocka_unit_test(lock_step_agrees_in_orthographic_projection),
         cmocka_unit_test(lock_step_agrees_with_a_table_of_4096_entries),
         cmocka_unit_test(lock_step_agrees_from_inside_the_volume),
+        cmocka_unit_test(lock_step_agrees_with_planes),
         cmocka_unit_test(lock_step_agrees_with_float_directions),
         cmocka_unit_test(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults),
         cmocka_unit_test(converged_agrees_and_rejects_planted_faults),

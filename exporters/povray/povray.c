@@ -16,6 +16,18 @@ iso_povray_options iso_povray_defaults(void)
         iso_povray_options){.intervals = ISO_POVRAY_MAX_INTERVALS, .planes = 8, .extrapolate = true, .df3_bits = 32};
 }
 
+/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels. */
+void iso_povray_set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
+{
+    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) /
+                          iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
+    double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
+    double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
+    o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
+    o->planes = (size_t)pieces - 1;
+    o->extrapolate = false;
+}
+
 iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                             iso_error *err)
 {

@@ -59,6 +59,9 @@ typedef struct iso_povray_options {
 } iso_povray_options;
 /* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */
 iso_povray_options iso_povray_defaults(void);
+/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels; not extrapolated. g: of the
+ * level. */
+void iso_povray_set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *options);
 
 /* Bytes of the DF3 files in a folder, such as an export. */
 double iso_povray_df3_bytes(const char *folder);

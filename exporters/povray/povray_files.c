@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "povray/scene_parts.h"
 #include "scene/roi.h"
 
 char *iso_povray_file_path(const char *dir, const char *name, const char *suffix)
@@ -233,6 +234,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
     s->scene.extinction_scale = opt->isosurface ? NULL : view->extinction_scale;
     if (f) {
         s->roi = describe(p, level, &f->level, view, &f->tf, s->roi_name, opt);
+        s->roi.is_roi = true;
         s->roi.lattice_scale = f->scale;
         memcpy(s->roi.lattice_offset, f->offset, sizeof f->offset);
         s->scene.roi = &s->roi;
@@ -265,6 +267,10 @@ iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir,
     iso_status status = write_layer(s->code, &s->scene, dir, progress, err);
     if (status == ISO_OK && s->scene.roi)
         status = write_layer(s->code, s->scene.roi, dir, progress, err);
+    if (status == ISO_OK && iso_povray_has_editable_map(&s->scene))
+        status = write_text(&s->scene, dir, "_tf.inc", iso_povray_write_map, err);
+    if (status == ISO_OK && s->scene.roi && iso_povray_has_editable_map(s->scene.roi))
+        status = write_text(s->scene.roi, dir, "_tf.inc", iso_povray_write_map, err);
     if (status == ISO_OK)
         status = write_text(&s->scene, dir, ".inc", iso_povray_write_include, err);
     if (status == ISO_OK)

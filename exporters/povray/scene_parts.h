@@ -10,13 +10,25 @@ double iso_povray_specular_sum(const iso_view *view);
 
 /* transfer_text.c: the TF as density maps, or as lookups of DF3 tables. */
 void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s);
-/* Negative inside the ranges of the TF without extinction: shading, which is most of the work, is not computed there. */
-void iso_povray_write_opaque(FILE *f, const iso_povray_scene *s);
 
-/* shading_text.c: diffuse light and highlights at a point; and the isosurface, which is shaded by them. */
+/* Marks the entries that a color_map of channels [from, to) needs: those between two kept ones lie on the line between
+ * them, within `tolerance`. keep: tf->count, all false. Returns how many. */
+size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep);
+
+/* tf_text.c: NAME_tf.inc, the transfer function as a color_map to edit; and in NAME.inc what takes a map that was changed,
+ * before what takes the exact table. */
+bool iso_povray_has_editable_map(const iso_povray_scene *s);
+void iso_povray_begin_edited(FILE *f, const iso_povray_scene *s);
+void iso_povray_end_edited(FILE *f, const iso_povray_scene *s);
+
+/* shading_text.c: lights; diffuse light and highlights at a point; and the isosurface, which is shaded by them. */
+void iso_povray_write_lights(FILE *f, const iso_view *view);
 void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s);
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s);
 void iso_povray_write_surface(FILE *f, const iso_povray_scene *s);
+
+/* The text with its declared names made those of the finer layer. */
+void iso_povray_write_renamed(FILE *f, const char *text);
 
 /* The planes that a scene clips by, in voxel coordinates. */
 void iso_povray_write_clips(FILE *f, const iso_povray_scene *s);

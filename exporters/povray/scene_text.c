@@ -52,17 +52,25 @@ static void write_header(FILE *f, const iso_povray_scene *s)
         "// Iso_To_World turns and stretches it as the data say, and makes it about %g units across. Scale it as you\n"
         "// like, but not far below 100: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
         "//\n"
-        "// The colour is emitted and already shaded, from directions computed beforehand, so the scene's light_sources\n"
-        "// do not touch it; its lights are Iso_Diffuse and Iso_Specular below.\n"
+        "// The colour is emitted and already shaded, from directions computed beforehand: as exported its lights are those\n"
+        "// of Iso_Lights, not the scene's. With Iso_Scattering = 1 it is lit by the scene's light_sources instead.\n"
         "//\n"
-        "// Declare before the #include, or on the command line (Declare=Iso_Intervals=100):\n"
+        "// Declare before the #include, or numbers on the command line (Declare=Iso_Intervals=100):\n"
         "//     Iso_Intervals   samples along a ray, at most 255; fewer is faster\n"
         "//     Iso_Emission    brightness, 1 is as the transfer function says; 0 leaves only the absorption\n"
         "//     Iso_Scale       what the placed volume is scaled by\n"
-        "#version 3.7;\n\n"
+        "//     Iso_Shadows     on or off: whether it keeps light from what stands behind it (on)\n"
+        "//     Iso_Scattering  1: the scene's lights scatter in it, with its own shadows; slow (0)\n"
+        "//     Iso_Lights      array of <x, y, z, intensity>: directions towards lights, and their strengths\n"
+        "//     Iso_Viewer      where the camera is, if not where it was exported: highlights need it\n"
+        "// Places and directions are those of Iso_To_World, before you move the volume.\n"
+        "#declare Iso_Version_Before = version;\n"
+        "#version 3.7; // what 3.8 reads, too; the version of the scene that includes this comes back below\n\n"
         "#ifndef (Iso_Intervals) #declare Iso_Intervals = %zu; #end\n"
         "#ifndef (Iso_Emission) #declare Iso_Emission = 1; #end\n"
-        "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n\n",
+        "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n"
+        "#ifndef (Iso_Shadows) #declare Iso_Shadows = on; #end\n"
+        "#ifndef (Iso_Scattering) #declare Iso_Scattering = 0; #end\n\n",
         s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
         object_name(s), ISO_POVRAY_UNITS_ACROSS, s->options->intervals);
 }
@@ -171,17 +179,22 @@ static void write_layer_media(FILE *f, const iso_povray_scene *s, const char *pr
             "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
             "        absorption %sExtinction\n"
             "        density { %sTF_Extinction }%s }\n"
-            "#if (Iso_Emission > 0)\n"
+"#if (Iso_Scattering & (Iso_Emission > 0))\n"
             "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-            "        emission Iso_Emission * %sExtinction * %.17g\n"
+            "        scattering { 1, rgb Iso_Emission * %sExtinction * %.17g extinction 0 }\n"
+            "        density { %sTF_Extinction } density { %sTF_Color }%s }\n"
+            "#end\n"
+            "#if (!Iso_Scattering & (Iso_Emission > 0))\n"
+            "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
+            "        emission Iso_Emission * %sExtinction * %.17g * Iso_Diffuse_Most\n"
             "        density { %sTF_Extinction } density { %sTF_Color } density { %sDiffuse }%s }\n",
-            prefix, prefix, weight, prefix, color, prefix, prefix, prefix, weight);
+            prefix, prefix, weight, prefix, color, prefix, prefix, weight, prefix, color, prefix, prefix, prefix, weight);
     if (specular > 0)
         fprintf(f,
                 "    media { method 2 samples 1,1 jitter 0 intervals Iso_Intervals\n"
-                "        emission Iso_Emission * %sExtinction * %.17g\n"
+                "        emission Iso_Emission * %sExtinction * %.17g * Iso_Specular_Most\n"
                 "        density { %sTF_Extinction } density { %sTF_Color } density { %sSpecular }%s }\n",
-                prefix, color * specular, prefix, prefix, prefix, weight);
+                prefix, color, prefix, prefix, prefix, weight);
     fprintf(f, "#end\n");
 }
 
@@ -204,6 +217,7 @@ static void write_media(FILE *f, const iso_povray_scene *s)
             clipped ? "intersection { box { Iso_Box_Low, Iso_Box }" : "box { Iso_Box_Low, Iso_Box");
     iso_povray_write_clips(f, s);
     fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
+               "    #if (!Iso_Shadows) no_shadow #end\n"
                "    interior { Iso_Interior } }\n");
 }
 
@@ -214,8 +228,6 @@ static void write_layer(FILE *f, const iso_povray_scene *s)
     if (!s->options->isosurface)
         iso_povray_write_transfer_function(f, s);
     fprintf(f, "// ---- shading: two-sided, Blinn-Phong ---------------------------------------\n");
-    if (!s->options->isosurface)
-        iso_povray_write_opaque(f, s);
     iso_povray_write_diffuse(f, s);
     if (iso_povray_specular_sum(s->view) > 0)
         iso_povray_write_specular(f, s);
@@ -239,9 +251,10 @@ static void write_weights(FILE *f, const iso_roi *roi)
 }
 
 /* The text with its declared names made those of the finer layer; what the user sets is shared. */
-static void write_renamed(FILE *f, const char *text)
+void iso_povray_write_renamed(FILE *f, const char *text)
 {
-    static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale"};
+    static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale", "Iso_Light",
+                                         "Iso_Viewer", "Iso_Diffuse_Most", "Iso_Specular_Most"};
     static const char from[] = "Iso_", to[] = "Iso_Roi_";
     for (const char *at; (at = strstr(text, from)); text = at + sizeof from - 1) {
         bool keep = false;
@@ -262,7 +275,7 @@ static void write_roi_layer(FILE *f, const iso_povray_scene *roi)
         return;
     write_layer(memory, roi);
     if (fclose(memory) == 0)
-        write_renamed(f, text);
+        iso_povray_write_renamed(f, text);
     free(text);
 }
 
@@ -270,6 +283,7 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
 {
     write_header(f, s);
     write_placement(f, s);
+    iso_povray_write_lights(f, s->view);
     write_layer(f, s);
     if (s->roi) {
         write_weights(f, s->view->roi);
@@ -279,6 +293,7 @@ void iso_povray_write_include(FILE *f, const iso_povray_scene *s)
         iso_povray_write_surface(f, s);
     else
         write_media(f, s);
+    fprintf(f, "\n#version Iso_Version_Before;\n");
 }
 
 static void write_vector(FILE *f, const char *name, iso_vec3 v)
@@ -352,18 +367,40 @@ void iso_povray_write_scene(FILE *f, const iso_povray_scene *s)
         write_planes(f, s);
 }
 
+static void write_ini_of_samples(FILE *f, const iso_povray_scene *s)
+{
+    const iso_povray_options *o = s->options;
+    const double chord = 2 * iso_geometry_box_radius_mm(s->geometry) /
+                         iso_geometry_min_spacing_mm(iso_view_step_geometry(s->view, s->geometry));
+    fprintf(f,
+            "; A sample every %.3g voxels or less: Iso_Intervals of them, 255 at most, in each piece of a ray, and so many planes\n"
+            "; between the pieces. Time grows with their product, the error falls with its square. For a quick look:\n"
+            ";     povray %s.ini Declare=Iso_Intervals=64 Declare=Iso_Planes=0\n"
+            "; As exported, and where to change it for good:\n"
+            ";Declare=Iso_Intervals=%zu\n"
+            ";Declare=Iso_Planes=%zu\n",
+            chord / (double)(o->intervals * (o->planes + 1)), s->name, o->intervals, o->planes);
+}
+
 void iso_povray_write_ini(FILE *f, const iso_povray_scene *s)
 {
     fprintf(f,
             "; povray %s.ini\n"
             "Input_File_Name=%s.pov\n"
             "Output_File_Name=%s.png\n"
-            "Output_File_Type=N8\n"
+            "; 16 bits a channel, which viewers show as they are: what `isoshade render --with povray` draws with the same\n"
+            "; samples, to half a step of them. What is brighter than 1 is clipped.\n"
+            "Output_File_Type=N\n"
+            "Bits_Per_Color=16\n"
+            "File_Gamma=sRGB\n"
+            "Dither=Off\n"
             "Width=%zu\n"
-            "Height=%zu\n"
-            "; Antialias=On multiplies the time; a larger picture made smaller costs less.\n"
-            "Antialias=Off\n"
-            "Display=Off\n"
-            "Pause_When_Done=Off\n",
+            "Height=%zu\n",
             s->name, s->name, s->name, s->view->width, s->view->height);
+    if (!s->options->isosurface)
+        write_ini_of_samples(f, s);
+    fprintf(f, "; Antialias=On multiplies the time; a larger picture made smaller costs less.\n"
+               "Antialias=Off\n"
+               "Display=Off\n"
+               "Pause_When_Done=Off\n");
 }

@@ -21,6 +21,7 @@
  * declared names begin with Iso_Roi_ and whose files with NAME_roi. */
 typedef struct iso_povray_scene {
     const char *name; /* of the files */
+    bool is_roi;
     const iso_pyramid_unit *unit;
     const char *source; /* for the comments */
     size_t level;
@@ -60,6 +61,8 @@ typedef enum iso_povray_pass {
 
 void iso_povray_write_include(FILE *file, const iso_povray_scene *s);
 void iso_povray_write_scene(FILE *file, const iso_povray_scene *s);
+/* NAME_tf.inc. */
+void iso_povray_write_map(FILE *file, const iso_povray_scene *s);
 void iso_povray_write_ini(FILE *file, const iso_povray_scene *s);
 
 #endif

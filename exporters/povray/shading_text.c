@@ -12,69 +12,108 @@ double iso_povray_specular_sum(const iso_view *view)
     return sum;
 }
 
-/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most 1. */
+/* What the user may set; numbers of Iso_Lights are taken out of the array, since functions read none. */
+void iso_povray_write_lights(FILE *f, const iso_view *v)
+{
+    fprintf(f,
+            "// ---- the lights -----------------------------------------------------------\n"
+            "// Towards each light, and its intensity.\n"
+            "#ifndef (Iso_Lights) #declare Iso_Lights = array[%zu] {\n",
+            v->light_count > 0 ? v->light_count : 1);
+    for (size_t i = 0; i < v->light_count; ++i)
+        fprintf(f, "    <%.17g, %.17g, %.17g, %.17g>%s\n", v->lights[i].direction.x, v->lights[i].direction.y,
+                v->lights[i].direction.z, v->lights[i].intensity, i + 1 < v->light_count ? "," : "");
+    if (v->light_count == 0)
+        fprintf(f, "    <0, 0, 1, 0>\n");
+    fprintf(f,
+            "} #end\n"
+            "#declare Iso_Light_Count = dimension_size(Iso_Lights, 1);\n"
+            "#declare Iso_Light_Sum = 0;\n"
+            "#declare Iso_Light = 0;\n"
+            "#while (Iso_Light < Iso_Light_Count)\n"
+            "    #declare Iso_Light_Sum = Iso_Light_Sum + Iso_Lights[Iso_Light].t;\n"
+            "    #declare Iso_Light = Iso_Light + 1;\n"
+            "#end\n"
+            "#macro Iso_Light_Take (I)\n"
+            "    #declare Iso_Light_V = Iso_Lights[I];\n"
+            "    #declare Iso_Light_L = vlength(<Iso_Light_V.x, Iso_Light_V.y, Iso_Light_V.z>);\n"
+            "    #declare Iso_Light_X = Iso_Light_V.x / Iso_Light_L;\n"
+            "    #declare Iso_Light_Y = Iso_Light_V.y / Iso_Light_L;\n"
+            "    #declare Iso_Light_Z = Iso_Light_V.z / Iso_Light_L;\n"
+            "    #declare Iso_Light_I = Iso_Light_V.t;\n"
+            "#end\n"
+            "// How bright diffuse light and highlights can be.\n"
+            "#declare Iso_Diffuse_Most = max(1, %.17g + %.17g * Iso_Light_Sum);\n"
+            "#declare Iso_Specular_Most = max(1e-9, %.17g * Iso_Light_Sum);\n\n",
+            v->shading.ambient, v->shading.diffuse, v->shading.specular);
+}
+
+static const char each_light[] =
+    "#declare Iso_Light = 0;\n#while (Iso_Light < Iso_Light_Count) Iso_Light_Take (Iso_Light)\n";
+static const char next_light[] = "#declare Iso_Light = Iso_Light + 1;\n#end\n";
+
+/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most Iso_Diffuse_Most. */
 void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s)
 {
     const iso_view *v = s->view;
-    fprintf(f, "#declare Iso_Diffuse_Of = function (dx, dy, dz) {\n    %.17g", v->shading.ambient);
-    for (size_t i = 0; i < v->light_count; ++i) {
-        const iso_light *l = &v->lights[i];
-        fprintf(f, "\n    + %.17g * abs(dx * %.17g + dy * %.17g + dz * %.17g) / sqrt(dx*dx + dy*dy + dz*dz + %.17g)",
-                v->shading.diffuse * l->intensity, l->direction.x, l->direction.y, l->direction.z,
-                ISO_DIRECTION_EPS * ISO_DIRECTION_EPS);
-    }
-    fprintf(f, " }\n");
+    fprintf(f,
+            "#declare Iso_Diffuse_Of = function (dx, dy, dz) { %.17g\n%s"
+            "    + %.17g * Iso_Light_I * abs(dx * Iso_Light_X + dy * Iso_Light_Y + dz * Iso_Light_Z)\n"
+            "        / sqrt(dx*dx + dy*dy + dz*dz + %.17g)\n%s }\n",
+            v->shading.ambient, each_light, v->shading.diffuse, ISO_DIRECTION_EPS * ISO_DIRECTION_EPS, next_light);
     if (s->options->isosurface)
         return;
     fprintf(f,
             "#declare Iso_Diffuse = density {\n"
-            "    function { %smin(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z)))%s }\n"
+            "    function { %smin(1, Iso_Diffuse_Of(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z)) / Iso_Diffuse_Most)%s }\n"
             "    color_map { [0 rgb 0] [1 rgb 1] } }\n\n",
             iso_povray_lazily(s, "select(Iso_Opaque(x, y, z), 0, "), iso_povray_lazily(s, ")"));
 }
 
-/* The unit vector to the viewer at a point in voxel coordinates, as a function's three arguments. */
+/* The vector to the viewer at a point in voxel coordinates, as a function's three arguments: of an orthographic camera the
+ * unit vector, unless the user has said where the viewer is. */
 static void write_to_viewer(FILE *f, const iso_povray_scene *s)
 {
+    static const char *const axis[3] = {"X", "Y", "Z"}, *const part[3] = {"x", "y", "z"};
     const iso_camera *camera = &s->view->camera;
-    if (camera->orthographic) {
-        fprintf(f,
-                "#declare Iso_Viewer_X = function (x, y, z) { %.17g }\n"
-                "#declare Iso_Viewer_Y = function (x, y, z) { %.17g }\n"
-                "#declare Iso_Viewer_Z = function (x, y, z) { %.17g }\n",
-                -camera->forward.x, -camera->forward.y, -camera->forward.z);
-        return;
-    }
-    static const char *const axis[3] = {"X", "Y", "Z"};
-    const iso_vec3 o = iso_sub(camera->position, s->geometry->origin_mm);
-    const double offset[3] = {o.x, o.y, o.z};
+    const double forward[3] = {camera->forward.x, camera->forward.y, camera->forward.z};
+    const iso_vec3 center = iso_sub(s->center_mm, s->geometry->origin_mm),
+                   eye = iso_sub(camera->position, s->geometry->origin_mm);
+    if (camera->orthographic)
+        fprintf(f, "#ifdef (Iso_Viewer)\n");
+    fprintf(f,
+            "#ifdef (Iso_Viewer) #declare Iso_Viewer_At = Iso_Viewer / Iso_Units_Per_mm + <%.17g, %.17g, %.17g>;\n"
+            "#else #declare Iso_Viewer_At = <%.17g, %.17g, %.17g>; #end\n",
+            center.x, center.y, center.z, eye.x, eye.y, eye.z);
     for (int a = 0; a < 3; ++a) {
         const double *m = s->geometry->index_to_world.m[a];
-        fprintf(f, "#declare Iso_Viewer_%s = function (x, y, z) { %.17g - x * %.17g - y * %.17g - z * %.17g } // mm\n",
-                axis[a], offset[a], m[0], m[1], m[2]);
+        fprintf(f,
+                "#declare Iso_Viewer_At_%s = Iso_Viewer_At.%s;\n"
+                "#declare Iso_Viewer_%s = function (x, y, z) { Iso_Viewer_At_%s - x * %.17g - y * %.17g - z * %.17g } // mm\n",
+                axis[a], part[a], axis[a], axis[a], m[0], m[1], m[2]);
     }
+    if (!camera->orthographic)
+        return;
+    fprintf(f, "#else\n");
+    for (int a = 0; a < 3; ++a)
+        fprintf(f, "#declare Iso_Viewer_%s = function (x, y, z) { %.17g }\n", axis[a], -forward[a]);
+    fprintf(f, "#end\n");
 }
 
 /* sum of intensity |n.h|^p over the sum of the intensities, h = normalise(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
 {
-    const iso_view *v = s->view;
-    double intensities = 0;
-    for (size_t i = 0; i < v->light_count; ++i)
-        intensities += v->lights[i].intensity;
-    fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera.\n");
+    fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera, or to Iso_Viewer.\n");
     write_to_viewer(f, s);
-    fprintf(f, "// d: direction, v: unit vector to the viewer, n: the length that makes d a normal\n"
-               "#declare Iso_Specular_Unit = function (dx, dy, dz, vx, vy, vz, n) {\n    0");
-    for (size_t i = 0; i < v->light_count; ++i) {
-        const iso_vec3 l = v->lights[i].direction;
-        fprintf(f,
-                "\n    + %.17g * pow(min(1, abs(dx * (vx + %.17g) + dy * (vy + %.17g) + dz * (vz + %.17g))"
-                "\n        / (n * sqrt(max(1e-24, 2 + 2 * (vx * %.17g + vy * %.17g + vz * %.17g))))), %.17g)",
-                v->lights[i].intensity / intensities, l.x, l.y, l.z, l.x, l.y, l.z, v->shading.power);
-    }
     fprintf(f,
-            " }\n#declare Iso_Specular_Of = function (dx, dy, dz, vx, vy, vz, v) {\n"
+            "// d: direction, v: unit vector to the viewer, n: the length that makes d a normal\n"
+            "#declare Iso_Specular_Unit = function (dx, dy, dz, vx, vy, vz, n) { 0\n%s"
+            "    + Iso_Light_I / max(1e-9, Iso_Light_Sum) * pow(min(1, abs(dx * (vx + Iso_Light_X) + dy * (vy + Iso_Light_Y)\n"
+            "        + dz * (vz + Iso_Light_Z)) / (n * sqrt(max(1e-24,\n"
+            "        2 + 2 * (vx * Iso_Light_X + vy * Iso_Light_Y + vz * Iso_Light_Z))))), %.17g)\n%s }\n",
+            each_light, s->view->shading.power, next_light);
+    fprintf(f,
+            "#declare Iso_Specular_Of = function (dx, dy, dz, vx, vy, vz, v) {\n"
             "    Iso_Specular_Unit(dx, dy, dz, vx / v, vy / v, vz / v, sqrt(dx*dx + dy*dy + dz*dz + %.17g)) }\n"
             "#declare Iso_Specular_At = function (dx, dy, dz, vx, vy, vz) {\n"
             "    Iso_Specular_Of(dx, dy, dz, vx, vy, vz, sqrt(max(1e-24, vx*vx + vy*vy + vz*vz))) }\n",
@@ -94,7 +133,7 @@ void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
  * jump from cell to cell. */
 void iso_povray_write_surface(FILE *f, const iso_povray_scene *s)
 {
-    const double specular = iso_povray_specular_sum(s->view), peak = 1 + specular;
+    const double specular = iso_povray_specular_sum(s->view);
     const bool clipped = s->view->clip_count > 0;
     double rgbs[4];
     iso_tf_lookup(&s->view->tf, s->options->iso, rgbs);
@@ -109,21 +148,22 @@ void iso_povray_write_surface(FILE *f, const iso_povray_scene *s)
         s->options->iso);
     if (specular > 0)
         fprintf(f,
-                "\n    + %.17g * Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
-                "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))",
-                specular);
+                "\n    + Iso_Specular_Most * Iso_Specular_At(Iso_Dx(x, y, z), Iso_Dy(x, y, z), Iso_Dz(x, y, z),\n"
+                "        Iso_Viewer_X(x, y, z), Iso_Viewer_Y(x, y, z), Iso_Viewer_Z(x, y, z))");
     fprintf(f,
-            ") * %.17g }\n"
+            ") / (Iso_Diffuse_Most + Iso_Specular_Most) }\n"
             "#declare Iso_Surface = %sisosurface {\n"
             "    function { (Iso_Surface_Value - %.17g) * %.17g - Iso_Stored(x, y, z) }\n"
             "    contained_by { box { Iso_Box_Low, Iso_Box } }\n"
             "    threshold 0 accuracy 1e-6 max_gradient %.9g%s\n",
-            1 / peak, clipped ? "intersection { " : "", s->scalar.lo, 1 / (s->scalar.hi - s->scalar.lo),
+            clipped ? "intersection { " : "", s->scalar.lo, 1 / (s->scalar.hi - s->scalar.lo),
             s->max_gradient, clipped ? " all_intersections }" : "");
     iso_povray_write_clips(f, s);
     fprintf(f,
             "    pigment { function { min(1, Iso_Surface_Shade(x, y, z)) }\n"
-            "        color_map { [0 rgb 0] [1 rgb <%.9g, %.9g, %.9g> * Iso_Emission * %.17g] } }\n"
+            "        color_map { [0 rgb 0] [1 rgb <%.9g, %.9g, %.9g> * Iso_Emission\n"
+            "            * (Iso_Diffuse_Most + Iso_Specular_Most)] } }\n"
+            "    #if (!Iso_Shadows) no_shadow #end\n"
             "    finish { emission 1 ambient 0 diffuse 0 } }\n",
-            rgbs[0], rgbs[1], rgbs[2], peak);
+            rgbs[0], rgbs[1], rgbs[2]);
 }

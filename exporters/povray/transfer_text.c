@@ -35,9 +35,8 @@ void iso_povray_measure_peaks(iso_povray_scene *s)
     s->peak = s->peak_color * (1 + iso_povray_specular_sum(s->view));
 }
 
-/* Marks the entries that a color_map needs: those between two kept ones lie on the line between them, within
- * `tolerance`. A cone of allowed slopes per channel narrows until an entry falls out of it. Returns how many. */
-static size_t mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
+/* A cone of allowed slopes per channel narrows until an entry falls out of it. */
+size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
 {
     size_t kept = 1, from = 0;
     double lo[4], hi[4];
@@ -89,7 +88,8 @@ static bool *color_map_entries(const iso_povray_scene *s, map_source source)
     const iso_tf_table *tf = s->tf;
     bool *keep = !s->tf_2d && tf->count <= max_color_map_table ? calloc(tf->count, sizeof *keep) : NULL;
     if (keep &&
-        mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) > ISO_POVRAY_COLOR_MAP_ENTRIES) {
+        iso_povray_mark_bends(tf, source.channels, color_map_tolerance * source.peak, keep) >
+            ISO_POVRAY_COLOR_MAP_ENTRIES) {
         free(keep);
         keep = NULL;
     }
@@ -156,21 +156,6 @@ static void write_map(FILE *f, const iso_povray_scene *s, bool color)
     free(keep);
 }
 
-void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s)
-{
-    const iso_tf_table *tf = s->tf;
-    fprintf(
-        f,
-        "// ---- the transfer function ------------------------------------------------\n"
-        "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
-        "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
-        "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
-        tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);
-    write_map(f, s, false);
-    write_map(f, s, true);
-    fprintf(f, "\n");
-}
-
 const char *iso_povray_lazily(const iso_povray_scene *s, const char *select)
 {
     size_t zeros = 0;
@@ -180,7 +165,7 @@ const char *iso_povray_lazily(const iso_povray_scene *s, const char *select)
 }
 
 /* Shading is most of the work. Iso_Opaque is negative inside the ranges of the TF without extinction. */
-void iso_povray_write_opaque(FILE *f, const iso_povray_scene *s)
+static void write_opaque_ranges(FILE *f, const iso_povray_scene *s)
 {
     enum { most_ranges = 8 }; /* leaving some out is slower, not wrong */
     const iso_tf_table *tf = s->tf;
@@ -201,5 +186,26 @@ void iso_povray_write_opaque(FILE *f, const iso_povray_scene *s)
         }
         i = end > i ? end - 1 : i;
     }
-    fprintf(f, ") }\n#declare Iso_Opaque = function (x, y, z) { Iso_Opaque_At(Iso_TF_Position(x, y, z)) }\n\n");
+    fprintf(f, ") }\n");
+}
+
+void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s)
+{
+    const iso_tf_table *tf = s->tf;
+    fprintf(
+        f,
+        "// ---- the transfer function ------------------------------------------------\n");
+    iso_povray_begin_edited(f, s);
+    fprintf(
+        f,
+        "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
+        "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
+        "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
+        tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);
+    write_map(f, s, false);
+    write_map(f, s, true);
+    write_opaque_ranges(f, s);
+    iso_povray_end_edited(f, s);
+    if (*iso_povray_lazily(s, "yes"))
+        fprintf(f, "#declare Iso_Opaque = function (x, y, z) { Iso_Opaque_At(Iso_TF_Position(x, y, z)) }\n\n");
 }

@@ -89,9 +89,12 @@ typedef struct iso_export_target {
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
     const char *renderer; /* its name among the renderers */
     const char *example;  /* what -o may be called */
-    size_t intervals;     /* of a ray, in what is written; 0: the scene's step */
-    bool eight_bits;      /* sRGB, a channel; else floats */
-    double limit;         /* RMSE to a picture of the same samples: in steps of 8 bits, or as it is */
+    /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:
+     * it has steps. */
+    void (*samples)(const iso_geometry *level, const iso_view *view, double step_voxels, size_t *intervals,
+                    size_t *planes);
+    bool clipped;         /* the picture's file holds 0 to 1 */
+    double limit;         /* RMSE to a picture of the same samples */
     const char *why;      /* the cause of it */
 } iso_export_target;
 

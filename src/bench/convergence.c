@@ -37,7 +37,8 @@ typedef struct convergence_options {
 /* One renderer's way down. */
 typedef struct descent {
     const iso_renderer_info *renderer;
-    double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps];
+    double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps], seconds[most_steps];
+    size_t intervals[most_steps], pieces[most_steps]; /* of a ray; 0 intervals: it has steps */
     double limit_rmse, error_bar; /* of the extrapolated limit */
     bool agrees;
 } descent;
@@ -69,9 +70,13 @@ static iso_status descend(const iso_render_request *q, const convergence_options
         iso_image_destroy(&coarser);
         coarser = image;
         image = (iso_image){0};
+        double seconds = 0;
         status = iso_render_with(&(iso_render_request){q->renderers, q->pyramid, q->level, q->view, &frames[i],
                                                        q->progress},
-                                 &image, NULL, err);
+                                 &image, &seconds, err);
+        d->seconds[i] = seconds;
+        d->intervals[i] = frames[i].intervals;
+        d->pieces[i] = frames[i].planes + 1;
         if (status == ISO_OK)
             status = iso_metrics_measure(&image, reference, &m, err);
         d->rmse[i] = m.rmse;
@@ -96,20 +101,29 @@ static json_t *to_json(const descent *d, int steps)
 {
     json_t *list = json_array();
     for (int i = 0; i < steps; ++i)
-        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o}", "step_voxels", d->step[i], "rmse",
-                                              iso_json_number(d->rmse[i]), "max_abs", iso_json_number(d->max_abs[i]),
-                                              "order", iso_json_number(d->order[i])));
+        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o, s:o, s:I, s:I}", "step_voxels", d->step[i],
+                                              "rmse", iso_json_number(d->rmse[i]), "max_abs",
+                                              iso_json_number(d->max_abs[i]), "order", iso_json_number(d->order[i]),
+                                              "seconds", iso_json_number(d->seconds[i]), "intervals",
+                                              (json_int_t)d->intervals[i], "pieces", (json_int_t)d->pieces[i]));
     return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit", "rmse",
                      iso_json_number(d->limit_rmse), "error_bar", iso_json_number(d->error_bar), "agrees", d->agrees);
 }
 
 static void print_table(const descent *d, int steps)
 {
-    printf("%s\n  %12s %12s %12s %8s\n", d->renderer->title, "step, voxels", "rmse", "max_abs", "order");
+    const bool intervals = d->intervals[0] > 0;
+    printf("%s\n  %12s %12s %12s %8s %8s%s\n", d->renderer->title, "step, voxels", "rmse", "max_abs", "order", "seconds",
+           intervals ? "  intervals" : "");
     for (int i = 0; i < steps; ++i) {
-        printf("  %12.5g %12.3g %12.3g", d->step[i], d->rmse[i], d->max_abs[i]);
+        char order[16] = "";
         if (i > 0)
-            printf(" %8.2f", d->order[i]);
+            snprintf(order, sizeof order, "%.2f", d->order[i]);
+        printf("  %12.5g %12.3g %12.3g %8s %8.2f", d->step[i], d->rmse[i], d->max_abs[i], order, d->seconds[i]);
+        if (intervals && d->pieces[i] > 1)
+            printf("  %zu in %zu pieces", d->intervals[i], d->pieces[i]);
+        else if (intervals)
+            printf("  %zu", d->intervals[i]);
         printf("\n");
     }
     printf("  %12s %12.3g, error bar %.3g: %s\n", "limit", d->limit_rmse, d->error_bar,
@@ -276,7 +290,8 @@ const iso_command iso_bench_convergence = {
     .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [options]",
     .details =
         "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
-        "from the two finest steps; it agrees when it lies within two error bars of the reference.",
+        "from the two finest steps; it agrees when it lies within two error bars of the reference. seconds: of the\n"
+        "frame alone.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade bench convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",

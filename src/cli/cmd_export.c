@@ -345,7 +345,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
          "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
          "all"},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender: ray step in voxels of the level (the scene's)", "STEP"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)", "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "image/png16.h"
 
 iso_status iso_image_create(iso_image *image, size_t width, size_t height, iso_error *err)
 {
@@ -88,16 +89,13 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
 }
 
 /* IEC 61966-2-1, the other way. */
-static double linear_of_byte(uint8_t byte)
+double iso_png_linear(double c)
 {
-    double c = byte / 255.0;
     return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
 }
 
 static iso_status take_png(const char *path, png_image *png, iso_image *image, iso_error *err)
 {
-    if (png->format & PNG_FORMAT_FLAG_LINEAR)
-        return iso_fail(err, ISO_E_FORMAT, "%s: has 16 bits a channel, wanted 8 (sRGB)", path);
     png->format = PNG_FORMAT_RGBA;
     iso_status status = iso_image_create(image, png->width, png->height, err);
     if (status != ISO_OK)
@@ -110,7 +108,7 @@ static iso_status take_png(const char *path, png_image *png, iso_image *image, i
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png->message);
     for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i) {
         double alpha = bytes[i | 3] / 255.0;
-        image->rgba[i] = (float)(i % 4 == 3 ? alpha : alpha * linear_of_byte(bytes[i]));
+        image->rgba[i] = (float)(i % 4 == 3 ? alpha : alpha * iso_png_linear(bytes[i] / 255.0));
     }
     free(bytes);
     if (status != ISO_OK)
@@ -127,7 +125,9 @@ iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err
     if (status != ISO_OK)
         return status;
     png_image png = {.version = PNG_IMAGE_VERSION};
-    if (png_image_begin_read_from_memory(&png, data, size))
+    if (iso_png_has_16_bits(data, size))
+        status = iso_png16_take(path, data, size, image, err);
+    else if (png_image_begin_read_from_memory(&png, data, size))
         status = take_png(path, &png, image, err);
     else
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);

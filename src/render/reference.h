@@ -51,6 +51,7 @@ typedef struct iso_reference_options {
     iso_direction_source source;
     double step_voxels;         /* midpoint and preintegrated; 0: the view's */
     size_t intervals;           /* povray */
+    size_t planes;              /* povray: that cut the box across the view, each piece of a ray with its own intervals */
     double tolerance;           /* converged: of a pixel's value */
     double iso;                 /* first hit: the value of the surface */
     iso_surface_output output;  /* first hit: what the image shows of it */

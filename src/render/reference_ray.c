@@ -344,6 +344,28 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
     return s;
 }
 
+/* The same piece by piece, between planes that stand across the view at equal distances through the box. */
+static stretch integrate_pieces(const ray_state *ray, const iso_reference_options *opt, double t0, double t1)
+{
+    const iso_geometry *g = &ray->layer->sampler->level->geometry;
+    const iso_vec3 forward = ray->view->camera.forward, start = iso_geometry_to_world(g, ray->origin);
+    const double along = -iso_dot(ray->to_viewer, forward); /* of a millimeter of the ray */
+    const double middle = iso_dot(iso_sub(iso_geometry_box_center_mm(g), start), forward);
+    double reach = 0; /* half the extent of the box along the view */
+    for (int a = 0; a < 3; ++a)
+        reach += 0.5 * fabs(iso_dot(iso_column(g->index_to_world, a), forward)) * g->box_index[a];
+    stretch s = {{0}, 0};
+    double from = t0;
+    for (size_t k = 1; k <= opt->planes; ++k) {
+        const double at = (middle + reach * (2 * (double)k / (double)(opt->planes + 1) - 1)) / along;
+        if (!(at > from && at < t1))
+            continue;
+        s = compose(s, sum_intervals(ray, from, at, opt->intervals));
+        from = at;
+    }
+    return compose(s, sum_intervals(ray, from, t1, opt->intervals));
+}
+
 stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1)
 {
     const iso_geometry *g = &ray->layer->sampler->level->geometry, *finest = iso_view_step_geometry(ray->view, g);
@@ -356,5 +378,5 @@ stretch iso_reference_integrate(const ray_state *ray, const iso_reference_option
         return integrate_means(ray, t0, t1, step * iso_geometry_min_spacing_mm(g));
     if (opt->quadrature == ISO_QUADRATURE_FIRST_HIT)
         return hit_surface(ray, t0, t1, opt->iso, opt->output);
-    return sum_intervals(ray, t0, t1, opt->intervals);
+    return integrate_pieces(ray, opt, t0, t1);
 }

@@ -17,18 +17,6 @@ static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *
     return status;
 }
 
-/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels. */
-static void set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
-{
-    double chord_voxels = 2 * iso_geometry_box_radius_mm(g) /
-                          iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
-    double intervals = chord_voxels / step_voxels, most = ISO_POVRAY_MAX_INTERVALS;
-    double pieces = fmin(fmax(ceil(intervals / most), 1), ISO_POVRAY_MAX_PLANES + 1);
-    o->intervals = (size_t)fmin(fmax(ceil(intervals / pieces), 1), most);
-    o->planes = (size_t)pieces - 1;
-    o->extrapolate = false;
-}
-
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
     const iso_render_options *opt = q->options;
@@ -40,7 +28,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
         o.planes = opt->planes;
         o.extrapolate = opt->extrapolate;
     } else if (opt->step_voxels > 0) {
-        set_step(&q->pyramid->levels[q->level].geometry, q->view, opt->step_voxels, &o);
+        iso_povray_set_step(&q->pyramid->levels[q->level].geometry, q->view, opt->step_voxels, &o);
     }
     o.float_directions = opt->source == ISO_FROM_FLOAT;
     o.isosurface = opt->isosurface;

@@ -38,6 +38,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.threads = opt->threads;
     if (opt->intervals)
         o.intervals = opt->intervals;
+    o.planes = opt->planes;
     iso_status status = ISO_OK;
     do {
         iso_image_destroy(image);
@@ -56,7 +57,7 @@ const iso_renderer_info iso_renderer_reference = {
     .stages = {"reference"},
     .color = "#222222",
     .traits = ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
-              ISO_READS_QUADRATURE | ISO_READS_INTERVALS,
+              ISO_READS_QUADRATURE | ISO_READS_INTERVALS | ISO_READS_PLANES,
     .quadratures = 1u << ISO_QUADRATURE_CONVERGED | 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED |
                    1u << ISO_QUADRATURE_POVRAY,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_CONVERGED},

@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "compare/srgb.h"
 
 enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
@@ -77,15 +76,18 @@ static iso_status render_expected(iso_renderers *renderers, const iso_artefact *
         opt.quadrature = lock->quadrature;
         opt.source = iso_code_describe(a->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;
     }
-    opt.intervals = a->target->intervals;
-    opt.step_voxels = a->target->intervals ? 0 : a->view->step_voxels;
+    if (a->target->samples)
+        a->target->samples(&a->pyramid->levels[a->level].geometry, a->view, a->view->step_voxels, &opt.intervals,
+                           &opt.planes);
+    else
+        opt.step_voxels = a->view->step_voxels;
     opt.threads = a->threads;
     return iso_render_with(&(iso_render_request){renderers, a->pyramid, a->level, a->view, &opt, progress}, image, NULL,
                            err);
 }
 
-/* RMSE in steps of 8 bits, as both would be seen; or as they are. Of colors alone: pictures for people are opaque. */
-static double rmse_of_colors(const iso_image *expected, const iso_image *picture, bool in_steps)
+/* Of colors alone: pictures for people are opaque. clipped: the picture cannot be brighter than 1. */
+static double rmse_of_colors(const iso_image *expected, const iso_image *picture, bool clipped)
 {
     const size_t pixels = expected->width * expected->height;
     double sum = 0;
@@ -93,10 +95,8 @@ static double rmse_of_colors(const iso_image *expected, const iso_image *picture
         double a = (double)expected->rgba[i], b = (double)picture->rgba[i];
         if (i % 4 == 3)
             continue;
-        if (in_steps) {
-            a = isnan(a) ? a : rint(255 * iso_srgb_encode(a));
-            b = rint(255 * iso_srgb_encode(b));
-        }
+        if (clipped && a > 1)
+            a = 1;
         sum += (a - b) * (a - b);
     }
     return sqrt(sum / (3 * (double)pixels));
@@ -110,7 +110,7 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
          *there = base ? iso_path_join(base, "there") : NULL;
     *out = (iso_artefact_result){.value = NAN,
                                  .limit = a->target->limit,
-                                 .unit = a->target->eight_bits ? "RMSE, steps of 8 bits" : "RMSE"};
+                                 .unit = "RMSE"};
     snprintf(out->why, sizeof out->why, "%s", a->target->why);
     iso_status status = here && there
                             ? (mkdir(here, 0777) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be made", here))
@@ -124,7 +124,7 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
             snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
                      out->picture.width, out->picture.height, out->expected.width, out->expected.height);
         else if (status == ISO_OK)
-            out->value = rmse_of_colors(&out->expected, &out->picture, a->target->eight_bits);
+            out->value = rmse_of_colors(&out->expected, &out->picture, a->target->clipped);
         else if (status == ISO_E_MEMORY)
             iso_fail(err, status, "%s", failed.text);
         else

@@ -8,7 +8,7 @@
  *   of a renderer whose samples are known   the reference's of the same samples
  *   else                                    the renderer's own by the same steps, which its limit holds to the reference
  *
- * Where the picture has 8 bits a channel (sRGB), both are compared in steps of these. */
+ * A file that holds colors of 0 to 1 is compared with what the reference's picture is when it is clipped. */
 #ifndef ISO_VALIDATE_ARTEFACT_H
 #define ISO_VALIDATE_ARTEFACT_H
 
