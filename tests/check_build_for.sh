@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Levels that are made for a scene: built, described, verified, validated; and what is refused.
 . "$(dirname "$0")/lib.sh"
+python_with numpy
 scene=$top/refscenes/marschner-lobb.scene.json
 "$ISOSHADE" make marschner-lobb --size 33x28x31 --spacing 1x1x1.5 -q -o v.nrrd
 "$ISOSHADE" build v.nrrd -q --levels 3 -o plain.iso >/dev/null
@@ -17,7 +18,7 @@ check with_the_scene_and_each_level grep -q "made for   $scene: level 1 least-sq
 expect it_is_verified 0 "$ISOSHADE" info v.iso --verify
 check with_all_levels test "$(grep -c 'voxels are made from level 0' out)" = 3
 cp -r v.iso bad.iso
-python3 "$top/tests/swap_levels.py" plain.iso bad.iso scalar:1
+"$python" "$top/tests/swap_levels.py" plain.iso bad.iso scalar:1
 expect a_plain_level_in_its_place_is_found 1 "$ISOSHADE" info bad.iso --verify
 check by_level_and_values grep -q 'level 1: .* by its values' err
 expect a_validation_finds_it_too 1 "$ISOSHADE" validate bad.iso --scene "$scene" --quick --with gl --size 24 -q -o bad

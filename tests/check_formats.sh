@@ -4,9 +4,7 @@
 # those of the code, both ways.
 . "$(dirname "$0")/lib.sh"
 page=$top/doc/formats.md
-# Debian's own Python, which has Debian's numpy and OpenVDB, where another one comes first in the PATH.
-python=python3
-"$python" -c 'import numpy' 2>/dev/null || python=/usr/bin/python3
+python_with numpy
 read_iso() { "$python" "$top/tests/read_iso.py" "$@"; }
 
 # ---- pyramids: each code, odd sizes, a rotated grid; noise, so that directions go everywhere ----

@@ -3,8 +3,7 @@
 # doc/formats-in.md: each row of its table is tested by files of another program, and each format of `isoshade list` has one.
 . "$(dirname "$0")/lib.sh"
 page=$top/doc/formats-in.md
-python=python3
-"$python" -c 'import numpy, vtk' 2>/dev/null || python=/usr/bin/python3 # Debian's, where another one comes first
+python_with numpy,vtk
 "$python" "$top/tests/formats_in.py" "$ISOSHADE" || failed=1
 
 tests_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }

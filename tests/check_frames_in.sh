@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Time steps, channels and numbered files: those of other programs' files, each by itself (frames_in.py).
 . "$(dirname "$0")/lib.sh"
-python=python3
-"$python" -c 'import numpy, vtk' 2>/dev/null || python=/usr/bin/python3 # Debian's, where another one comes first
+python_with numpy,vtk
 "$python" "$top/tests/frames_in.py" "$ISOSHADE" || failed=1
 
 # All frames: one range, so that a fitted transfer function gives a value one color in all of them. The second frame has

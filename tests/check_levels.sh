@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: MIT
 # A pyramid whose levels were put in from another volume, checksums and all, is found out; one that is whole is not.
 . "$(dirname "$0")/lib.sh"
+python_with numpy
 scene=$top/refscenes/marschner-lobb.scene.json
 swap() { # FROM.iso KEY:LEVEL ...: a.iso with these, as bad.iso
     local from=$1
     shift
-    rm -rf bad.iso && cp -r a.iso bad.iso && python3 "$top/tests/swap_levels.py" "$from" bad.iso "$@"
+    rm -rf bad.iso && cp -r a.iso bad.iso && "$python" "$top/tests/swap_levels.py" "$from" bad.iso "$@"
 }
 # A mismatch: exit code 1, and what is said of it.
 found() { # NAME WORDS COMMAND
@@ -90,6 +91,9 @@ import re
 import subprocess
 import sys
 
+sys.path.insert(0, os.environ["TESTS"])
+from read_iso import write_description
+
 path = "bad.iso/pyramid.json"
 about = json.load(open(path))
 level = about["levels"][1]
@@ -105,13 +109,14 @@ elif what == "range":
     about["levels"][0]["max"] *= 2
 else:
     level["geometry"]["box_index"][0] -= 1
-json.dump(about, open(path, "w"), indent=2)
+write_description(path, about)
 PY
-python3 plant.py bit
+export TESTS=$top/tests
+"$python" plant.py bit
 found a_single_bit_is_found "level 1: 1 of 1620 voxels .* (11, 8, 14), by its directions" "$ISOSHADE" info bad.iso --verify
-swap a.iso codes:1 && python3 plant.py range
+swap a.iso codes:1 && "$python" plant.py range
 found a_range_is_found "level 0: its range" "$ISOSHADE" info bad.iso --verify
-swap a.iso codes:1 && python3 plant.py box
+swap a.iso codes:1 && "$python" plant.py box
 found a_box_is_found "level 1: its geometry" "$ISOSHADE" info bad.iso --verify
 
 # All renderers are given the same wrong levels, so that they agree: validation has to see it by itself.

@@ -12,6 +12,8 @@ trap 'rm -rf "$dir" "$HOME"' EXIT
 cd "$dir" || exit 1
 failed=0
 ok() { echo "ok $1"; }
+# python_with MODULES: $python becomes one that has them: Debian's own, where another one comes first in the PATH
+python_with() { python=python3; "$python" -c "import $1" 2>/dev/null || python=/usr/bin/python3; }
 skip() { echo "ok $1 # SKIP $2"; }
 # A case that fails because the program says by name what this system's Blender lacks is skipped with that sentence.
 not_ok() {

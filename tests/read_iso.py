@@ -208,9 +208,27 @@ def check_header(name, fields, geometry, components):
     expect(sizes[-3:] == geometry["size"] and sizes[:-3] == components, f"{name}: sizes {sizes}")
 
 
+NO_CHECKSUM = "0" * 16
+
+
+def with_checksum(text, place):
+    """The text of a pyramid.json with its own checksum at a place: of the text with zeros there."""
+    zeroed = text[:place] + NO_CHECKSUM + text[place + 16:]
+    return text[:place] + xxh3_64(zeroed.encode()) + text[place + 16:]
+
+
+def write_description(path, description):
+    """A pyramid.json that is as a careful forger leaves it: its checksum fits."""
+    text = json.dumps({**description, "xxh3_64": NO_CHECKSUM}, indent=2)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(with_checksum(text, text.rindex(NO_CHECKSUM)))
+
+
 def read_pyramid(folder):
     with open(os.path.join(folder, "pyramid.json"), encoding="utf-8") as file:
-        description = json.load(file)
+        text = file.read()
+    description = json.loads(text)
+    expect(with_checksum(text, text.rindex(description["xxh3_64"])) == text, "pyramid.json: its own checksum")
     expect(description["schema"] == "isoshade.pyramid/1", f"schema {description['schema']}")
     code = description["options"]["code"]
     levels = []

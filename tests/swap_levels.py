@@ -9,6 +9,8 @@ import json
 import shutil
 import sys
 
+from read_iso import write_description
+
 source, target = sys.argv[1:3]
 theirs, ours = (json.load(open(f"{d}/pyramid.json")) for d in (source, target))
 for word in sys.argv[3:]:
@@ -18,4 +20,4 @@ for word in sys.argv[3:]:
     if key == "scalar":
         entry["min"], entry["max"] = taken["min"], taken["max"]
     shutil.copy(f"{source}/{taken['files'][key]['name']}", target)
-json.dump(ours, open(f"{target}/pyramid.json", "w"), indent=2)
+write_description(f"{target}/pyramid.json", ours)

@@ -32,6 +32,25 @@ static void a_program_that_takes_too_long_is_ended(void **state)
     assert_status(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
 }
 
+/* It closes its output, so that there is nothing to wait for but its end. */
+static void one_that_hangs_in_silence_is_ended_too(void **state)
+{
+    (void)state;
+    const char *argv[] = {"/bin/sh", "-c", "exec >&- 2>&-; sleep 3600", NULL};
+    const iso_process_options options = {.timeout_seconds = 0.2};
+    iso_error err = {""};
+    assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
+    assert_non_null(strstr(err.text, "the time limit"));
+    iso_process_set_limit(0.2);
+    assert_int_equal(iso_process_run(argv, NULL, &err), ISO_E_PROGRAM);
+    iso_process_set_limit(ISO_PROCESS_LIMIT_SECONDS);
+}
+
+static void keep_pid(void *user, const char *line)
+{
+    *(long *)user = strtol(line, NULL, 10);
+}
+
 static void send_interrupt(void *user, const char *line)
 {
     (void)user;
@@ -92,6 +111,23 @@ static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **
     assert_true(now.sa_handler == SIG_DFL);
 }
 
+/* Also what moved to a session of its own, and would go on when the program has ended well. */
+static void nothing_that_it_started_outlives_it(void **state)
+{
+    (void)state;
+    long pid = 0;
+    const char *argv[] = {"/bin/sh", "-c", "setsid sleep 3600 >&- 2>&- & echo $!; exit 5", NULL};
+    const iso_process_options options = {.line = keep_pid, .user = &pid};
+    iso_error err = {""};
+    assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
+    assert_non_null(strstr(err.text, "exit code 5"));
+    assert_true(pid > 1);
+    assert_int_equal(kill((pid_t)pid, 0), -1);
+    const char *killed[] = {"/bin/sh", "-c", "kill -SEGV $$", NULL};
+    assert_int_equal(iso_process_run(killed, NULL, &err), ISO_E_PROGRAM);
+    assert_non_null(strstr(err.text, "ended by signal 11"));
+}
+
 static void tell_pid(void *user, const char *line)
 {
     const int *pipe_end = user;
@@ -107,7 +143,7 @@ static void a_killed_caller_leaves_nothing_running(void **state)
     assert_int_equal(pipe(fds), 0);
     const pid_t caller = fork();
     if (caller == 0) {
-        const char *argv[] = {"/bin/sh", "-c", "echo $$; exec sleep 3600", NULL};
+        const char *argv[] = {"/bin/sh", "-c", "setsid sleep 3600 & echo $!; wait", NULL};
         const iso_process_options options = {.line = tell_pid, .user = &fds[1]};
         iso_process_run(argv, &options, NULL);
         _exit(0);
@@ -192,6 +228,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
+        cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),
+        cmocka_unit_test(nothing_that_it_started_outlives_it),
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),
         cmocka_unit_test(a_killed_caller_leaves_nothing_running),

@@ -23,7 +23,7 @@ typedef struct iso_povray_scene {
     const char *name; /* of the files */
     bool is_roi;
     const iso_pyramid_unit *unit;
-    const char *source; /* for the comments */
+    char source[256]; /* for the comments: one line, which cannot end them */
     size_t level;
     const iso_geometry *geometry;            /* of the level: what the container stands in */
     const iso_level *voxels;                 /* the level, or what a region of interest holds of a finer one */

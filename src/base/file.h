@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* file.h - outputs that appear whole or not at all.
  *
- * A file or a directory is made under a temporary name beside its final one
- * and renamed when it is complete. What stood there before stays until then. */
+ * A file or a directory is made under a temporary name beside its final one (temporary.h), flushed to the disk, and
+ * renamed when it is complete. What stood there before stays until then. An output that is a link is written to what the
+ * link names, and the link stays; devices, pipes and sockets are refused. */
 #ifndef ISO_FILE_H
 #define ISO_FILE_H
 
@@ -11,6 +12,7 @@
 #include <stdio.h>
 
 #include "base/status.h"
+#include "base/temporary.h"
 
 typedef struct iso_output {
     char *final_path; /* what the user named */
@@ -23,8 +25,8 @@ typedef struct iso_output {
 iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
 
 /* The same for a directory, which is created. An existing directory at path is
- * replaced at commit only if it holds a file `marker` (so it is one of ours);
- * else ISO_E_IO, and nothing of the user's is lost. */
+ * replaced at commit only if it holds a file `marker` (so it is one of ours) and
+ * nothing but what isoshade wrote (manifest.h); else ISO_E_IO, and nothing of the user's is lost. */
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
 
 /* The same for work that can be resumed after it was killed: the temporary directory has the
@@ -53,10 +55,6 @@ void iso_output_keep(iso_output *out);
 
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);
-
-/* A fresh private directory under $TMPDIR or /tmp; the caller frees the path
- * and removes the tree. NULL when none can be made. */
-char *iso_make_temp_dir(void);
 
 /* "dir/name", to be freed. NULL only when memory ends. */
 char *iso_path_join(const char *dir, const char *name);

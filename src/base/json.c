@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/names.h"
+#include "base/words.h"
 
 iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err)
 {
@@ -131,6 +132,8 @@ void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *k
         return;
     if (!json_is_string(item))
         fail(r, key, "is not a string");
+    else if (iso_words_has_control(json_string_value(item)))
+        fail(r, key, "holds a control character, such as a line feed");
     else
         *value = json_string_value(item);
 }

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -11,12 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/keeper.h"
 #include "base/parallel.h"
 
 static char *search_path(const char *program)
@@ -141,15 +142,14 @@ typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAI
 
 /* Reads until the child closes its output, or says the line that is waited for. talking: a child of its own may hold the
  * output while it waits for a line, so that its end counts too. */
-static drain_end drain(int fd, pid_t talking, line_log *log, double timeout_seconds)
+static drain_end drain(int fd, pid_t talking, line_log *log, double deadline)
 {
-    double start = iso_clock_seconds();
     for (char buffer[4096];;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
-        int ready = poll(&p, 1, 500);
+        int ready = poll(&p, 1, 200);
         if (stop_signal)
             return DRAIN_STOPPED;
-        if (timeout_seconds > 0 && iso_clock_seconds() - start > timeout_seconds)
+        if (iso_clock_seconds() > deadline)
             return DRAIN_TIMED_OUT;
         if (ready < 0 && errno != EINTR)
             return DRAIN_CLOSED;
@@ -176,25 +176,6 @@ struct iso_process {
     line_log log;
 };
 
-/* in: what it reads from; below 0: nothing. */
-static void run_child(const char *const argv[], const char *directory, int in, int out)
-{
-    setpgid(0, 0);
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a killed isoshade leaves nothing running */
-    if (directory && chdir(directory) != 0)
-        _exit(126);
-    if (in < 0)
-        in = open("/dev/null", O_RDONLY); /* no stdio: other threads may have held its locks at the fork */
-    if (in < 0)
-        _exit(126);
-    dup2(in, STDIN_FILENO);
-    dup2(out, STDOUT_FILENO);
-    dup2(out, STDERR_FILENO);
-    close(out);
-    execv(argv[0], (char *const *)argv);
-    _exit(127);
-}
-
 static void close_both(const int fds[2])
 {
     for (int i = 0; i < 2; ++i)
@@ -214,14 +195,12 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
         close_both(out);
         return iso_fail(err, ISO_E_IO, "%s: no socket: %s", p->name, strerror(errno));
     }
-    p->pid = fork();
+    p->pid = iso_keeper_start(argv, directory, in[0], out[1]);
     if (p->pid < 0) {
         close_both(in);
         close_both(out);
         return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", p->name, strerror(errno));
     }
-    if (p->pid == 0)
-        run_child(argv, directory, in[0], out[1]);
     if (talks)
         close(in[0]);
     close(out[1]);
@@ -230,19 +209,34 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
     return ISO_OK;
 }
 
-/* Waits for a program that has closed its output, or ends it. */
-static int reap(iso_process *p, bool kill_it)
+/* Waits for a program that has closed its output and may go on all the same, or ends it. *end: why it ended. */
+static int reap(iso_process *p, double deadline, drain_end *end)
 {
     int result = 0;
     if (p->in >= 0)
         close(p->in);
     close(p->out);
     p->in = p->out = -1;
-    if (kill_it)
-        kill(-p->pid, SIGKILL);
+    while (*end == DRAIN_CLOSED && !has_ended(p->pid)) {
+        if (stop_signal)
+            *end = DRAIN_STOPPED;
+        else if (iso_clock_seconds() > deadline)
+            *end = DRAIN_TIMED_OUT;
+        else
+            poll(NULL, 0, 5);
+    }
+    if (*end != DRAIN_CLOSED)
+        iso_keeper_stop(p->pid);
     while (waitpid(p->pid, &result, 0) < 0 && errno == EINTR) {
     }
     return result;
+}
+
+static _Atomic double usual_limit_seconds = ISO_PROCESS_LIMIT_SECONDS;
+
+void iso_process_set_limit(double seconds)
+{
+    usual_limit_seconds = seconds;
 }
 
 static iso_status listen_to(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
@@ -253,15 +247,17 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->until = until;
     log->is_there = false;
     log->last[0] = log->error[0] = 0;
-    const drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, options->timeout_seconds);
+    const double limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
+                 deadline = limit > 0 ? iso_clock_seconds() + limit : INFINITY;
+    drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
     *ended = end != DRAIN_WAITS;
     if (!*ended)
         return ISO_OK;
-    const int result = reap(p, end != DRAIN_CLOSED);
+    const int result = reap(p, deadline, &end);
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
     if (end == DRAIN_TIMED_OUT)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, options->timeout_seconds);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, limit);
     if (WIFSIGNALED(result))
         return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", p->name, WTERMSIG(result),
                         log->last);

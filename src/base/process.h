@@ -16,15 +16,20 @@ typedef struct iso_process_options {
     const char *directory;                      /* working directory; NULL: unchanged */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
-    double timeout_seconds; /* 0: none */
+    double timeout_seconds; /* 0: that of iso_process_set_limit() */
 } iso_process_options;
+
+/* How long a program may take where options say nothing, or stay silent after an order: one that hangs would hold its
+ * caller for ever. 0: without end. At the start it is: */
+#define ISO_PROCESS_LIMIT_SECONDS 7200
+void iso_process_set_limit(double seconds);
 
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
  * captured; on a non-zero exit, a signal or a timeout the status is
  * ISO_E_PROGRAM and the message names the program, the cause and the last
  * lines of the output that look like an error. SIGINT, SIGTERM and SIGHUP end
- * the program and are such a failure, so that callers clean up; the program
- * does not outlive this process. Threads may each run one; a signal ends all. */
+ * the program and are such a failure, so that callers clean up. Neither the program nor
+ * anything that it started outlives the call, or this process (keeper.h). Threads may each run one; a signal ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 
 /* ---- a program that stays and takes one order after the other ---- */

@@ -9,6 +9,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+static bool is_control(char letter)
+{
+    return (unsigned char)letter < ' ' || letter == 127;
+}
+
+bool iso_words_has_control(const char *text)
+{
+    while (*text && !is_control(*text))
+        ++text;
+    return *text != 0;
+}
+
+void iso_words_copy_line(const char *text, char *line, size_t size)
+{
+    size_t n = 0;
+    for (; text[n] && n + 1 < size; ++n)
+        line[n] = is_control(text[n]) ? ' ' : text[n];
+    line[n] = 0;
+}
+
 void iso_words_append(char *text, size_t size, const char *format, ...)
 {
     const size_t used = strlen(text);

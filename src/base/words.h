@@ -4,6 +4,7 @@
 #ifndef ISO_WORDS_H
 #define ISO_WORDS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -11,6 +12,12 @@
 
 /* A word of a command line, quoted for a shell where it has to be. */
 void iso_words_put_quoted(FILE *f, const char *word);
+
+/* Does a text hold a control character (below a space, or delete)? No name or word of a file needs one, and a line feed
+ * would begin a statement in texts that are written for other programs. */
+bool iso_words_has_control(const char *text);
+/* A copy without them, spaces in their place, of what fits into size bytes. */
+void iso_words_copy_line(const char *text, char *line, size_t size);
 
 /* Puts more at the end of a text in a buffer of `size` bytes; what does not fit is left out. */
 void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_render.c - one level of a volume as an image, by any of the renderers. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,7 +151,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
                                   .brick_voxels = (size_t)a->brick,
                                   .level_count = (size_t)a->brick_levels,
                                   .page_side = (size_t)a->page_side,
-                                  .step_voxels = a->step,
+                                  .step_voxels = isnan(a->step) ? 0 : a->step,
                                   .threads = cli->threads,
                                   .report = &r};
     iso_gl *gl;
@@ -364,7 +365,8 @@ static const char *describe_quadratures(help_texts *h)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     help_texts help = {.count = 0};
-    iso_render_arguments a = {.with = iso_renderers_usual()->name, .brick = 16, .brick_levels = 4};
+    iso_render_arguments a = {
+        .with = iso_renderers_usual()->name, .step = NAN, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);

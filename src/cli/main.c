@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
+#include "base/json.h"
+#include "base/words.h"
 #include "options/cli.h"
 #include "cli/commands.h"
 #include "cli/manual.h"
@@ -41,37 +46,79 @@ static int print_completion(const char *shell)
     return status;
 }
 
+/* A file that is opened where stdin, stdout or stderr are closed would take its number, and messages would go into it. */
+static bool have_standard_streams(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY) != fd)
+            return false;
+    return true;
+}
+
+/* Names go into JSON, pages, and scenes of other programs, which are UTF-8 throughout, and where a line feed would begin a
+ * statement. */
+static iso_status check_words(int argc, const char **argv, iso_error *err)
+{
+    for (int i = 1; i < argc; ++i) {
+        json_t *string = json_string(argv[i]);
+        json_decref(string);
+        const char *fault = !string                            ? "is not UTF-8"
+                            : iso_words_has_control(argv[i]) ? "holds a control character, such as a line feed"
+                                                               : NULL;
+        if (fault)
+            return iso_fail(err, ISO_E_USAGE, "argument %d %s; give the file another name, or make a link to it", i, fault);
+    }
+    return ISO_OK;
+}
+
+/* What was printed has to have arrived. */
+static iso_status flush_output(iso_status status, iso_error *err)
+{
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == ISO_OK)
+        return iso_fail(err, ISO_E_IO, "standard output: cannot be written");
+    return status;
+}
+
+static int say(const char *command, iso_status status, iso_error *err)
+{
+    iso_output_rename_all_in(err);
+    if (err->text[0] && status != ISO_OK)
+        fprintf(stderr, "isoshade%s%s: %s\n", command[0] ? " " : "", command, err->text);
+    return status;
+}
+
 int main(int argc, const char **argv)
 {
+    iso_error err = {""};
+    if (!have_standard_streams())
+        return ISO_E_IO;
+    signal(SIGXFSZ, SIG_IGN); /* a file above the limit of its size is an error of writing, which is told */
+    iso_status status = check_words(argc, argv, &err);
+    if (status != ISO_OK)
+        return say("", status, &err);
     if (argc < 2) {
         print_overview(stderr);
         return ISO_E_USAGE;
     }
     if (argc == 3 && strcmp(argv[1], "help") == 0 && strcmp(argv[2], "--man") == 0) {
         iso_manual_print_page(stdout);
-        return ISO_OK;
+        return say("help", flush_output(ISO_OK, &err), &err);
     }
     if (strcmp(argv[1], "completion") == 0)
         return print_completion(argc == 3 ? argv[2] : "");
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(stdout);
-        return ISO_OK;
+        return say("", flush_output(ISO_OK, &err), &err);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("isoshade %s\n", ISO_VERSION);
-        return ISO_OK;
+        return say("", flush_output(ISO_OK, &err), &err);
     }
     for (const iso_command *const *c = iso_commands; *c; ++c) {
         if (strcmp((*c)->name, argv[1]) != 0)
             continue;
-        iso_error err = {""};
-        iso_status status = (*c)->run(*c, argc - 1, argv + 1, &err);
-        if (fflush(stdout) != 0 && status == ISO_OK)
-            status = iso_fail(&err, ISO_E_IO, "standard output: cannot be written");
-        iso_output_rename_all_in(&err);
-        if (err.text[0] && status != ISO_OK)
-            fprintf(stderr, "isoshade %s: %s\n", argv[1], err.text);
-        return status;
+        status = (*c)->run(*c, argc - 1, argv + 1, &err);
+        return say(argv[1], flush_output(status, &err), &err);
     }
     fprintf(stderr, "isoshade: unknown command \"%s\"; isoshade --help lists them\n", argv[1]);
     return ISO_E_USAGE;

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/process.h"
+
 void iso_cli_print_names(FILE *f, const iso_names *names)
 {
     int widest = 0;
@@ -144,10 +146,12 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
     *next = ISO_CLI_RUN;
     int help = 0;
+    double timeout = ISO_PROCESS_LIMIT_SECONDS;
     struct poptOption common[] = {
         {"json", 0, POPT_ARG_NONE, &cli->json, 0, "one JSON object on stdout", NULL},
         {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "no progress", NULL},
         {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "threads; 0: all cores", "N"},
+        {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "limit of each run of another program; 0: none", "SECONDS"},
         {"help", 'h', POPT_ARG_NONE, &help, 0, "this text", NULL},
         POPT_TABLEEND,
     };
@@ -181,6 +185,10 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
+    status = iso_words_check_range("--timeout", timeout, 0, 1e9, err);
+    if (status != ISO_OK)
+        return status;
+    iso_process_set_limit(timeout);
     if (!cli->quiet)
         cli->progress = iso_progress_line_create(command->name);
     cli->arguments = poptGetArgs(cli->context);

@@ -276,10 +276,7 @@ static void mark_levels(iso_pyramid *p)
 static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, const json_t *root, iso_pyramid *out)
 {
     iso_error *err = r->err;
-    const char *schema = NULL, *source = NULL, *built_by = "";
-    iso_json_get_string(r, root, "schema", true, &schema);
-    if (r->status == ISO_OK && strcmp(schema, ISO_PYRAMID_SCHEMA) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", r->path, schema, ISO_PYRAMID_SCHEMA);
+    const char *source = NULL, *built_by = "";
     iso_json_get_string(r, root, "source", true, &source);
     iso_json_get_string(r, root, "built_by", false, &built_by);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
@@ -330,7 +327,7 @@ static iso_status load(const char *dir, load_what what, iso_pyramid *out, iso_er
     json_t *root = NULL;
     if (!path)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", dir);
-    iso_status status = iso_json_load(path, &root, err);
+    iso_status status = iso_layout_load(path, &root, err);
     if (status == ISO_OK) {
         iso_json_reader r = {.path = path, .err = err};
         status = load_levels(&r, dir, what, root, out);

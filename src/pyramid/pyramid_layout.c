@@ -109,13 +109,81 @@ void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *obj
                                              c->mean_agreement[level], "axis_agreement", c->axis_agreement[level]));
 }
 
-iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err)
+static iso_status save_text(const char *dir, const char *name, const char *text, iso_error *err)
 {
-    char *path = iso_path_join(dir, name), *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    char *path = iso_path_join(dir, name);
     iso_status status = path && text ? iso_file_write(path, text, strlen(text), err)
                                      : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %s", dir, name);
-    free(text);
     free(path);
+    return status;
+}
+
+enum { DUMP_FLAGS = JSON_INDENT(2) | JSON_REAL_PRECISION(17) };
+
+iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err)
+{
+    char *text = json_dumps(root, DUMP_FLAGS);
+    iso_status status = save_text(dir, name, text, err);
+    free(text);
+    return status;
+}
+
+/* ---- the checksum of pyramid.json: of its text with these zeros in the checksum's place ---- */
+
+static const char no_checksum[] = "0000000000000000";
+enum { CHECKSUM_DIGITS = sizeof no_checksum - 1 };
+
+/* The last place in text where the digits stand as a word of JSON. */
+static char *find_digits(char *text, const char *digits)
+{
+    char word[CHECKSUM_DIGITS + 3], *found = NULL;
+    snprintf(word, sizeof word, "\"%s\"", digits);
+    for (char *at = strstr(text, word); at; at = strstr(at + 1, word))
+        found = at + 1;
+    return found;
+}
+
+static void put_checksum(char *text, size_t size, char *place)
+{
+    char digits[CHECKSUM_DIGITS + 1];
+    memcpy(place, no_checksum, CHECKSUM_DIGITS);
+    snprintf(digits, sizeof digits, "%016llx", (unsigned long long)XXH3_64bits(text, size));
+    memcpy(place, digits, CHECKSUM_DIGITS);
+}
+
+iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
+{
+    char *text, *place;
+    size_t size;
+    *root = NULL;
+    iso_status status = iso_file_read(path, &text, &size, err);
+    if (status == ISO_OK)
+        status = iso_json_parse(path, text, size, root, err);
+    if (status != ISO_OK) {
+        free(text);
+        return status;
+    }
+    const char *said = json_string_value(json_object_get(*root, "xxh3_64")), *schema = NULL;
+    iso_json_reader r = {.path = path, .err = err};
+    iso_json_get_string(&r, *root, "schema", true, &schema);
+    if (r.status != ISO_OK)
+        status = r.status;
+    else if (strcmp(schema, ISO_PYRAMID_SCHEMA) != 0)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", path, schema, ISO_PYRAMID_SCHEMA);
+    else if (!said || strlen(said) != CHECKSUM_DIGITS || !(place = find_digits(text, said)))
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: has no checksum of itself; isoshade before 0.3 wrote none: build the pyramid again", path);
+    else {
+        put_checksum(text, size, place);
+        if (strncmp(place, said, CHECKSUM_DIGITS) != 0)
+            status = iso_fail(err, ISO_E_FORMAT, "%s: was changed since it was written: checksum %.16s, it says %s", path,
+                              place, said);
+    }
+    if (status != ISO_OK) {
+        json_decref(*root);
+        *root = NULL;
+    }
+    free(text);
     return status;
 }
 
@@ -132,8 +200,12 @@ iso_status iso_layout_save(const char *dir, const char *source, const iso_pyrami
         json_object_set(root, "made_for", of->made_for);
     if (root && of && of->chosen_by)
         json_object_set(root, "auto", of->chosen_by);
-    iso_status status = root ? iso_layout_save_json(dir, ISO_PYRAMID_MARKER, root, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its description", dir);
+    json_object_set_new(root, "xxh3_64", json_string(no_checksum));
+    char *text = root ? json_dumps(root, DUMP_FLAGS) : NULL;
+    if (text)
+        put_checksum(text, strlen(text), find_digits(text, no_checksum));
+    const iso_status status = save_text(dir, ISO_PYRAMID_MARKER, text, err);
+    free(text);
     json_decref(root);
     return status;
 }

@@ -47,4 +47,8 @@ void iso_pyramid_share_segments(iso_pyramid *p);
 /* With 17 digits, so that numbers are read back as they were. */
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);
 
+/* pyramid.json. ISO_E_IO; ISO_E_FORMAT where it is none, or not as it was written: levels, ranges and boxes of a file that
+ * was changed would give a wrong picture and no error. */
+iso_status iso_layout_load(const char *path, json_t **root, iso_error *err);
+
 #endif

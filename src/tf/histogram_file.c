@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/manifest.h"
 #include "tf/histogram.h"
 #include "volume/volume.h"
 
@@ -92,6 +93,8 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
         }
     if (status == ISO_OK)
         status = iso_volume_save(&v, path, true, err);
+    if (status == ISO_OK)
+        iso_manifest_add(dir, iso_path_base(path));
     iso_volume_destroy(&v);
     free(path);
     return status;

@@ -253,15 +253,24 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
 static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io, iso_error *err)
 {
     struct stat st;
-    bool text = io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex;
+    const bool text = io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex;
+    /* A block of bzip2 takes more than 32 bytes, and holds 900 000 after a first pass that makes 5 of 255 equal ones. */
+    const double most_per_byte = 900000.0 / 5 * 255 / 32;
     /* the shortest text is a digit and a space for a double: refuse before the memory is taken */
     if (text && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 &&
         (double)iso_source_bytes(source) > 4.0 * (double)st.st_size + 8)
         return iso_fail(err, ISO_E_FORMAT,
                         "%s: truncated: %lld bytes of text cannot hold the %zu bytes of samples that the sizes need",
                         source->path, (long long)st.st_size, iso_source_bytes(source));
+    if (io->encoding == nrrdEncodingBzip2 && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 &&
+        (double)iso_source_bytes(source) > most_per_byte * (double)st.st_size)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated: %lld bytes of bzip2 cannot hold the %zu bytes of samples that the sizes need",
+                        source->path, (long long)st.st_size, iso_source_bytes(source));
     Nrrd *nrrd = nrrdNew();
     iso_status status = ISO_OK;
+    if (!nrrd)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory to read it", source->path);
     if (nrrdLoad(nrrd, source->path, NULL) != 0)
         status = teem_failed(source->path, nrrd, err);
     if (status == ISO_OK) {
@@ -276,6 +285,11 @@ static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
     Nrrd *nrrd = nrrdNew();
     NrrdIoState *io = nrrdIoStateNew();
+    if (!nrrd || !io) {
+        nrrdNuke(nrrd);
+        nrrdIoStateNix(io);
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory to read it", source->path);
+    }
     io->skipData = 1;
     io->keepNrrdDataFileOpen = 1;
     iso_status status = ISO_OK;

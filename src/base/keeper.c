@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* Between fork() and exec or _exit() only system calls are made, since other threads may hold any lock. */
+#define _GNU_SOURCE
+#include "base/keeper.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* The program itself. */
+static void run_program(const char *const argv[], const char *directory, int in, int out, const sigset_t *mask)
+{
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    sigprocmask(SIG_SETMASK, mask, NULL);
+    if (directory && chdir(directory) != 0)
+        _exit(126);
+    if (in < 0)
+        in = open("/dev/null", O_RDONLY);
+    if (in < 0)
+        _exit(126);
+    dup2(in, STDIN_FILENO);
+    dup2(out, STDOUT_FILENO);
+    dup2(out, STDERR_FILENO);
+    close(out);
+    execv(argv[0], (char *const *)argv);
+    _exit(127);
+}
+
+/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. */
+static void kill_children(void)
+{
+    const int list = open("/proc/thread-self/children", O_RDONLY);
+    char digits[256];
+    pid_t pid = 0;
+    for (ssize_t n; list >= 0 && (n = read(list, digits, sizeof digits)) > 0;)
+        for (ssize_t i = 0; i < n; ++i) {
+            if (digits[i] >= '0' && digits[i] <= '9') {
+                pid = 10 * pid + (digits[i] - '0');
+            } else {
+                if (pid > 1)
+                    kill(pid, SIGKILL);
+                pid = 0;
+            }
+        }
+    if (list >= 0)
+        close(list);
+}
+
+/* Until nothing is left: who loses its parent becomes our child, and may have started others in the meantime. */
+static void end_all(pid_t program, int *result)
+{
+    for (;;) {
+        int how;
+        kill(-program, SIGKILL);
+        kill_children();
+        const pid_t pid = waitpid(-1, &how, 0);
+        if (pid < 0 && errno != EINTR)
+            return;
+        if (pid == program)
+            *result = how;
+    }
+}
+
+static void end_like(int result)
+{
+    const struct rlimit none = {0, 0};
+    if (WIFEXITED(result))
+        _exit(WEXITSTATUS(result));
+    sigset_t all;
+    sigemptyset(&all);
+    setrlimit(RLIMIT_CORE, &none);
+    signal(WTERMSIG(result), SIG_DFL);
+    sigprocmask(SIG_SETMASK, &all, NULL);
+    kill(getpid(), WTERMSIG(result));
+    _exit(127);
+}
+
+/* Waits for the program's end, or for the order to end it. */
+static void keep(pid_t program, const sigset_t *wanted)
+{
+    int result = 0;
+    for (bool stop = false, ended = false; !stop && !ended;) {
+        const struct timespec patience = {.tv_sec = 1}; /* a signal that came before this process began is not lost either */
+        stop = sigtimedwait(wanted, NULL, &patience) == SIGTERM;
+        for (pid_t pid; (pid = waitpid(-1, &result, WNOHANG)) > 0 && !ended;)
+            ended = pid == program;
+    }
+    end_all(program, &result);
+    end_like(result);
+}
+
+pid_t iso_keeper_start(const char *const argv[], const char *directory, int in, int out)
+{
+    sigset_t wanted, before;
+    sigemptyset(&wanted);
+    sigaddset(&wanted, SIGCHLD);
+    sigaddset(&wanted, SIGTERM);
+    const pid_t caller = getpid();
+    /* Blocked before the fork: no order may come before the keeper can take it. */
+    pthread_sigmask(SIG_BLOCK, &wanted, &before);
+    const pid_t keeper = fork();
+    if (keeper != 0) {
+        const int cause = errno;
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+        errno = cause;
+        return keeper;
+    }
+    setpgid(0, 0);
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    signal(SIGCHLD, SIG_DFL);
+    if (getppid() != caller)
+        _exit(127);
+    const pid_t program = fork();
+    if (program < 0)
+        _exit(127);
+    if (program == 0)
+        run_program(argv, directory, in, out, &before);
+    /* Pipes of other programs that are run at the same time may be open here: they would not see their end. */
+    close_range(0, ~0U, 0);
+    keep(program, &wanted);
+    return -1; /* not reached */
+}
+
+void iso_keeper_stop(pid_t keeper)
+{
+    kill(keeper, SIGTERM);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* manifest.h - the list of what isoshade put into a folder, so that nothing else in it is ever removed.
+ *
+ * The file .isoshade-files in the folder has a line an entry: kind (f: file, d: folder), size in bytes, checksum
+ * (XXH3, 64 bits, of files of at most a mebibyte; "-" for larger ones, which nobody edits by hand), and the path in the
+ * folder; newlines in paths are refused. */
+#ifndef ISO_MANIFEST_H
+#define ISO_MANIFEST_H
+
+#include "base/status.h"
+
+#define ISO_MANIFEST_NAME ".isoshade-files"
+
+/* Lists all that is in folder, and writes the list into it. */
+iso_status iso_manifest_write(const char *folder, iso_error *err);
+
+/* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. */
+void iso_manifest_add(const char *folder, const char *name);
+
+/* ISO_E_IO, with the first entry that isoshade did not put there or that was changed since, or when there is no list.
+ * Entries that are gone are no loss. shown: the folder's name in the message. */
+iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *err);
+
+#endif

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/* Outputs that appear whole or not at all: see file.h. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/manifest.h"
+#include "base/temporary.h"
+
+/* path without slashes at its end. A link is followed: the file or folder that it names is replaced, the link stays. */
+static iso_status find_target(const char *path, char **target, iso_error *err)
+{
+    struct stat st;
+    char *trimmed = strdup(path);
+    *target = trimmed;
+    if (!trimmed)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    for (size_t n = strlen(trimmed); n > 1 && trimmed[n - 1] == '/'; --n)
+        trimmed[n - 1] = 0;
+    if (lstat(trimmed, &st) != 0)
+        return ISO_OK;
+    if (S_ISLNK(st.st_mode)) {
+        char *named = realpath(trimmed, NULL);
+        if (!named)
+            return iso_fail(err, ISO_E_IO, "%s: is a link to what cannot be reached: %s", path, strerror(errno));
+        free(trimmed);
+        *target = named;
+        if (lstat(named, &st) != 0)
+            return iso_fail(err, ISO_E_IO, "%s: cannot be reached: %s", path, strerror(errno));
+    }
+    if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
+        return iso_fail(err, ISO_E_IO, "%s: is a device, a pipe or a socket; an output has to be a file or a folder", path);
+    return ISO_OK;
+}
+
+static iso_status reserve(iso_output *out, const char *path, iso_error *err)
+{
+    *out = (iso_output){0};
+    if (path[0] == 0)
+        return iso_fail(err, ISO_E_USAGE, "the output path is empty");
+    char *dir = NULL;
+    iso_status status = find_target(path, &out->final_path, err);
+    if (status == ISO_OK && !(dir = iso_path_dir(out->final_path)))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK && !iso_path_is_dir(dir))
+        status = iso_fail(err, ISO_E_IO, "%s: the folder %s does not exist", path, dir);
+    if (status == ISO_OK && access(dir, W_OK) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: the folder %s is not writable: %s", path, dir, strerror(errno));
+    if (status == ISO_OK) {
+        iso_temporary_sweep(dir);
+        out->temp_path = iso_temporary_path(dir, iso_path_base(out->final_path));
+        if (!out->temp_path)
+            status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    }
+    free(dir);
+    if (status != ISO_OK) {
+        free(out->final_path);
+        *out = (iso_output){0};
+    }
+    return status;
+}
+
+iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
+{
+    if (iso_path_is_dir(path)) {
+        *out = (iso_output){0};
+        return iso_fail(err, ISO_E_IO, "%s: is a directory, wanted a file name", path);
+    }
+    iso_status status = reserve(out, path, err);
+    if (status != ISO_OK)
+        return status;
+    int fd = open(out->temp_path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+        iso_output_abandon(out);
+        return status;
+    }
+    close(fd);
+    return ISO_OK;
+}
+
+static int remove_below(const char *path, const struct stat *st, int type, struct FTW *ftw)
+{
+    (void)st;
+    (void)type;
+    return ftw->level > 0 ? remove(path) : 0;
+}
+
+void iso_output_clear(const iso_output *out)
+{
+    nftw(out->temp_path, remove_below, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+/* What stands at the final path may be replaced: nothing, an empty directory, or one of ours with nothing else in it. */
+static iso_status check_replaceable(const char *final_path, const char *marker, iso_error *err)
+{
+    if (!iso_path_exists(final_path))
+        return ISO_OK;
+    char *mark = iso_path_join(final_path, marker);
+    const bool ours = mark && iso_path_exists(mark);
+    free(mark);
+    if (ours)
+        return iso_manifest_check(final_path, final_path, err);
+    if (rmdir(final_path) == 0) /* an empty directory is no loss */
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: exists and holds no %s, so it is not replaced", final_path, marker);
+}
+
+iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err)
+{
+    iso_status status = reserve(out, path, err);
+    if (status != ISO_OK)
+        return status;
+    status = check_replaceable(out->final_path, marker, err);
+    if (status == ISO_OK) {
+        if (mkdir(out->temp_path, 0777) != 0)
+            status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
+    }
+    if (status != ISO_OK)
+        iso_output_abandon(out);
+    return status;
+}
+
+iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
+                                 iso_error *err)
+{
+    *resumed = false;
+    iso_status status = reserve(out, path, err);
+    if (status != ISO_OK)
+        return status;
+    char *dir = iso_path_dir(out->final_path), *temp = NULL;
+    if (!dir || asprintf(&temp, "%s/.%s.partial", dir, iso_path_base(out->final_path)) < 0)
+        temp = NULL;
+    free(dir);
+    free(out->temp_path);
+    out->temp_path = temp;
+    status = temp ? check_replaceable(out->final_path, marker, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status != ISO_OK) {
+        free(out->final_path); /* a temporary of an earlier run stays */
+        free(out->temp_path);
+        *out = (iso_output){0};
+        return status;
+    }
+    *resumed = resume && iso_path_is_dir(temp);
+    if (mkdir(temp, 0777) != 0 && errno != EEXIST) {
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
+        iso_output_abandon(out);
+        return status;
+    }
+    int fd = open(temp, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        status = iso_fail(err, ISO_E_IO, "%s: another process is making it: %s", path, strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        free(out->final_path);
+        free(out->temp_path);
+        *out = (iso_output){0};
+        return status;
+    }
+    out->lock = fd + 1;
+    if (!*resumed)
+        iso_output_clear(out);
+    return ISO_OK;
+}
+
+void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err)
+{
+    char *at = err && *temp_path ? strstr(err->text, temp_path) : NULL;
+    if (!at)
+        return;
+    iso_error found = *err;
+    const size_t before = (size_t)(at - err->text);
+    snprintf(err->text, sizeof err->text, "%.*s%s%s", (int)before, found.text, final_path,
+             found.text + before + strlen(temp_path));
+}
+
+void iso_output_rename_all_in(iso_error *err)
+{
+    iso_temporary_rename_in(err->text);
+}
+
+/* A directory cannot be renamed over a full one: they change places in one step, or, on file systems that cannot do that,
+ * the old one steps aside first, under a name that nobody takes for a temporary. */
+static int rename_dir(const char *from, const char *to)
+{
+    if (!iso_path_exists(to))
+        return rename(from, to);
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0)
+        return 0; /* the old one is what iso_output_abandon() removes */
+    char *aside = NULL;
+    if (asprintf(&aside, "%s.before", to) < 0)
+        return -1;
+    int result = rename(to, aside);
+    if (result == 0) {
+        result = rename(from, to);
+        const int cause = errno;
+        if (result == 0)
+            iso_remove_tree(aside);
+        else
+            rename(aside, to);
+        errno = cause;
+    }
+    free(aside);
+    return result;
+}
+
+/* What is called finished has to be on the disk, also when the power fails a moment later. */
+static int flush_to_disk(const char *path)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return -1;
+    const int result = fsync(fd);
+    const int cause = errno;
+    close(fd);
+    errno = cause;
+    return result == 0 || cause == EINVAL ? 0 : -1; /* EINVAL: there is nothing to flush on this file system */
+}
+
+static int flush_entry(const char *path, const struct stat *st, int type, struct FTW *ftw)
+{
+    (void)st;
+    (void)ftw;
+    return type == FTW_SL || type == FTW_SLN ? 0 : flush_to_disk(path);
+}
+
+static void flush_folder_of(const char *path)
+{
+    char *dir = iso_path_dir(path);
+    if (dir)
+        flush_to_disk(dir);
+    free(dir);
+}
+
+static iso_status commit_dir(const iso_output *out, iso_error *err)
+{
+    iso_status status = iso_manifest_write(out->temp_path, err);
+    /* Again, since a person may have put something there in the meantime. */
+    if (status == ISO_OK && iso_path_exists(out->final_path) && rmdir(out->final_path) != 0)
+        status = iso_manifest_check(out->final_path, out->final_path, err);
+    if (status == ISO_OK && nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", out->final_path, strerror(errno));
+    if (status == ISO_OK && rename_dir(out->temp_path, out->final_path) != 0)
+        status = iso_fail(err, errno == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be put in place: %s", out->final_path,
+                          strerror(errno));
+    return status;
+}
+
+static iso_status commit_file(const iso_output *out, bool is_final, iso_error *err)
+{
+    if (is_final && flush_to_disk(out->temp_path) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", out->final_path, strerror(errno));
+    if (rename(out->temp_path, out->final_path) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be put in place: %s", out->final_path, strerror(errno));
+    return ISO_OK;
+}
+
+iso_status iso_output_commit(iso_output *out, iso_error *err)
+{
+    /* A file inside of a folder that is not finished itself is flushed with that folder. */
+    const bool is_final = !iso_temporary_holds(out->final_path);
+    const iso_status status = iso_path_is_dir(out->temp_path) ? commit_dir(out, err) : commit_file(out, is_final, err);
+    if (status == ISO_OK && is_final)
+        flush_folder_of(out->final_path);
+    iso_output_abandon(out);
+    return status;
+}
+
+void iso_output_keep(iso_output *out)
+{
+    if (!out || !out->temp_path)
+        return;
+    if (out->lock > 0)
+        close(out->lock - 1);
+    free(out->temp_path);
+    free(out->final_path);
+    *out = (iso_output){0};
+}
+
+void iso_output_abandon(iso_output *out)
+{
+    if (out && out->temp_path)
+        iso_remove_tree(out->temp_path);
+    iso_output_keep(out);
+}
+

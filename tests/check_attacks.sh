@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Files from strangers, outputs that are not files, programs that hang: a clear error, and nothing lost.
+. "$(dirname "$0")/lib.sh"
+isoshade() { "$ISOSHADE" "$@"; }
+shells=$top/refscenes/shells.scene.json
+isoshade make shells --size 12x10x11 -o s.nrrd -q
+isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
+ends() { # exit code, words of the message, command ...
+    local wanted=$1 words=$2
+    shift 2
+    "$@" >said.txt 2>&1 </dev/null
+    [ $? = "$wanted" ] && grep -q -- "$words" said.txt
+}
+
+# ---- outputs ----
+mkfifo pipe
+check an_output_that_is_a_pipe_is_refused ends 3 'is a device, a pipe or a socket' isoshade make sphere --size 4 -o pipe
+check so_is_a_device ends 3 'is a device' isoshade make sphere --size 4 -o /dev/null
+check and_both_are_still_there test -p pipe -a -c /dev/null
+touch target && ln -s target link && ln -s nowhere loose
+check a_link_is_followed isoshade make sphere --size 4 -o link -q
+check and_stays test -L link -a -s target
+check a_link_to_nothing_is_refused ends 3 'is a link to' isoshade make sphere --size 4 -o loose
+long=$(printf 'x%.0s' $(seq 250)).nrrd
+check the_longest_name_fits isoshade make sphere --size 4 -o "$long" -q
+
+# A folder is replaced where all of it is ours, and as we left it.
+check what_is_counted_later_is_ours isoshade tf adapt s.iso --tf "$top/refscenes/shells.tf.json" --level 1 -o adapted.tf.json -q
+check and_is_in_the_folder ls s.iso/level_1_joint*.nrrd
+check a_folder_of_ours_is_replaced isoshade build s.nrrd -o s.iso --levels 2 -q
+echo thesis >s.iso/paper.tex
+check a_file_of_a_person_in_it_is_kept ends 3 'paper.tex in it is not isoshade' isoshade build s.nrrd -o s.iso -q
+check and_is_still_there grep -q thesis s.iso/paper.tex
+rm s.iso/paper.tex
+isoshade atlas --case code-poles -o atlas -q >/dev/null
+check so_is_one_that_a_person_changed isoshade atlas --case code-poles -o atlas -q
+echo '{}' >atlas/atlas.json
+check and_changes_are_not_lost ends 3 'atlas.json in it was changed since' isoshade atlas --case code-poles -o atlas -q
+rm s.iso/.isoshade-files
+check a_folder_without_a_list_is_kept ends 3 'has no list' isoshade build s.nrrd -o s.iso -q
+rm -r s.iso
+isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
+
+# ---- closed streams, limits and ends ----
+isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-
+check closed_streams_do_no_harm isoshade info closed.nrrd
+check help_that_cannot_be_written_is_an_error ends 3 'cannot be written' bash -c '"$ISOSHADE" render --help >/dev/full'
+too_large() { (ulimit -f 4; exec "$ISOSHADE" make noise --size 40 -o large.nrrd -q); }
+check a_limit_of_sizes_is_an_error_of_writing ends 3 'large.nrrd' too_large
+temporaries() { find . -maxdepth 1 -name '.isoshade-*' | grep -c .; }
+check nothing_is_left_of_it test "$(temporaries)" = 0
+# A killed run leaves its temporary; what lives is told from what is dead.
+"$ISOSHADE" make noise --size 300 -o killed.nrrd -q &
+for _ in $(seq 3000); do [ "$(temporaries)" -gt 0 ] && break; sleep 0.01; done
+isoshade make sphere --size 4 -o other.nrrd -q
+check the_work_of_one_that_lives_stays test "$(temporaries)" = 1 -o -e killed.nrrd
+kill -9 $! && wait $! 2>/dev/null
+rm -f killed.nrrd
+isoshade make sphere --size 4 -o other.nrrd -q
+check what_a_killed_run_left_is_removed test "$(temporaries)" = 0
+
+# ---- words and files of strangers ----
+check a_name_with_a_line_feed_is_refused ends 2 'control character' isoshade info $'a\nb.nrrd'
+check a_name_that_is_not_utf8_is_refused ends 2 'not UTF-8' isoshade info $'\xff.nrrd'
+python_with numpy
+"$python" - "$top/tests" <<'PY'
+import json, shutil, sys
+sys.path.insert(0, sys.argv[1])
+from read_iso import write_description
+for name in ("pov", "range"):
+    shutil.copytree("s.iso", f"{name}.iso")
+    about = json.load(open(f"{name}.iso/pyramid.json"))
+    if name == "pov":
+        about["source"] = "a\n#fopen F \"PWNED\" write\n#write (F,1)\n#fclose F\n#local"
+        write_description("pov.iso/pyramid.json", about)
+    else:
+        about["levels"][0]["min"] = 4096
+        json.dump(about, open("range.iso/pyramid.json", "w"), indent=2)
+import bz2
+open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
+PY
+check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
+check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
+check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
+check a_step_of_nothing_is_refused ends 2 'step is 0' isoshade render s.nrrd --scene "$shells" --with reference --step 0 --size 4 -o a.exr
+mkfifo fifo.scene.json
+check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --scene fifo.scene.json --with reference --size 4 -o a.exr
+
+# ---- a renderer that hangs ----
+mkdir bin
+printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray
+chmod +x bin/povray
+hang() { PATH=$PWD/bin:$PATH isoshade render s.nrrd --scene "$shells" --with povray --size 8 -o o.exr -q --timeout "$1"; }
+check a_renderer_that_hangs_has_a_limit ends 8 'the time limit' hang 0.5
+hang 0 2>hang.txt &
+hanging=$!
+for _ in $(seq 3000); do pgrep -f 'sleep 4321' >/dev/null && break; sleep 0.01; done
+pkill -TERM -P $hanging -x isoshade || kill -TERM $hanging
+wait $hanging
+check and_can_be_interrupted grep -q 'stopped by signal 15' hang.txt
+check it_leaves_nothing_running test -z "$(pgrep -f 'sleep 4321')"
+exit $failed
