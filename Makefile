@@ -107,6 +107,11 @@ check: $(needs_setup) ## build and run all tests, under the sanitizers too
 	@$(again) config=sanitize WERROR=-Werror all tests
 	@bash tests/run.sh build/release build/sanitize
 
+# The add-on of Blender: one zip, for 3.4 (bl_info) and for 4.2 and later (blender_manifest.toml).
+addon := $(build)/isoshade-blender-addon.zip
+addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
+.PHONY: addon
+
 tests: $(tests) ## build the test programs
 .PHONY: tests
 # FIGURES="hero roi" draws these alone; refscenes/figures.sh has the names, those that take longer among them.
@@ -128,9 +133,10 @@ to := $(DESTDIR)$(PREFIX)
 installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
 	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
-	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE
+	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
+	share/isoshade/isoshade-blender-addon.zip
 
-install: all ## install program, library, manual page and completions under PREFIX
+install: all $(addon) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
 	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
@@ -146,10 +152,11 @@ install: all ## install program, library, manual page and completions under PREF
 	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
 	$(program) completion zsh >$(to)/share/zsh/site-functions/_isoshade
 	install -m 644 LICENSE $(to)/share/doc/isoshade/
+	install -m 644 $(addon) $(to)/share/isoshade/
 
 uninstall: ## remove what make install put there
 	rm -f $(addprefix $(to)/,$(installed))
-	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade 2>/dev/null || true
+	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade 2>/dev/null || true
 .PHONY: install uninstall
 
 format: ## lay out the C and C++ files by .clang-format
@@ -199,6 +206,9 @@ $(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.
 $(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h)
 	@mkdir -p $(@D)
 	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) -lopenvdb $(shell pkg-config --libs tbb Imath)
+$(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
+	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
+	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects follow the flags that they were compiled with.

@@ -230,6 +230,9 @@ static json_t *describe_export(const export_job *e)
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
     json_object_set_new(about, "unit", json_string(e->p->unit.name));
+    json_object_set_new(about, "value_range",
+                        iso_json_numbers((double[]){iso_pyramid_lo(e->p), iso_pyramid_hi(e->p)}, 2));
+    json_object_set_new(about, "voxel_mm", json_real(iso_geometry_mean_spacing_mm(&e->p->levels[0].geometry)));
     return about;
 }
 

@@ -71,6 +71,7 @@ def build(about, shift):
     collection = bpy.data.collections.new(about["name"])
     scene.collection.children.link(collection)
     frame = frame_object(about, collection)
+    note_scene(about, frame)
     look = material(about, frame)
     add_levels(about, shift, frame, look, collection)
     scene.camera = camera_object(about["camera"], collection)

@@ -290,6 +290,17 @@ static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
     return clips;
 }
 
+/* The same in the world, in mm: normal, and a point of the plane. */
+static json_t *describe_clips_mm(const iso_view *view)
+{
+    json_t *clips = json_array();
+    for (size_t i = 0; i < view->clip_count; ++i) {
+        const iso_vec3 n = view->clips[i].normal, p = iso_scale(n, view->clips[i].offset_mm);
+        json_array_append_new(clips, iso_json_numbers((double[]){n.x, n.y, n.z, p.x, p.y, p.z}, 6));
+    }
+    return clips;
+}
+
 json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space *space, const iso_geometry *mm,
                                    const char *name, const iso_blender_options *opt)
 {
@@ -307,6 +318,7 @@ json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space
     if (about) {
         describe_box(about, &g);
         json_object_set_new(about, "clip_planes", describe_clips(view, mm));
+        json_object_set_new(about, "clip_planes_mm", describe_clips_mm(view));
     }
     return about;
 }

@@ -85,7 +85,8 @@ def one_ramp(group, ramp, number):
     set_stops(node.color_ramp, ramp)
     passed = group.math('MAXIMUM', group.math('SUBTRACT', 1.0, node.outputs["Alpha"], label="1 - opacity"), MOST_OPAQUE)
     depth = group.math('LOGARITHM', passed, math.e, label="ln")
-    extinction = group.math('MULTIPLY', depth, -1 / ramp["unit_distance"], label="extinction")
+    extinction = group.node('ShaderNodeMath', "extinction", {0: depth, 1: -1 / ramp["unit_distance"]}, operation='MULTIPLY',
+                            name=name + " extinction").outputs[0]
     return node, extinction
 
 
@@ -109,3 +110,14 @@ def ramp_group(ramps):
     for number, node in enumerate(nodes):  # what the exact table shows; the add-on sees by it whether a person has edited a ramp
         tree[f"isoshade_shown_{number}"] = [float(v) for stop in node.color_ramp.elements for v in (stop.position, *stop.color)]
     return tree
+
+
+def note_scene(about, frame):
+    """What a scene file says and nodes do not, for who makes one of the open file again (the add-on)."""
+    frame["isoshade_units_per_mm"] = about["units_per_mm"]
+    frame["isoshade_origin_mm"] = about["origin_mm"]
+    frame["isoshade_source"] = about.get("source", "")
+    frame["isoshade_clip_planes"] = json.dumps(about["clip_planes_mm"])
+    for key in ("value_range", "voxel_mm"):
+        if key in about:
+            frame[f"isoshade_{key}"] = about[key]

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""isoshade in Blender: import volumes, switch levels, edit transfer functions, certify the scene.
+
+    tables.py     transfer functions as points, stops of a ramp, tables and files; knows nothing of Blender
+    program.py    the program isoshade as a child process; neither
+    volume.py     what `isoshade export --to blender` wrote, found again in the open file
+    operators.py  the buttons
+    panel.py      the panel in the sidebar of the 3D view
+"""
+import bpy
+from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
+
+from . import operators, panel
+
+# For Blender before 4.2; later ones read blender_manifest.toml.
+bl_info = {
+    "name": "isoshade",
+    "description": "Scalar volumes that render as validated: import, levels, transfer functions",
+    "author": "isoshade",
+    "version": (0, 2, 0),
+    "blender": (3, 4, 0),
+    "location": "3D View > Sidebar > isoshade",
+    "category": "Import-Export",
+}
+
+
+class IsoshadePreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+    program: StringProperty(name="Program", description="The program isoshade; empty: the one in PATH", subtype='FILE_PATH')
+
+    def draw(self, _context):
+        self.layout.prop(self, "program")
+
+
+class IsoshadeState(bpy.types.PropertyGroup):
+    """Of the window manager: not kept in files."""
+    said: StringProperty()
+    said_icon: StringProperty(default='INFO')
+
+
+class IsoshadeScene(bpy.types.PropertyGroup):
+    volume: StringProperty(name="Volume", description="The file that the volume is from; empty: what the export noted", subtype='FILE_PATH')
+    with_gl: BoolProperty(name="GL", description="Compare isoshade's ray caster", default=True)
+    with_cycles: BoolProperty(name="Cycles", description="Compare Cycles of this Blender", default=True)
+    with_povray: BoolProperty(name="POV-Ray", description="Compare POV-Ray", default=False)
+    size: IntProperty(name="Size", description="Of the pictures, along their longer side", default=96, min=8, max=4096)
+    quick: BoolProperty(name="Quick", description="Fewer views and seeds, the same limits", default=True)
+    verdict: StringProperty()
+    agrees: BoolProperty()
+    report: StringProperty(subtype='FILE_PATH')
+
+
+classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *panel.classes)
+
+
+def menu(self, _context):
+    self.layout.operator("isoshade.import_volume", text="Volume by isoshade")
+
+
+def register():
+    for kind in classes:
+        bpy.utils.register_class(kind)
+    bpy.types.Scene.isoshade = PointerProperty(type=IsoshadeScene)
+    bpy.types.WindowManager.isoshade = PointerProperty(type=IsoshadeState)
+    bpy.types.TOPBAR_MT_file_import.append(menu)
+
+
+def unregister():
+    if operators.running is not None:
+        operators.running.cancel()
+    bpy.types.TOPBAR_MT_file_import.remove(menu)
+    del bpy.types.WindowManager.isoshade, bpy.types.Scene.isoshade
+    for kind in reversed(classes):
+        bpy.utils.unregister_class(kind)

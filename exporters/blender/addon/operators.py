@@ -1,0 +1,470 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons. Commands of isoshade run beside Blender: a timer asks whether they have ended, and in the background,
+where no timer runs, Blender waits."""
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from . import program, tables, volume
+from .tables import Refused
+
+running = None  # the command that runs
+
+
+def preferences(context):
+    addon = context.preferences.addons.get(__package__)
+    return addon.preferences if addon else None
+
+
+def isoshade(context):
+    chosen = preferences(context)
+    return program.find(chosen.program if chosen else "")
+
+
+def tell(text, icon):
+    """Kept in the panel until the next command."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
+    state = bpy.context.window_manager.isoshade
+    state.said, state.said_icon = text, icon
+
+
+def pop_up(text, icon):
+    if bpy.context.window_manager.windows:
+        bpy.context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=text), title="isoshade", icon=icon)
+
+
+def poll():
+    """Of the timer: None ends it."""
+    global running
+    if running is None:
+        return None
+    if not running.ended():
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == 'VIEW_3D':
+                    area.tag_redraw()
+        return 0.25
+    job, running = running, None
+    try:
+        tell(job.finish(job), 'CHECKMARK')
+    except Refused as error:
+        tell(str(error), 'ERROR')
+        pop_up(str(error), 'ERROR')
+    return None
+
+
+class Button:
+    """Refusals are told as Blender tells errors, in one line."""
+
+    bl_options = {'REGISTER', 'UNDO'}
+
+    def execute(self, context):
+        try:
+            said, icon = self.work(context), 'CHECKMARK'
+        except Refused as error:
+            tell(str(error), 'ERROR')
+            self.report({'ERROR'}, str(error))
+            return {'CANCELLED'}
+        if said:
+            level = 'WARNING' if said.startswith("Careful") else 'INFO'
+            tell(said, 'ERROR' if level == 'WARNING' else icon)
+            self.report({level}, said)
+        return {'FINISHED'}
+
+    def run(self, context, what, command, finish):
+        """Starts a command; in the background waits for it and returns what finish() says."""
+        global running
+        if running is not None:
+            raise Refused(f"{running.what} runs; wait for it or cancel it")
+        job = program.Job(what, command, bpy.app.binary_path, finish)
+        if bpy.app.background:
+            job.wait()
+            return job.finish(job)
+        running = job
+        bpy.app.timers.register(poll, first_interval=0.25)
+        return f"{what} ..."
+
+
+class ISOSHADE_OT_cancel(bpy.types.Operator):
+    """End the command that runs"""
+    bl_idname, bl_label = "isoshade.cancel", "Cancel"
+
+    def execute(self, _context):
+        if running is not None:
+            running.cancel()
+        return {'FINISHED'}
+
+
+# ---- volumes ---------------------------------------------------------------------------------------------------
+
+
+def take_over(path, into, context):
+    """What an exported .blend holds, into the open file; the grids stay where they are. The frame."""
+    before = set(bpy.data.objects)
+    with bpy.data.libraries.load(path, link=False) as (there, here):
+        if into == 'SCENE':
+            here.scenes = list(there.scenes[:1])
+        else:
+            here.objects = list(there.objects)
+    new = [thing for thing in bpy.data.objects if thing not in before]
+    if into == 'SCENE' and here.scenes:
+        context.window.scene = here.scenes[0]
+    else:
+        collection = bpy.data.collections.new(pathlib.Path(path).stem)
+        context.scene.collection.children.link(collection)
+        for thing in new:
+            if thing.type != 'CAMERA' or context.scene.camera is None:
+                collection.objects.link(thing)
+            if thing.type == 'CAMERA' and context.scene.camera is None:
+                context.scene.camera = thing
+    for thing in new:
+        if thing.type == 'VOLUME':
+            file = os.path.join(os.path.dirname(path), os.path.basename(thing.data.filepath.replace("\\", "/")))
+            thing.data.filepath = bpy.path.relpath(file) if bpy.data.filepath else file
+    frames = [thing for thing in new if volume.levels_of(thing)]
+    if not frames:
+        raise Refused(f"{path}: holds no volume of isoshade")
+    return frames[0]
+
+
+class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
+    """Import a volume: NRRD, NIfTI, DICOM, TIFF, or another file that isoshade reads"""
+    bl_idname, bl_label = "isoshade.import_volume", "Import Volume"
+    filter_glob: StringProperty(default="*", options={'HIDDEN'})
+    levels: IntProperty(name="Levels", description="The volume, and copies with half of the voxels along each axis", default=3, min=1, max=8)
+    adapt: BoolProperty(name="Adapt", description="A transfer function for each level, with which it looks like the finest", default=True)
+    transfer: StringProperty(name="Transfer function", description="A file, or a preset such as ct-bone; empty: suggested by the volume")
+    look: StringProperty(name="Scene file", description="A scene of isoshade (*.scene.json); empty: the volume from the front", subtype='FILE_PATH')
+    folder: StringProperty(name="Folder", description="For the grids and their .blend; empty: beside the open .blend, or the volume", subtype='DIR_PATH')
+    into: EnumProperty(name="Into", items=(('SCENE', "A scene of its own", "With its camera and the settings by which it renders as validated"),
+                                           ('HERE', "This scene", "Volume and lights into the open scene, whose settings stay")))
+
+    def draw(self, _context):
+        for name in ("levels", "adapt", "transfer", "look", "folder", "into"):
+            self.layout.prop(self, name)
+
+    def output(self):
+        base = os.path.basename(os.path.normpath(self.filepath))
+        stem = base.split(".")[0] or "volume"
+        folder = bpy.path.abspath(self.folder) if self.folder else os.path.dirname(bpy.data.filepath or os.path.abspath(self.filepath))
+        if not os.path.isdir(folder):
+            raise Refused(f"{folder}: is no folder")
+        path = os.path.join(folder, stem + ".blend")
+        for number in range(1, 1000):
+            if not os.path.exists(path):
+                return path
+            path = os.path.join(folder, f"{stem}-{number}.blend")
+        raise Refused(f"{path}: is there already")
+
+    def work(self, context):
+        source = os.path.abspath(bpy.path.abspath(self.filepath))
+        if not os.path.exists(source):
+            raise Refused(f"{source}: is not there")
+        target, into = self.output(), self.into
+        command = [isoshade(context), "export", source, "--to", "blender", "--levels", str(self.levels), "-q", "-o", target]
+        command += ["--adapt"] if self.adapt and self.levels > 1 else []
+        command += ["--tf", program.argument(self.transfer)] if self.transfer else []
+        command += ["--scene", os.path.abspath(bpy.path.abspath(self.look))] if self.look else []
+
+        def finish(job):
+            if job.code() != 0:
+                raise Refused(job.complaint())
+            frame = take_over(target, into, bpy.context)
+            frame["isoshade_volume"] = source
+            bpy.context.view_layer.objects.active = frame
+            return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are beside {target}"
+
+        return self.run(context, f"Importing {os.path.basename(source)}", command, finish)
+
+
+class ISOSHADE_OT_level(Button, bpy.types.Operator):
+    """Show this level of the volume; colors stay"""
+    bl_idname, bl_label = "isoshade.level", "Level"
+    level: IntProperty(name="Level", min=0, max=63)
+
+    def work(self, context):
+        frame = volume.need_frame(context)
+        levels = volume.level_numbers(frame)
+        if "level" not in frame or self.level not in levels:
+            raise Refused(f"{frame.name} has the level{'s' if len(levels) > 1 else ''} {', '.join(map(str, levels))}")
+        volume.set_level(frame, self.level)
+
+
+class ISOSHADE_OT_check_files(Button, bpy.types.Operator):
+    """Are the grids of all volumes of this scene there?"""
+    bl_idname, bl_label = "isoshade.check_files", "Check Files"
+
+    def work(self, context):
+        missing = volume.missing_files(context.scene)
+        if missing:
+            name, path = missing[0]
+            more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
+            raise Refused(f"{name}: its file is missing: {path}{more}")
+        count = sum(thing.type == 'VOLUME' for thing in context.scene.objects)
+        return f"The files of all {count} volumes are there"
+
+
+# ---- transfer functions ----------------------------------------------------------------------------------------
+
+
+class ISOSHADE_OT_bake(Button, bpy.types.Operator):
+    """Make the exact table of the ramp, so that the exact material shows what was edited"""
+    bl_idname, bl_label = "isoshade.bake", "Bake"
+    all_levels: BoolProperty(name="All levels", description="Give all levels the ramp of the one that is shown", default=False)
+
+    def work(self, context):
+        frame = volume.need_frame(context)
+        ramp = volume.ramp_of(volume.shown_object(frame))
+        flat = []
+        for thing in volume.levels_of(frame):
+            if self.all_levels:
+                thing["isoshade_ramp"] = float(ramp.index)
+        worst, where, baked = 0.0, 0.0, 0
+        for own, things in volume.ramps_of(frame):
+            if own.is_shown() and not (self.all_levels and own.index == ramp.index):
+                continue
+            flat += [thing.name for thing in things if thing.get("isoshade_last_row", 0) > 0]
+            error = volume.bake(own, things)
+            worst, where = max((worst, where), error)
+            baked += len(things)
+        if flat:
+            return f"Careful: {flat[0]}: its 2D transfer function is the ramp's now"
+        if worst > 1 / 255:
+            return (f"Careful: at {where:g} the table of {volume.Table(volume.shown_object(frame)).count} entries misses the ramp by {worst:.2g}; "
+                    "export with a larger table_size")
+        return f"The exact table of {baked} level{'s' if baked != 1 else ''} is the ramp's" if baked else "The exact table is the ramp's already"
+
+
+class ISOSHADE_OT_range(Button, bpy.types.Operator):
+    """Let the ramp span these values; its stops stay at theirs as far as they are between them"""
+    bl_idname, bl_label = "isoshade.ramp_range", "Range of the Ramp"
+    lo: FloatProperty(name="From", precision=4)
+    hi: FloatProperty(name="To", precision=4)
+
+    def invoke(self, context, _event):
+        try:
+            ramp = volume.ramp_of(volume.shown_object(volume.need_frame(context)))
+        except Refused as error:
+            self.report({'ERROR'}, str(error))
+            return {'CANCELLED'}
+        self.lo, self.hi = ramp.lo, ramp.hi
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, context):
+        ramp = volume.ramp_of(volume.shown_object(volume.need_frame(context)))
+        if not self.hi > self.lo:
+            raise Refused(f"The range is {self.lo:g} to {self.hi:g}, its end must exceed its start")
+        lo, hi = (tables.plain(v) for v in (self.lo, self.hi))
+        points = [p for p in ramp.points() if lo <= p[0] <= hi]
+        for end, at in ((lo, 0), (hi, len(points) + 1)):
+            if not any(p[0] == end for p in points):
+                points.insert(min(at, len(points)), [end, *map(float, tables.evaluate(ramp.points(), [end])[0])])
+        if len(points) > tables.MOST_STOPS:
+            raise Refused(f"The range would need {len(points)} stops, Blender has {tables.MOST_STOPS}")
+        ramp.set_range(lo, hi)
+        ramp.set_stops(tables.stops_of_points(points, lo, hi))
+
+
+class ISOSHADE_OT_adapt(Button, bpy.types.Operator):
+    """Make a transfer function for each coarser level, with which it looks as the finest one does with its own"""
+    bl_idname, bl_label = "isoshade.adapt", "Adapt Levels"
+    always: BoolProperty(name="Always", description="Also where small views say that it does not help", default=False)
+
+    def work(self, context):
+        frame = volume.need_frame(context)
+        levels = volume.levels_of(frame)
+        if int(levels[0]["isoshade_level"]) != 0 or len(levels) != len(volume.level_numbers(frame)):
+            raise Refused("Levels are adapted to level 0, in files without a region of interest: import the volume with it")
+        if len(levels) < 2:
+            raise Refused(f"{frame.name} has one level: there is nothing to adapt")
+        finest = levels[0]
+        kept = volume.shown_level(frame)
+        ramp = volume.ramp_of(finest)
+        if not ramp.is_shown():
+            volume.bake(ramp, [finest])
+        tf = volume.present_transfer_function(finest)
+        folder = tempfile.mkdtemp(prefix="isoshade-")
+        path = os.path.join(folder, "own.tf.json")
+        pathlib.Path(path).write_text(json.dumps(tf), encoding="utf-8")
+        last = int(levels[-1]["isoshade_level"])
+        command = [isoshade(context), "tf", "adapt", volume.volume_path(frame, context.scene), "--tf", path, "--levels", str(last + 1),
+                   "-q", "-o", os.path.join(folder, "adapted"), *(["--always"] if self.always else [])]
+        names = [thing.name for thing in levels[1:]]
+
+        def finish(job):
+            try:
+                if job.code() != 0:
+                    raise Refused(job.complaint())
+                return take_adapted([bpy.data.objects[name] for name in names if name in bpy.data.objects], folder, ramp.unit_mm)
+            finally:
+                shutil.rmtree(folder, ignore_errors=True)
+
+        try:
+            return self.run(context, f"Adapting {len(levels) - 1} levels", command, finish)
+        except Refused:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        finally:
+            volume.set_level(frame, kept)
+
+
+def take_adapted(things, folder, unit_mm):
+    for thing in things:
+        path = os.path.join(folder, f"adapted_level_{int(thing['isoshade_level'])}.tf.json")
+        try:
+            text = pathlib.Path(path).read_text(encoding="utf-8")
+        except OSError as error:
+            raise Refused(f"{path}: {error.strerror}") from None
+        points, lo, hi, of_mm = tables.from_json(text, os.path.basename(path), None)
+        points = [p[:4] + [float(tables.opacity(tables.extinction(p[4], of_mm), unit_mm))] for p in points]
+        own = volume.ramp_of(thing)
+        shared = sum(volume.ramp_of(other).index == own.index for other in volume.levels_of(thing.parent)) > 1
+        ramp = volume.add_ramp(thing) if shared else own
+        table = volume.Table(thing)
+        count = min(len(points), table.image.size[0])
+        table.write(tables.make_table(lambda values: tables.evaluate(points, values), lo, hi, count, ramp.unit), lo, hi)
+        ramp.set_points(points)
+        ramp.note(own_points=len(points) <= tables.MOST_STOPS)
+        ramp.note_shown()
+    return f"{len(things)} levels have transfer functions of their own"
+
+
+class ISOSHADE_OT_save(Button, bpy.types.Operator, ExportHelper):
+    """Write the transfer function that is shown as a file that all of isoshade reads"""
+    bl_idname, bl_label = "isoshade.save_tf", "Save Transfer Function"
+    filename_ext = ".tf.json"
+    filter_glob: StringProperty(default="*.tf.json", options={'HIDDEN'})
+
+    def check(self, _context):
+        return False  # ExportHelper knows suffixes of one dot alone
+
+    def work(self, context):
+        tf = volume.present_transfer_function(volume.shown_object(volume.need_frame(context)))
+        path = bpy.path.abspath(self.filepath)
+        path += "" if path.endswith(".json") else ".tf.json"
+        try:
+            temporary = path + ".part"
+            pathlib.Path(temporary).write_text(json.dumps(tf, indent=1) + "\n", encoding="utf-8")
+            os.replace(temporary, path)
+        except OSError as error:
+            raise Refused(f"{path}: {error.strerror}") from None
+        return f"{path}: {len(tf['points'])} points"
+
+
+class ISOSHADE_OT_load(Button, bpy.types.Operator, ImportHelper):
+    """Give all levels the transfer function of a file (isoshade.tf/1)"""
+    bl_idname, bl_label = "isoshade.load_tf", "Load Transfer Function"
+    filter_glob: StringProperty(default="*.json", options={'HIDDEN'})
+
+    def work(self, context):
+        frame = volume.need_frame(context)
+        path = bpy.path.abspath(self.filepath)
+        try:
+            if os.path.getsize(path) > 1 << 26:
+                raise Refused(f"{path}: is too large for a transfer function")
+            text = pathlib.Path(path).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise Refused(f"{path}: {getattr(error, 'strerror', None) or 'is no text'}") from None
+        things = volume.levels_of(frame)
+        first = volume.Table(things[0])
+        known = [float(v) for v in frame.get("isoshade_value_range", (first.lo, first.hi))]
+        voxel = frame.get("isoshade_voxel_mm")
+        points, lo, hi, unit_mm = tables.from_json(text, os.path.basename(path), known, voxel)
+        ramp = volume.ramp_of(volume.shown_object(frame))
+        for thing in things:
+            thing["isoshade_ramp"] = float(ramp.index)
+        ramp.set_points(points, unit_mm)
+        for thing in things:
+            table = volume.Table(thing)
+            count = table.image.size[0]
+            table.write(tables.make_table(lambda values: tables.evaluate(points, values), lo, hi, count, ramp.unit), lo, hi)
+        ramp.note(own_points=len(points) <= tables.MOST_STOPS)
+        ramp.note_shown()
+        return f"{os.path.basename(path)}: {len(points)} points, for all levels"
+
+
+# ---- certifying ------------------------------------------------------------------------------------------------
+
+
+def report_folder(context):
+    if bpy.data.filepath:
+        return os.path.splitext(bpy.data.filepath)[0] + "_report"
+    return os.path.join(tempfile.mkdtemp(prefix="isoshade-"), "report")
+
+
+def read_report(folder, code, complaint):
+    """The verdict in one sentence, and whether it is good."""
+    path = os.path.join(folder, "report.json")
+    try:
+        report = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
+        verdict, sentence = str(report["verdict"]), str(report["sentence"])
+        sentence = " ".join(text for text in (sentence, str(report.get("levels_sentence", ""))) if text)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        raise Refused(complaint) from None
+    return sentence, code == 0 and verdict == "agree"
+
+
+class ISOSHADE_OT_certify(Button, bpy.types.Operator):
+    """Run isoshade validate on this scene as it is: camera, lights, shading and the transfer function that is shown"""
+    bl_idname, bl_label = "isoshade.certify", "Certify This Scene"
+
+    def work(self, context):
+        frame = volume.need_frame(context)
+        options = context.scene.isoshade
+        renderers = [name for name in ("gl", "cycles", "povray") if getattr(options, "with_" + name)]
+        if not renderers:
+            raise Refused("Choose a renderer to compare with the reference")
+        context.view_layer.update()
+        about = volume.scene_json(context, frame)
+        source = volume.volume_path(frame, context.scene)
+        folder = report_folder(context)
+        path = folder + ".scene.json"
+        try:
+            pathlib.Path(path).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise Refused(f"{path}: {error.strerror}") from None
+        image = about["image"]
+        share = min(1, options.size / max(image["width"], image["height"]))
+        size = "x".join(str(max(int(image[key] * share + 0.5), 1)) for key in ("width", "height"))
+        levels = max(volume.level_numbers(frame)) + 1
+        command = [isoshade(context), "validate", source, "--scene", path, "--levels", str(levels), "--size", size, "--with",
+                   ",".join(renderers), "-q", "-o", folder] + (["--quick"] if options.quick else [])
+        scene_name = context.scene.name
+
+        def finish(job):
+            scene = bpy.data.scenes.get(scene_name)
+            if job.code() not in (0, 1, 7, 9):
+                raise Refused(job.complaint())
+            sentence, good = read_report(folder, job.code(), job.complaint())
+            if scene:
+                scene.isoshade.verdict, scene.isoshade.agrees = sentence, good
+                scene.isoshade.report = os.path.join(folder, "index.html")
+            return sentence if good else "Careful: " + sentence
+
+        context.scene.isoshade.verdict = ""
+        return self.run(context, "Certifying", command, finish)
+
+
+class ISOSHADE_OT_report(Button, bpy.types.Operator):
+    """Open the report in the browser"""
+    bl_idname, bl_label = "isoshade.open_report", "Open Report"
+
+    def work(self, context):
+        path = context.scene.isoshade.report
+        if not os.path.isfile(path) or os.path.basename(path) != "index.html":
+            raise Refused("There is no report of this scene: certify it")
+        if not bpy.app.background:
+            bpy.ops.wm.url_open(url=pathlib.Path(path).as_uri())
+        return f"The report is {path}"
+
+
+classes = (ISOSHADE_OT_cancel, ISOSHADE_OT_import, ISOSHADE_OT_level, ISOSHADE_OT_check_files, ISOSHADE_OT_bake, ISOSHADE_OT_range,
+           ISOSHADE_OT_adapt, ISOSHADE_OT_save, ISOSHADE_OT_load, ISOSHADE_OT_certify, ISOSHADE_OT_report)

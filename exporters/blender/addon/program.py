@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""The program isoshade as a child process: started with a list of arguments, never by a shell, asked now and then
+whether it has ended."""
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+
+from .tables import Refused
+
+
+def find(named):
+    """The program's path: what the preferences name, or what PATH has."""
+    path = shutil.which(os.path.expanduser(named) if named else "isoshade")
+    if not path:
+        where = f"{named} is no program" if named else "isoshade is not in PATH"
+        raise Refused(f"{where}: name it in the add-on's preferences")
+    return path
+
+
+def argument(path):
+    """A path that no program takes for an option."""
+    return os.path.join(os.curdir, path) if path.startswith("-") else path
+
+
+class Job:
+    """A command that runs. finish(job) is called when it has ended; what it returns is told."""
+
+    def __init__(self, what, command, blender, finish):
+        self.what, self.finish, self.started = what, finish, time.monotonic()
+        self.out, self.err = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+        environment = dict(os.environ, ISOSHADE_BLENDER=blender)
+        try:
+            # A session of its own, so that what it starts itself ends with it.
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.out, stderr=self.err,
+                                            env=environment, start_new_session=True)
+        except (OSError, ValueError) as error:
+            raise Refused(f"{command[0]} cannot be started: {error}") from None
+
+    def ended(self):
+        return self.process.poll() is not None
+
+    def wait(self):
+        self.process.wait()
+
+    def cancel(self):
+        if not self.ended():
+            try:
+                os.killpg(self.process.pid, signal.SIGTERM)
+            except (OSError, AttributeError):
+                self.process.terminate()
+
+    def seconds(self):
+        return time.monotonic() - self.started
+
+    @staticmethod
+    def text(file):
+        file.seek(0)
+        return file.read().decode("utf-8", "replace")
+
+    def code(self):
+        return self.process.returncode
+
+    def output(self):
+        return self.text(self.out)
+
+    def complaint(self):
+        """isoshade says in one line what is wrong: the last one."""
+        lines = [line.strip() for line in self.text(self.err).splitlines() if line.strip()]
+        if self.code() < 0:
+            return f"{self.what} was ended (signal {-self.code()})"
+        return lines[-1] if lines else f"{self.what}: exit code {self.code()}"

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Installs the add-on in this Blender and presses each of its buttons, on a volume of a few voxels; prints a line for each
+check, "ok NAME" or "not ok NAME: WHY" (tests/check_addon.sh).
+
+    blender -b --factory-startup -P addon_buttons.py -- ADDON.zip ISOSHADE VOLUME SCENE TF FOLDER"""
+import importlib
+import json
+import math
+import os
+import sys
+
+import bpy
+import numpy
+
+zip_path, program_path, source, look, tf_path, folder = sys.argv[sys.argv.index("--") + 1:]
+
+
+def tell(name, good, why=""):
+    print(f"ok {name}" if good else f"not ok {name}: {why}".replace("\n", " "), flush=True)
+
+
+def press(button, **values):
+    """What a button says as an error, or ''."""
+    try:
+        button(**values)
+    except RuntimeError as error:
+        return str(error).strip()
+    return ""
+
+
+def refused(name, words, button, **values):
+    said = press(button, **values)
+    tell(name, words in said and len(said.splitlines()) == 1, f'said "{said}", wanted "{words}"')
+
+
+def works(name, button, **values):
+    said = press(button, **values)
+    tell(name, said == "", said)
+
+
+def install():
+    if bpy.app.version >= (4, 2, 0):
+        bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
+        return "bl_ext.user_default.isoshade"
+    bpy.ops.preferences.addon_install(filepath=zip_path)
+    bpy.ops.preferences.addon_enable(module="isoshade")
+    return "isoshade"
+
+
+def points_of(path):
+    with open(path, encoding="utf-8") as file:
+        root = json.load(file)
+    return root, numpy.array([[p[k] for k in ("value", "r", "g", "b", "opacity")] for p in root["points"]])
+
+
+def picture(scene, use_ramp, name):
+    node = look_node()
+    node.inputs["Use Ramp"].default_value = use_ramp
+    scene.render.filepath = os.path.join(folder, name)
+    bpy.ops.render.render(write_still=True, scene=scene.name)
+    image = bpy.data.images.load(scene.render.filepath)
+    pixels = numpy.array(image.pixels[:]).reshape(-1, 4)[:, :3]
+    bpy.data.images.remove(image)
+    node.inputs["Use Ramp"].default_value = 0
+    return pixels
+
+
+def look_node():
+    return volume.look_of(volume.shown_object(frame))[0]
+
+
+module = install()
+addon = bpy.context.preferences.addons.get(module)
+tell("it_is_installed_and_enabled", addon is not None, module)
+volume, tables, operators = (importlib.import_module(f"{module}.{part}") for part in ("volume", "tables", "operators"))
+buttons = bpy.ops.isoshade
+tell("the_panel_is_there", hasattr(bpy.types, "ISOSHADE_PT_volume") and bpy.types.ISOSHADE_PT_volume.bl_category == "isoshade")
+
+# ---- importing -------------------------------------------------------------------------------------------------
+
+refused("nothing_is_certified_without_a_volume", "No volume of isoshade is in this scene", buttons.certify)
+addon.preferences.program = os.path.join(folder, "nowhere", "isoshade")
+refused("a_program_that_is_not_there", "is no program: name it in the add-on's preferences", buttons.import_volume, filepath=source, folder=folder)
+addon.preferences.program = program_path
+broken = os.path.join(folder, "$(touch run) `touch run`; broken.nrrd")
+with open(broken, "w", encoding="ascii") as file:
+    file.write("NRRD0004\ntype: nothing\n")
+refused("what_isoshade_says_of_a_broken_file", "broken.nrrd", buttons.import_volume, filepath=broken, folder=folder)
+tell("and_no_shell_has_seen_its_name", not os.path.exists("run") and not os.path.exists(os.path.join(folder, "run")))
+refused("a_file_that_is_not_there", "is not there", buttons.import_volume, filepath=os.path.join(folder, "no.nrrd"))
+works("a_volume_is_imported", buttons.import_volume, filepath=source, levels=2, adapt=False, look=look, folder=folder, into='SCENE')
+scene = bpy.context.window.scene
+scene.render.resolution_x = scene.render.resolution_y = 16
+frame = volume.find_frame(bpy.context)
+tell("with_its_levels", volume.level_numbers(frame) == [0, 1], volume.level_numbers(frame))
+tell("in_a_scene_of_its_own_with_a_camera", scene.camera is not None and scene.render.engine == 'CYCLES', scene.name)
+works("its_files_are_there", buttons.check_files)
+grid = bpy.path.abspath(volume.levels_of(frame)[1].data.filepath)
+os.rename(grid, grid + ".away")
+refused("a_missing_grid_is_named", os.path.basename(grid), buttons.check_files)
+os.rename(grid + ".away", grid)
+
+# ---- levels, ramps and tables ----------------------------------------------------------------------------------
+
+ramp = volume.ramp_of(volume.shown_object(frame))
+original, wanted = points_of(tf_path)
+fit = original["range"] == "fit"
+lo, hi = frame["isoshade_value_range"] if fit else original["range"]
+wanted[:, 0] = lo + wanted[:, 0] * (hi - lo) if fit else wanted[:, 0]
+if original["color_space"] == "srgb":
+    wanted[:, 1:4] = numpy.where(wanted[:, 1:4] <= 0.04045, wanted[:, 1:4] / 12.92, ((wanted[:, 1:4] + 0.055) / 1.055) ** 2.4)
+tell("the_ramp_has_the_points_as_stops", len(ramp.stops()) == len(wanted), f"{len(ramp.stops())} of {len(wanted)}")
+saved = os.path.join(folder, "saved.tf.json")
+works("the_transfer_function_is_saved", buttons.save_tf, filepath=saved)
+root, have = points_of(saved)
+off = abs((have - wanted) / [hi - lo, 1, 1, 1, 1]).max()
+tell("its_points_come_back", have.shape == wanted.shape and off <= 1e-6, f"off by {off:.2g} of the range")
+works("a_level_is_chosen", buttons.level, level=1)
+tell("and_shown", volume.shown_level(frame) == 1 and volume.ramp_of(volume.shown_object(frame)).index == ramp.index)
+refused("one_that_is_not_there_is_refused", "has the levels 0, 1", buttons.level, level=5)
+works("and_back", buttons.level, level=0)
+
+exported = volume.Table(volume.shown_object(frame)).read().copy()
+works("what_was_not_edited_needs_no_baking", buttons.bake)
+ramp.tree["isoshade_shown_0"] = [0.0]
+works("as_exported_it_bakes_to_what_was_exported", buttons.bake)
+baked = volume.Table(volume.shown_object(frame)).read()
+off = abs(baked - exported).max() / exported[:, 3].max()
+tell("to_single_precision", off <= 2e-6, f"off by {off:.2g} of the largest extinction")
+
+exact = picture(scene, 0, "exact.exr")
+for element, color in zip(ramp.node.color_ramp.elements, ((0.9, 0.1, 0.1), (0.1, 0.8, 0.2), (0.3, 0.3, 1.0), (1.0, 0.9, 0.1), (0.5, 0.5, 0.5))):
+    element.color = (*color, 0.9 * element.color[3])
+refused("an_edited_ramp_is_not_certified_unbaked", "The ramp was edited", buttons.certify)
+works("an_edited_ramp_is_baked", buttons.bake)
+after, by_ramp = picture(scene, 0, "baked.exr"), picture(scene, 1, "ramp.exr")
+tell("the_picture_has_changed", abs(after - exact).max() > 0.05, abs(after - exact).max())
+tell("the_exact_material_shows_the_edited_ramp", abs(after - by_ramp).max() < 1e-3, abs(after - by_ramp).max())
+table = volume.Table(volume.shown_object(frame))
+points = numpy.array(ramp.points())
+values = table.lo + numpy.arange(table.count) / (table.count - 1) * (table.hi - table.lo)
+want = numpy.stack([numpy.interp(values, points[:, 0], points[:, c]) for c in range(1, 5)], axis=1)
+want[:, 3] = -numpy.log1p(-numpy.minimum(want[:, 3], 0.9999)) / ramp.unit
+off = abs(table.read() - want).max(axis=0) / [1, 1, 1, want[:, 3].max()]
+tell("each_entry_is_the_formula's", off.max() <= 2e-6, off)
+works("both_levels_have_it", buttons.level, level=1)
+tell("colors_stay_when_the_level_is_switched", (volume.Table(volume.shown_object(frame)).read() == table.read()).all())
+edited = os.path.join(folder, "edited.tf.json")
+works("it_is_saved_too", buttons.save_tf, filepath=edited)
+works("the_range_of_the_ramp_is_widened", buttons.ramp_range, lo=float(ramp.lo) - 8, hi=float(ramp.hi) + 8)
+ramp = volume.ramp_of(volume.shown_object(frame))
+off = abs(numpy.array(ramp.points())[1:-1, 0] - points[:, 0]).max() if len(ramp.points()) == len(points) + 2 else math.inf
+tell("its_stops_keep_their_values", off <= 1e-6 * (hi - lo), ramp.points())
+
+# ---- adapting and loading --------------------------------------------------------------------------------------
+
+works("a_file_is_loaded", buttons.load_tf, filepath=tf_path)
+off = abs(volume.Table(volume.shown_object(frame)).read()[:len(exported)] - exported).max() / exported[:, 3].max()
+tell("it_is_what_was_exported", off <= 2e-6, off)
+hostile = os.path.join(folder, "hostile.tf.json")
+with open(hostile, "w", encoding="ascii") as file:
+    file.write('{"schema": "isoshade.tf/1", "range": [0, 1], "unit_distance_mm": "__import__(\'os\').getcwd()", "color_space": "linear", "points": []}')
+refused("a_file_of_code_is_refused", '"points" must be a list', buttons.load_tf, filepath=hostile)
+works("levels_are_adapted", buttons.adapt, always=True)
+numbers = [volume.ramp_of(thing).index for thing in volume.levels_of(frame)]
+tell("each_has_a_ramp_of_its_own", numbers == [0, 1], numbers)
+tell("level_1_is_still_shown", volume.shown_level(frame) == 1)
+coarse = volume.shown_object(frame)
+tell("its_ramp_is_its_own", volume.ramp_of(coarse).stops() != volume.ramp_of(volume.levels_of(frame)[0]).stops())
+exact, by_ramp = picture(scene, 0, "coarse.exr"), picture(scene, 1, "coarse-ramp.exr")
+rmse = math.sqrt(((exact - by_ramp) ** 2).mean())
+tell("use_ramp_shows_level_1s", rmse < 0.03, rmse)
+volume.look_of(coarse)[0].inputs["Use Ramp"].default_value = 0
+coarse["isoshade_ramp"] = 0.0  # planted: level 0's ramp
+off = math.sqrt(((exact - picture(scene, 1, "wrong-ramp.exr")) ** 2).mean())
+coarse["isoshade_ramp"] = 1.0
+tell("level_0s_ramp_would_not", off > 1.5 * rmse, f"{off:.3g}, its own {rmse:.3g}")
+works("adapted_again", buttons.adapt, always=True)
+tell("needs_no_further_ramps", len(volume.read_notes(ramp.tree)) == 2)
+
+# ---- certifying ------------------------------------------------------------------------------------------------
+
+works("back_at_level_0", buttons.level, level=0)
+scene.isoshade.with_cycles, scene.isoshade.size = False, 16
+works("the_scene_is_certified", buttons.certify)
+tell("the_verdict_is_shown", "renderers agree" in scene.isoshade.verdict and scene.isoshade.agrees, scene.isoshade.verdict)
+works("the_report_can_be_opened", buttons.open_report)
+tell("it_is_a_page", os.path.isfile(scene.isoshade.report))
+about = volume.scene_json(bpy.context, frame)
+with open(os.path.join(folder, "scene.scene.json"), "w", encoding="utf-8") as file:
+    json.dump(about, file)
+frame.matrix_world = frame.matrix_world @ frame.matrix_world.__class__.Diagonal((1, 2, 1, 1))
+bpy.context.view_layer.update()
+refused("a_stretched_volume_is_not", "is stretched or mirrored", buttons.certify)
+ramp.tree["isoshade_ramps"] = "__import__('os').system('true')"
+refused("notes_that_cannot_be_read", "cannot be read", buttons.bake)
+works("cancelling_nothing_does_nothing", buttons.cancel)
+collections = len(scene.collection.children)
+second = operators.take_over(os.path.join(folder, "s.blend"), 'HERE', bpy.context)
+grids = [thing.data.filepath for thing in volume.levels_of(second)]
+tell("a_second_one_comes_into_this_scene", second.name in scene.objects and len(scene.collection.children) == collections + 1
+     and all(os.path.isfile(bpy.path.abspath(path)) for path in grids), grids)
+if bpy.app.version < (4, 2, 0):
+    bpy.ops.preferences.addon_disable(module=module)
+    tell("it_is_removed_without_a_trace", not hasattr(bpy.types.Scene, "isoshade") and not hasattr(bpy.types, "ISOSHADE_PT_volume"))
