@@ -401,15 +401,16 @@ def report_folder(context):
 
 
 def read_report(folder, code, complaint):
-    """The verdict in one sentence, and whether it is good."""
+    """The verdict, in a word and in a sentence, and whether it is good."""
     path = os.path.join(folder, "report.json")
     try:
         report = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
         verdict, sentence = str(report["verdict"]), str(report["sentence"])
-        sentence = " ".join(text for text in (sentence, str(report.get("levels_sentence", ""))) if text)
+        levels = str(report.get("levels_sentence", "")).split(". ")[0].rstrip(".")
+        sentence += f" {levels}." if levels else ""
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise Refused(complaint) from None
-    return sentence, code == 0 and verdict == "agree"
+    return verdict, sentence, code == 0 and verdict == "agree"
 
 
 class ISOSHADE_OT_certify(Button, bpy.types.Operator):
@@ -438,16 +439,19 @@ class ISOSHADE_OT_certify(Button, bpy.types.Operator):
         command = [isoshade(context), "validate", source, "--scene", path, "--levels", str(levels), "--size", size, "--with",
                    ",".join(renderers), "-q", "-o", folder] + (["--quick"] if options.quick else [])
         scene_name = context.scene.name
+        look = volume.look_of(volume.shown_object(frame))[0]
+        of = "Of the exact material: " if "Physical" in look.inputs and look.inputs["Physical"].default_value > 0 else ""
 
         def finish(job):
             scene = bpy.data.scenes.get(scene_name)
             if job.code() not in (0, 1, 7, 9):
                 raise Refused(job.complaint())
-            sentence, good = read_report(folder, job.code(), job.complaint())
+            verdict, sentence, good = read_report(folder, job.code(), job.complaint())
+            sentence = of + sentence
             if scene:
                 scene.isoshade.verdict, scene.isoshade.agrees = sentence, good
                 scene.isoshade.report = os.path.join(folder, "index.html")
-            return sentence if good else "Careful: " + sentence
+            return f"Certified: {verdict}" if good else f"Careful: {sentence}"
 
         context.scene.isoshade.verdict = ""
         return self.run(context, "Certifying", command, finish)

@@ -66,7 +66,7 @@ class ISOSHADE_PT_transfer(Section, bpy.types.Panel):
         except Refused as error:
             lines(layout, str(error), 'ERROR', self.width(context))
             return
-        layout.prop(look.inputs["Use Ramp"], "default_value", text="Use Ramp (0: exact table)")
+        layout.prop(look.inputs["Use Ramp"], "default_value", text="Use Ramp", slider=True)
         layout.template_color_ramp(ramp.node, "color_ramp", expand=False)
         row = layout.row()
         row.label(text=f"{ramp.lo:g} to {ramp.hi:g}, opacity of {ramp.unit_mm:.4g} mm")

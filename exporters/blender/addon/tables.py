@@ -77,6 +77,11 @@ def plain(value):
     return shortest(value, lambda short: numpy.float32(short) == numpy.float32(value))
 
 
+def near(value):
+    """A number that went through single precision, and perhaps a driver's arithmetic, as a person wrote it."""
+    return shortest(value, lambda short: abs(short - value) <= 3e-7 * abs(value))
+
+
 def value_at(position, lo, hi):
     """The value of a stop's position."""
     value = lo + position * (hi - lo)

@@ -442,7 +442,10 @@ def scene_json(context, frame):
         i = len(lights) + 1
         towards = Vector(look.inputs[f"Light {i}"].default_value)
         lights.append({"direction": list(direction(towards)), "space": "world",
-                       "intensity": tables.plain(look.inputs[f"Intensity {i}"].default_value)})
+                       "intensity": tables.near(look.inputs[f"Intensity {i}"].default_value)})
+        color = look.inputs[f"Color {i}"].default_value[:3] if f"Color {i}" in look.inputs else (1, 1, 1)
+        if min(color) < 1 - 1e-6 or max(color) > 1 + 1e-6:
+            raise Refused(f"Light {i} has a color; lights of the scenes that isoshade validates are white")
     tf = present_transfer_function(thing)
     tf["unit_distance_mm"] /= tables.number(look.inputs["Density Scale"].default_value, "Density Scale", 1e-6, 1e6)
     share = scene.render.resolution_percentage / 100
@@ -451,7 +454,7 @@ def scene_json(context, frame):
     about = {"schema": "isoshade.scene/1",
              "image": {"width": max(int(scene.render.resolution_x * share), 1), "height": max(int(scene.render.resolution_y * share), 1)},
              "camera": camera_json(scene, frame), "lights": lights,
-             "shading": {key: tables.plain(look.inputs[key.capitalize()].default_value) for key in ("ambient", "diffuse", "specular", "power")},
+             "shading": {key: tables.near(look.inputs[key.capitalize()].default_value) for key in ("ambient", "diffuse", "specular", "power")},
              "background": background_of(scene),
              "step_voxels": min(max(step / voxel, 0.01), 4) if voxel and step > 0 else 0.25, "tf": tf}
     clips = noted(frame, scene, "isoshade_clip_planes", "[]")
