@@ -113,25 +113,22 @@ def take_over(path, into, context):
         if into == 'SCENE':
             here.scenes = list(there.scenes[:1])
         else:
-            here.objects = list(there.objects)
+            here.collections = list(there.collections[:1])
     new = [thing for thing in bpy.data.objects if thing not in before]
-    if into == 'SCENE' and here.scenes:
+    frames = [thing for thing in new if volume.levels_of(thing)]
+    if not frames or not (here.scenes if into == 'SCENE' else here.collections):
+        raise Refused(f"{path}: holds no volume of isoshade")
+    if into == 'SCENE':
         context.window.scene = here.scenes[0]
     else:
-        collection = bpy.data.collections.new(pathlib.Path(path).stem)
-        context.scene.collection.children.link(collection)
-        for thing in new:
-            if thing.type != 'CAMERA' or context.scene.camera is None:
-                collection.objects.link(thing)
-            if thing.type == 'CAMERA' and context.scene.camera is None:
-                context.scene.camera = thing
+        context.scene.collection.children.link(here.collections[0])
+        cameras = [thing for thing in new if thing.type == 'CAMERA']
+        if context.scene.camera is None and cameras:
+            context.scene.camera = cameras[0]
     for thing in new:
         if thing.type == 'VOLUME':
             file = os.path.join(os.path.dirname(path), os.path.basename(thing.data.filepath.replace("\\", "/")))
             thing.data.filepath = bpy.path.relpath(file) if bpy.data.filepath else file
-    frames = [thing for thing in new if volume.levels_of(thing)]
-    if not frames:
-        raise Refused(f"{path}: holds no volume of isoshade")
     return frames[0]
 
 
