@@ -26,16 +26,17 @@ povray:     $shared
 blender:    $shared vdb
 renderers:  $shared render vdb povray blender
 plan:       $shared render compare
-targets:    $shared render vdb povray blender compare plan
+bake:       $shared render vdb
+targets:    $shared render vdb povray blender compare plan bake
 report:     base image compare
-library:    $shared render vdb povray blender renderers compare plan targets
-validate:   $shared render renderers compare targets report
+library:    $shared render vdb povray blender renderers compare plan bake targets
+validate:   $shared render renderers compare bake targets report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options
 rivals:     $shared render
 bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
-cli:        $shared render vdb povray blender renderers compare plan targets report validate chart options atlas rivals bench
+cli:        $shared render vdb povray blender renderers compare plan bake targets report validate chart options atlas rivals bench
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks

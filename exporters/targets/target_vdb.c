@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* target_vdb.c - levels, or what a plan leaves, as grids of one OpenVDB file. */
-#include "targets/targets.h"
+#include "targets/target_vdb_baked.h"
 #include "vdb/vdb.h"
 
 static iso_status write_planned(const iso_export_job *job, const iso_vdb_options *o, iso_error *err)
@@ -17,6 +17,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_vdb_options
 
 static iso_status write_vdb(const iso_export_job *job, iso_error *err)
 {
+    if (job->bake)
+        return iso_target_vdb_baked(job, err);
     iso_vdb_options o = iso_vdb_defaults();
     o.half_float = job->half_float;
     o.unit = job->pyramid->unit.name;
@@ -38,7 +40,8 @@ const iso_export_target iso_export_target_vdb = {
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
     .output = "NAME.vdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
+               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_BAKE),
     .write = write_vdb,
     .suffix = ".vdb",
 };

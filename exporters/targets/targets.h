@@ -9,6 +9,7 @@
 
 #include <stdio.h>
 
+#include "bake/grids.h"
 #include "base/names.h"
 #include "image/image.h"
 #include "plan/planned.h"
@@ -34,7 +35,8 @@
     X(ISO_EXPORT_ROI, "--roi")                \
     X(ISO_EXPORT_ADAPT, "--adapt")            \
     X(ISO_EXPORT_EXTINCTION_SCALE, "--extinction-scale") \
-    X(ISO_EXPORT_GRIDS, "--grids")
+    X(ISO_EXPORT_GRIDS, "--grids")            \
+    X(ISO_EXPORT_BAKE, "--bake and --for")
 /* clang-format on */
 
 typedef enum iso_export_option {
@@ -55,6 +57,7 @@ typedef struct iso_export_job {
     bool merged;                /* what a plan leaves as one grid, else one a level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
+    const iso_bake_request *bake; /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
     bool extinction_scale; /* the views that view_of_level makes have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;

@@ -120,7 +120,11 @@ void describe(openvdb::GridBase &grid, const iso_vdb_source &s)
     grid.setSaveFloatAsHalf(s.half_float);
     if (s.fog_volume)
         grid.setGridClass(openvdb::GRID_FOG_VOLUME);
-    if (s.channels == 3) {
+    if (s.y_up)
+        grid.insertMeta("isoshade_up", openvdb::StringMetadata("y"));
+    if (s.channels == 3 && s.is_color) {
+        grid.setVectorType(openvdb::VEC_INVARIANT);
+    } else if (s.channels == 3) {
         grid.setVectorType(openvdb::VEC_COVARIANT);
         grid.setIsInWorldSpace(true);
     }
@@ -179,6 +183,13 @@ void read_info(const openvdb::GridBase &grid, const size_t size[3], iso_vdb_grid
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             info->index_to_world[r][c] = m(c, r);
+    const auto up = grid.getMetadata<openvdb::StringMetadata>("isoshade_up");
+    if (up && up->value() == "y") /* (x, y, z) of the file is (x, -z, y) of ours: fields.h */
+        for (int c = 0; c < 4; ++c) {
+            const double y = info->index_to_world[1][c];
+            info->index_to_world[1][c] = -info->index_to_world[2][c];
+            info->index_to_world[2][c] = y;
+        }
     const auto box = grid.getMetadata<openvdb::Vec3DMetadata>("isoshade_box_index");
     const auto unit = grid.getMetadata<openvdb::DoubleMetadata>("isoshade_unit_mm");
     const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>("isoshade_origin_mm");

@@ -36,6 +36,7 @@ typedef struct iso_vdb_source {
     const void *active_user;
     float background;
     bool fog_volume;
+    bool is_color, y_up; /* three channels that axes do not turn; the world is turned (fields.h) */
     double direction_scale;      /* that vectors are multiplied by; 1 else */
     bool half_float, reversed_x; /* reversed_x: what is given runs along x the other way than the volume does */
     const char *creator, *made_from, *meaning;

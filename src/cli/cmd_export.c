@@ -20,6 +20,8 @@ typedef struct export_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     iso_cli_look look;
+    iso_bake_words bake_words;
+    iso_bake_request bake;
     char *to, *output, *isosurface, *plan, *grids, *frames;
     int level, level_count, half;
     double step;
@@ -80,18 +82,19 @@ static iso_status check_plan(const export_arguments *a, iso_error *err)
 static iso_status check_options(const export_arguments *a, const iso_export_target *target, iso_error *err)
 {
     /* Grids alone have no transfer function, but for the one that an extinction scale is made for. */
-    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && a->adapted.extinction_scale;
+    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && (a->adapted.extinction_scale || a->bake.wanted);
     const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
                                                  [ISO_EXPORT_STEP] = a->step != 0,
                                                  [ISO_EXPORT_HALF] = a->half,
                                                  [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
                                                  [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
                                                                       !alone, /* a plan is made for one */
-                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL,
+                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL && !alone,
                                                  [ISO_EXPORT_ROI] = a->roi.box != NULL,
                                                  [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
                                                  [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
-                                                 [ISO_EXPORT_GRIDS] = a->grids != NULL};
+                                                 [ISO_EXPORT_GRIDS] = a->grids != NULL,
+                                                 [ISO_EXPORT_BAKE] = a->bake.wanted};
     const char *const looks[] = {a->look.tf ? "--tf" : NULL, a->look.view ? "--view" : NULL,
                                  a->look.zoom != 0 ? "--zoom" : NULL};
     for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
@@ -101,6 +104,19 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
             return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
                             iso_export_option_text((iso_export_option)i), target->name);
+    return ISO_OK;
+}
+
+/* One level, whole, by the scene's transfer function. */
+static iso_status check_bake(const export_arguments *a, iso_error *err)
+{
+    const char *other = a->plan              ? "--plan"
+                        : a->level_count > 1 ? "--levels"
+                        : a->roi.box         ? "--roi"
+                        : a->frames          ? "--frames"
+                                             : NULL;
+    if (a->bake.wanted && other)
+        return iso_fail(err, ISO_E_USAGE, "%s has no meaning for what is baked: one level, all of it", other);
     return ISO_OK;
 }
 
@@ -141,6 +157,8 @@ static iso_status check(const export_arguments *a, const iso_export_target **tar
     if (status == ISO_OK)
         status = check_options(a, *target, err);
     if (status == ISO_OK)
+        status = check_bake(a, err);
+    if (status == ISO_OK)
         status = check_frames(a, *target, err);
     return status == ISO_OK ? check_plan(a, err) : status;
 }
@@ -174,7 +192,8 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
         status = iso_subject_refuse_labels(&pyramid, a->cli->arguments[0],
                                            a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err);
-    if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale))
+    if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale ||
+                             a->bake.wanted))
         status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */
         iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
@@ -193,6 +212,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                                 .step_voxels = a->step,
                                 .half_float = a->half,
                                 .extinction_scale = a->adapted.extinction_scale,
+                                .bake = a->bake.wanted ? &a->bake : NULL,
                                 .isosurface = a->isosurface != NULL,
                                 .iso = iso[0],
                                 .threads = a->cli->threads,
@@ -210,7 +230,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
     } else {
         json_decref(root);
         if (status == ISO_OK)
-            printf("%s: %s\n", a->output, target->summary);
+            printf("%s: %s\n", a->output, a->bake.wanted ? "an OpenVDB file of baked grids" : target->summary);
     }
     iso_planned_destroy(&planned);
     iso_view_destroy(&view);
@@ -353,6 +373,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
          "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
+        ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -363,6 +384,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     a.cli = &cli;
     a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_bake_request_make(&a.bake_words, a.half, &a.bake, err);
+    a.bake.error_pixels = a.look.size ? 0 : a.bake.error_pixels;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = a.frames ? export_series(&a, err) : export_it(&a, err);
     iso_cli_end(&cli);
@@ -378,6 +402,8 @@ const iso_command iso_command_export = {
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
         "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
+        "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
+        "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
         "makes it; vdb takes a scene only for --extinction-scale and --plan. With --plan only what the scene\n"
         "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
@@ -391,11 +417,14 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
         "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
+        "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --bake density,Cd --scene-unit cm -o baked.vdb\n"
+        "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --for karma -o karma.vdb\n"
         "  isoshade make shells --size 16 -o step_1.nrrd\n"
         "  isoshade make noise --size 16 -o step_2.nrrd\n"
         "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
-    .lists = (const iso_names *const[]){&iso_export_target_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    .lists = (const iso_names *const[]){&iso_export_target_names, &iso_bake_grid_names, &iso_grid_program_names,
+                                        &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

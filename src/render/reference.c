@@ -76,9 +76,10 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
                         opt->intervals);
     if (view->tf_2d && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
-    if (opt->emitter && (view->roi || opt->quadrature != ISO_QUADRATURE_MIDPOINT))
+    const bool integrates = opt->quadrature == ISO_QUADRATURE_MIDPOINT || opt->quadrature == ISO_QUADRATURE_CONVERGED;
+    if (opt->emitter && (view->roi || !integrates))
         return iso_fail(err, ISO_E_USAGE,
-                        "reference: an emitter is rendered by midpoints, without a region of interest");
+                        "reference: an emitter is rendered converged or by midpoints, without a region of interest");
     if (view->roi && (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED || opt->quadrature == ISO_QUADRATURE_FIRST_HIT))
         return iso_fail(err, ISO_E_USAGE, "reference: a region of interest is neither pre-integrated nor a surface");
     return ISO_OK;

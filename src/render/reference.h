@@ -55,10 +55,16 @@ typedef struct iso_reference_options {
     double tolerance;           /* converged: of a pixel's value */
     double iso;                 /* first hit: the value of the surface */
     iso_surface_output output;  /* first hit: what the image shows of it */
-    const iso_emitter *emitter; /* midpoint: instead of the level's scalar and the view's transfer function; or NULL */
+    /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is smooth
+     * within the cells between the level's voxel centers. */
+    const iso_emitter *emitter;
     int threads;
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);
+
+/* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates: by its
+ * transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. */
+void iso_reference_classify(const struct iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4]);
 
 /* Creates *image (view->width x view->height, RGBA, premultiplied, background
  * included in the colour, A = 1 - T_end). */

@@ -40,6 +40,16 @@ static void classify(const layer *l, iso_vec3 p, double rgbs[4])
         rgbs[3] *= extinction_scale_at(l, p);
 }
 
+void iso_reference_classify(const iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4])
+{
+    const layer l = {.sampler = sampler,
+                     .tf = &view->tf,
+                     .tf_2d = view->tf_2d,
+                     .extinction_scale = view->extinction_scale,
+                     .scale = 1};
+    classify(&l, index, rgbs);
+}
+
 static iso_vec3 layer_point(const ray_state *ray, const layer *l, double t)
 {
     iso_vec3 p = iso_madd(ray->origin, ray->direction, t);
@@ -169,7 +179,7 @@ static stretch integrate_piece(const ray_state *ray, double a, double b, double 
     stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
     if (depth >= max_depth || weight <= tolerance)
         return fine;
-    double cut = cut_at_bend(ray, ray->layer, a, b);
+    double cut = ray->emitter ? a : cut_at_bend(ray, ray->layer, a, b); /* an emitter has no bends */
     if (!(cut > a && cut < b) && ray->roi)
         cut = cut_at_bend(ray, ray->roi, a, b);
     if (!(cut > a && cut < b)) {

@@ -193,6 +193,13 @@ private:
         take_unit(grid);
     }
 
+    static void turn_back(double v[3])
+    {
+        const double y = v[1];
+        v[1] = -v[2];
+        v[2] = y;
+    }
+
     /* OpenVDB has none; isoshade's files say theirs, and where their origin stands. */
     void take_unit(const openvdb::GridBase &grid)
     {
@@ -202,6 +209,12 @@ private:
         for (auto &text : header.unit)
             snprintf(text, sizeof text, "%s", name ? name->value().c_str() : mm ? "mm" : "");
         const double scale = mm && !name ? mm->value() : 1;
+        const auto up = grid.getMetadata<openvdb::StringMetadata>("isoshade_up");
+        if (up && up->value() == "y") { /* (x, y, z) of the file is (x, -z, y) of ours */
+            turn_back(header.first);
+            for (auto &step : header.step)
+                turn_back(step);
+        }
         for (int r = 0; r < 3; ++r) {
             header.first[r] = scale * header.first[r] +
                               (origin && mm ? origin->value()[r] / (name ? mm->value() : 1) : 0);

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/bake_error.h"
+
+#include <math.h>
+
+#include "render/reference_ray.h"
+
+/* Of the level's smallest spacing, for both pictures: their samples stand at the same places. */
+static const double step_voxels = 0.125;
+
+typedef struct baked_field {
+    const iso_baked *baked;
+    iso_baked_pair pair;
+    iso_sampler directions; /* of the level */
+    bool is_lit;
+} baked_field;
+
+static double emit(const iso_emitter *e, const iso_emitter_place *at, double color[3])
+{
+    const baked_field *f = e->field;
+    const double extinction = iso_baked_sample(f->baked, f->pair, at->index, color);
+    if (!(extinction > 0) || !f->is_lit) {
+        for (int c = 0; c < 3; ++c)
+            color[c] *= at->view->shading.ambient;
+        return extinction;
+    }
+    const iso_vec3 normal = iso_sample_normal(&f->directions, iso_baked_in_level(f->baked, at->index));
+    const double shade = iso_shade(at->view, normal, at->to_viewer);
+    for (int c = 0; c < 3; ++c)
+        color[c] *= shade;
+    return extinction;
+}
+
+/* 0: until nothing changes. */
+static void set_step(iso_reference_options *o, double voxels)
+{
+    o->quadrature = voxels > 0 ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
+    o->step_voxels = voxels;
+}
+
+iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_view *view, double voxels,
+                            iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    /* The lattice in place of a level: the emitter is all that is asked, and cells end at its points. */
+    const iso_level lattice = {.geometry = b->geometry, .min = b->level->min, .max = b->level->max};
+    baked_field field = {.baked = b, .pair = pair, .is_lit = view->light_count > 0};
+    const iso_emitter emitter = {emit, &field};
+    iso_reference_options o = iso_reference_defaults();
+    iso_view clipless = *view; /* planes have cut the grid */
+    clipless.clip_count = 0;
+    clipless.extinction_scale = NULL;
+    set_step(&o, voxels * (double)b->options.points); /* the lattice's voxels are smaller */
+    o.emitter = &emitter;
+    o.source = ISO_FROM_ON_THE_FLY;
+    o.threads = b->options.threads;
+    iso_status status = iso_sampler_create(&field.directions, b->level, b->code, ISO_FROM_CODES, err);
+    if (status == ISO_OK)
+        status = iso_reference_render(&lattice, b->code, &clipless, &o, image, progress, err);
+    iso_sampler_destroy(&field.directions);
+    return status;
+}
+
+static iso_status compare(const iso_baked *b, iso_baked_pair pair, const iso_view *view, const iso_image *exact,
+                          iso_bake_difference *out, const iso_progress *progress, iso_error *err)
+{
+    iso_image image = {0};
+    iso_status status = iso_baked_render(b, pair, view, step_voxels, &image, progress, err);
+    double sum = 0, most = 0;
+    for (size_t i = 0; status == ISO_OK && i < image.width * image.height; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            const double d = fabs((double)image.rgba[4 * i + c] - (double)exact->rgba[4 * i + c]);
+            sum += d * d;
+            most = d > most || isnan(d) ? d : most;
+        }
+    if (status == ISO_OK)
+        *out = (iso_bake_difference){sqrt(sum / (3.0 * (double)(image.width * image.height))), most};
+    iso_image_destroy(&image);
+    return status;
+}
+
+static iso_status render_exact(const iso_baked *b, const iso_view *view, iso_image *image, const iso_progress *progress,
+                               iso_error *err)
+{
+    iso_reference_options o = iso_reference_defaults();
+    set_step(&o, step_voxels);
+    o.threads = b->options.threads;
+    return iso_reference_render(b->level, b->code, view, &o, image, progress, err);
+}
+
+iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, iso_bake_error *out,
+                            const iso_progress *progress, iso_error *err)
+{
+    iso_image exact = {0};
+    iso_view view = *b->view;
+    const size_t longer = view.width > view.height ? view.width : view.height;
+    if (pixels > 0 && pixels < longer) {
+        view.width = (view.width * pixels + longer - 1) / longer;
+        view.height = (view.height * pixels + longer - 1) / longer;
+    }
+    *out = (iso_bake_error){.width = view.width, .height = view.height, .has_emission = emission};
+    iso_status status = render_exact(b, &view, &exact, progress, err);
+    if (status == ISO_OK)
+        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
+    iso_image_destroy(&exact);
+    view.shading = (iso_shading){.ambient = 1};
+    view.light_count = 0;
+    if (status == ISO_OK)
+        status = render_exact(b, &view, &exact, progress, err);
+    if (status == ISO_OK)
+        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->unlit, progress, err);
+    if (status == ISO_OK && emission)
+        status = compare(b, ISO_BAKED_EMISSION, &view, &exact, &out->emission, progress, err);
+    iso_image_destroy(&exact);
+    return status;
+}

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "bake/grids.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+/* What the readers of a grid look at. */
+typedef struct grid_source {
+    const iso_baked *baked;
+    iso_bake_grid grid;
+    double per_unit; /* of what is per mm */
+} grid_source;
+
+static int channels_of(iso_bake_grid grid)
+{
+    return grid == ISO_BAKE_CD || grid == ISO_BAKE_EMISSION ? 3 : 1;
+}
+
+/* Points that have a color have a place and, where they are visible, an extinction. */
+static bool is_active(iso_bake_grid grid, const float *point)
+{
+    if (!point)
+        return false;
+    return grid == ISO_BAKE_DENSITY || grid == ISO_BAKE_EMISSION ? point[ISO_BAKE_EXTINCTION] > 0
+                                                                 : point[ISO_BAKE_COLOR] >= 0;
+}
+
+static void take_values(const grid_source *s, const float *point, float *out)
+{
+    const double extinction = s->per_unit * (double)point[ISO_BAKE_EXTINCTION];
+    if (s->grid == ISO_BAKE_DENSITY)
+        out[0] = (float)extinction;
+    if (s->grid == ISO_BAKE_TEMPERATURE)
+        out[0] = point[ISO_BAKE_PLACE];
+    for (int c = 0; c < 3 && channels_of(s->grid) == 3; ++c)
+        out[c] = (float)((s->grid == ISO_BAKE_EMISSION ? extinction : 1) * (double)point[ISO_BAKE_COLOR + c]);
+}
+
+static void read_values(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
+{
+    const grid_source *s = user;
+    const size_t channels = (size_t)channels_of(s->grid);
+    memset(out, 0, count * channels * sizeof *out);
+    for (size_t i = 0; i < count; ++i) {
+        const float *point = iso_baked_point(s->baked, x + i, y, z);
+        if (is_active(s->grid, point))
+            take_values(s, point, out + channels * i);
+    }
+}
+
+static void read_active(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    const grid_source *s = user;
+    for (size_t i = 0; i < count; ++i)
+        out[i] = is_active(s->grid, iso_baked_point(s->baked, x + i, y, z));
+}
+
+static double largest(const grid_source *s)
+{
+    const double *color = s->baked->color_max;
+    const double most = color[0] > color[1] ? (color[0] > color[2] ? color[0] : color[2])
+                                            : (color[1] > color[2] ? color[1] : color[2]);
+    const double extinction = s->per_unit * s->baked->extinction_max;
+    return s->grid == ISO_BAKE_DENSITY    ? extinction
+           : s->grid == ISO_BAKE_CD       ? most
+           : s->grid == ISO_BAKE_EMISSION ? extinction * most
+                                          : 1;
+}
+
+static char *usda_path(const char *path)
+{
+    char *text = NULL;
+    return asprintf(&text, "%.*s.usda", (int)(strlen(path) - strlen(".vdb")), path) < 0 ? NULL : text;
+}
+
+static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
+{
+    char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
+    iso_status status = name && text ? iso_file_write(name, text, strlen(text), err)
+                                     : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    free(name);
+    free(text);
+    return status;
+}
+
+iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int level, const char *made_from,
+                         const char *path, const iso_progress *progress, iso_error *err)
+{
+    grid_source sources[ISO_BAKE_GRIDS];
+    iso_vdb_field fields[ISO_BAKE_GRIDS];
+    size_t count = 0;
+    if (r->usd && !iso_path_ends_with(path, ".vdb"))
+        return iso_fail(err, ISO_E_USAGE, "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
+    for (int i = 0; i < ISO_BAKE_GRIDS; ++i) {
+        if (!r->has[i])
+            continue;
+        sources[count] = (grid_source){b, (iso_bake_grid)i, r->convention.unit_mm};
+        fields[count] = (iso_vdb_field){.name = r->name[i],
+                                        .meaning = iso_names_summary(&iso_bake_grid_names, (size_t)i),
+                                        .channels = channels_of((iso_bake_grid)i),
+                                        .read = read_values,
+                                        .read_active = read_active,
+                                        .user = &sources[count],
+                                        .value_max = largest(&sources[count])};
+        ++count;
+    }
+    const iso_vdb_fields all = {.geometry = &b->geometry,
+                                .items = fields,
+                                .count = count,
+                                .level = level,
+                                .made_from = made_from ? iso_path_base(made_from) : "",
+                                .convention = r->convention,
+                                .half_float = r->half};
+    iso_status status = iso_vdb_save_fields(&all, path, progress, err);
+    return status == ISO_OK && r->usd ? save_usda(b, r, path, err) : status;
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+#include "vdb/fields.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "vdb/vdb_openvdb.h"
+
+iso_vdb_convention iso_vdb_own_convention(void)
+{
+    return (iso_vdb_convention){.unit_mm = 1, .unit = "mm"};
+}
+
+iso_vec3 iso_vdb_turned(const iso_vdb_convention *c, iso_vec3 v)
+{
+    return c->y_up ? iso_v3(v.x, v.z, -v.y) : v;
+}
+
+iso_vec3 iso_vdb_in_scene(const iso_vdb_convention *c, iso_vec3 world_mm)
+{
+    return iso_scale(iso_vdb_turned(c, world_mm), 1 / c->unit_mm);
+}
+
+/* From integers at the points to scene units. */
+static void place(const iso_vdb_fields *f, double m[3][4])
+{
+    const iso_geometry *g = f->geometry;
+    iso_vec3 columns[4];
+    for (int c = 0; c < 3; ++c)
+        columns[c] = iso_vdb_in_scene(&f->convention, iso_column(g->index_to_world, c));
+    columns[3] = iso_vdb_in_scene(&f->convention, iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5)));
+    for (int c = 0; c < 4; ++c) {
+        m[0][c] = columns[c].x;
+        m[1][c] = columns[c].y;
+        m[2][c] = columns[c].z;
+    }
+}
+
+/* OpenVDB refuses voxels of 1e-15 cubic units; single precision of renderers wants some room. */
+static iso_status check_size(const iso_vdb_fields *f, const char *path, iso_error *err)
+{
+    const double least = 5e-5, most = 1e6;
+    const double voxel = iso_geometry_mean_spacing_mm(f->geometry) / f->convention.unit_mm;
+    if (voxel >= least && voxel <= most)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_RANGE,
+                    "%s: a voxel is %.3g %s, OpenVDB takes %.3g to %.3g: choose another --scene-unit (in it, %s)", path,
+                    voxel, f->convention.unit, least, most, voxel < least ? "mm or um, numbers are larger" : "m, they are smaller");
+}
+
+static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *field)
+{
+    iso_vdb_source s = {.name = field->name,
+                        .channels = field->channels,
+                        .read = field->read,
+                        .read_active = field->read_active,
+                        .user = field->user,
+                        .active_user = field->user,
+                        .direction_scale = 1,
+                        .half_float = f->half_float,
+                        .fog_volume = true,
+                        .is_color = field->channels == 3,
+                        .y_up = f->convention.y_up,
+                        .creator = "isoshade",
+                        .made_from = f->made_from,
+                        .meaning = field->meaning,
+                        .level = f->level,
+                        .value_min = field->value_min,
+                        .value_max = field->value_max,
+                        .unit = f->convention.unit,
+                        .unit_mm = f->convention.unit_mm};
+    memcpy(s.size, f->geometry->size, sizeof s.size);
+    memcpy(s.box_index, f->geometry->box_index, sizeof s.box_index);
+    iso_geometry_spacing_mm(f->geometry, s.spacing_mm);
+    place(f, s.index_to_world);
+    return s;
+}
+
+static iso_status add(iso_vdb_file *file, const iso_vdb_fields *f, size_t i, const char *path, iso_error *err)
+{
+    const iso_vdb_source source = describe(f, &f->items[i]);
+    iso_vdb_message message = {""};
+    const int code = iso_vdb_file_add(file, &source, &message);
+    if (code == ISO_OPENVDB_OK)
+        return ISO_OK;
+    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", path, message.text);
+}
+
+iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)
+{
+    iso_output out = {0};
+    iso_status status = check_size(f, path, err);
+    if (status == ISO_OK)
+        status = iso_output_begin(&out, path, err);
+    if (status != ISO_OK)
+        return status;
+    iso_vdb_file *file = iso_vdb_file_create();
+    if (!file)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
+    for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
+        iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
+        status = add(file, f, i, path, err);
+    }
+    iso_vdb_message message = {""};
+    if (status == ISO_OK && iso_vdb_file_write(file, out.temp_path, &message) != ISO_OPENVDB_OK)
+        status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
+    iso_vdb_file_destroy(file);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    iso_progress_report(progress, "OpenVDB grids", 1);
+    return status;
+}
