@@ -131,7 +131,12 @@ static void a_slab_is_as_deep_in_every_unit(void **state)
             for (int a = 0; a < 3; ++a) {
                 const double distance = spacing[a] / (double)points / mm[u / 2];
                 /* floats of the grid: 6e-8 of each summand */
-                assert_within(optical_depth(density, n, a, distance), 0.3 * spacing[a] * (a == 0 ? NX : a == 1 ? NY : NZ), 1e-6);
+                assert_within(optical_depth(density, n, a, distance),
+                              0.3 * spacing[a] *
+                                  (a == 0   ? NX
+                                   : a == 1 ? NY
+                                            : NZ),
+                              1e-6);
             }
             /* Read back it is where it was, in mm with z up. */
             for (int a = 0; a < 3; ++a)

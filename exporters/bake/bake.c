@@ -277,9 +277,10 @@ static void count_points(iso_baked *b)
 
 static iso_status check(const iso_level *level, const iso_view *view, const iso_bake_options *opt, iso_error *err)
 {
-    if (opt->points < 1 || opt->points > ISO_BAKE_MOST_POINTS || opt->samples < 1 || opt->samples > ISO_BAKE_MOST_POINTS)
-        return iso_fail(err, ISO_E_RANGE, "bake: %zu points and %zu samples along a side, each must be 1 to %d", opt->points,
-                        opt->samples, ISO_BAKE_MOST_POINTS);
+    if (opt->points < 1 || opt->points > ISO_BAKE_MOST_POINTS || opt->samples < 1 ||
+        opt->samples > ISO_BAKE_MOST_POINTS)
+        return iso_fail(err, ISO_E_RANGE, "bake: %zu points and %zu samples along a side, each must be 1 to %d",
+                        opt->points, opt->samples, ISO_BAKE_MOST_POINTS);
     if (view->roi)
         return iso_fail(err, ISO_E_RANGE, "bake: a region of interest cannot be baked");
     for (int a = 0; a < 3; ++a)

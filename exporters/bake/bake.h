@@ -32,8 +32,9 @@ enum { ISO_BAKE_BLOCK = 8, ISO_BAKE_CHANNELS = 5, ISO_BAKE_MOST_POINTS = 8 };
 enum { ISO_BAKE_EXTINCTION, ISO_BAKE_COLOR, ISO_BAKE_PLACE = ISO_BAKE_COLOR + 3 };
 
 typedef struct iso_bake_options {
-    size_t points;  /* of the lattice along a voxel's side: 1 */
-    size_t samples; /* along the side of a point's cell, whose mean the point gets: 2, which halves the error of sharp ones */
+    size_t points; /* of the lattice along a voxel's side: 1 */
+    size_t
+        samples; /* along the side of a point's cell, whose mean the point gets: 2, which halves the error of sharp ones */
     int threads;
 } iso_bake_options;
 iso_bake_options iso_bake_defaults(void);

@@ -94,7 +94,8 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
     iso_vdb_field fields[ISO_BAKE_GRIDS];
     size_t count = 0;
     if (r->usd && !iso_path_ends_with(path, ".vdb"))
-        return iso_fail(err, ISO_E_USAGE, "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
+        return iso_fail(err, ISO_E_USAGE,
+                        "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
     for (int i = 0; i < ISO_BAKE_GRIDS; ++i) {
         if (!r->has[i])
             continue;

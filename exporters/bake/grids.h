@@ -17,7 +17,13 @@
 #include "bake/programs.h"
 #include "vdb/fields.h"
 
-typedef enum iso_bake_grid { ISO_BAKE_DENSITY, ISO_BAKE_CD, ISO_BAKE_EMISSION, ISO_BAKE_TEMPERATURE, ISO_BAKE_GRIDS } iso_bake_grid;
+typedef enum iso_bake_grid {
+    ISO_BAKE_DENSITY,
+    ISO_BAKE_CD,
+    ISO_BAKE_EMISSION,
+    ISO_BAKE_TEMPERATURE,
+    ISO_BAKE_GRIDS
+} iso_bake_grid;
 extern const iso_names iso_bake_grid_names;
 
 /* By popt; live until the process ends. 0 and NULL: not given. */

@@ -16,7 +16,7 @@ typedef struct iso_grid_program {
     const char *unit;  /* of --scene-unit */
     const char *up;    /* of --up */
     bool half, usd;
-    const char *tested; /* "not run", or what was run */
+    const char *tested;  /* "not run", or what was run */
     const char *setting; /* what to set there, so that the picture is the baked one */
     const char *source;  /* pages that say so */
 } iso_grid_program;

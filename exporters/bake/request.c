@@ -13,7 +13,8 @@ static const struct {
     [ISO_BAKE_DENSITY] = {"density", "float: extinction per scene unit, never negative"},
     [ISO_BAKE_CD] = {"Cd", "vec3s: linear color; transparent points beside visible ones have their color"},
     [ISO_BAKE_EMISSION] = {"emission", "vec3s: extinction times linear color, per scene unit"},
-    [ISO_BAKE_TEMPERATURE] = {"temperature", "float: the value's place on the transfer function's range, 0 to 1; no kelvins"},
+    [ISO_BAKE_TEMPERATURE] = {"temperature",
+                              "float: the value's place on the transfer function's range, 0 to 1; no kelvins"},
 };
 const iso_names iso_bake_grid_names = ISO_NAMES_OF_ROWS("baked grid", grids);
 
@@ -94,7 +95,8 @@ static iso_status check_alone(const iso_bake_words *w, iso_error *err)
                               : w->usd     ? "--usd"
                                            : NULL;
     if (alone)
-        return iso_fail(err, ISO_E_USAGE, "%s needs --bake or --for: the scalar's own grids are in mm with z up", alone);
+        return iso_fail(err, ISO_E_USAGE, "%s needs --bake or --for: the scalar's own grids are in mm with z up",
+                        alone);
     return ISO_OK;
 }
 

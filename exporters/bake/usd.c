@@ -82,7 +82,8 @@ char *iso_bake_usda(const iso_baked *b, const iso_bake_request *r, const char *p
     fprintf(f, "#usda 1.0\n(\n    defaultPrim = \"%s\"\n    metersPerUnit = %.9g\n    upAxis = \"%s\"\n)\n", name,
             r->convention.unit_mm / 1000, r->convention.y_up ? "Y" : "Z");
     fprintf(f, "\ndef Volume \"%s\"\n{\n", name);
-    fprintf(f, "    float3[] extent = [(%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g)]\n", lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]);
+    fprintf(f, "    float3[] extent = [(%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g)]\n", lo[0], lo[1], lo[2], hi[0], hi[1],
+            hi[2]);
     for (int i = 0; i < ISO_BAKE_GRIDS; ++i)
         if (r->has[i])
             fprintf(f, "    rel field:%s = </%s/%s>\n", r->name[i], name, r->name[i]);

@@ -7,18 +7,24 @@ static json_t *difference(const iso_bake_difference *d)
     return json_pack("{sf sf}", "rmse", d->rmse, "max_abs", d->max_abs);
 }
 
+static const char *up_of(const iso_bake_request *r)
+{
+    return r->convention.y_up ? "y" : "z";
+}
+
 static void tell_json(json_t *results, const iso_baked *b, const iso_bake_request *r, const iso_bake_error *e)
 {
     json_t *grids = json_object(), *bake;
+    const char *const up = up_of(r);
     for (int i = 0; i < ISO_BAKE_GRIDS; ++i)
         if (r->has[i])
             json_object_set_new(grids, iso_names_name(&iso_bake_grid_names, (size_t)i), json_string(r->name[i]));
     bake = json_pack("{so ss sf ss sI sI sI sI sf s[ii] so so}", "grids", grids, "scene_unit", r->convention.unit,
-                     "scene_unit_mm", r->convention.unit_mm, "up", r->convention.y_up ? "y" : "z", "points_per_voxel",
-                     (json_int_t)r->lattice.points, "samples_per_point", (json_int_t)r->lattice.samples, "visible_points",
-                     (json_int_t)b->visible_count, "colored_points", (json_int_t)b->color_count, "max_extinction",
-                     b->extinction_max * r->convention.unit_mm, "picture", (int)e->width, (int)e->height, "error_lit",
-                     difference(&e->lit), "error_unlit", difference(&e->unlit));
+                     "scene_unit_mm", r->convention.unit_mm, "up", up, "points_per_voxel",
+                     (json_int_t)r->lattice.points, "samples_per_point", (json_int_t)r->lattice.samples,
+                     "visible_points", (json_int_t)b->visible_count, "colored_points", (json_int_t)b->color_count,
+                     "max_extinction", b->extinction_max * r->convention.unit_mm, "picture", (int)e->width,
+                     (int)e->height, "error_lit", difference(&e->lit), "error_unlit", difference(&e->unlit));
     if (e->has_emission)
         json_object_set_new(bake, "error_emission", difference(&e->emission));
     if (r->program)
@@ -28,9 +34,11 @@ static void tell_json(json_t *results, const iso_baked *b, const iso_bake_reques
 
 static void tell_person(FILE *f, const iso_baked *b, const iso_bake_request *r, const iso_bake_error *e)
 {
-    fprintf(f, "baked: %zu of %zu points are visible; 1 scene unit is 1 %s, %s up; the extinction is at most %.4g per unit\n",
-            b->visible_count, iso_geometry_voxel_count(&b->geometry), r->convention.unit, r->convention.y_up ? "y" : "z",
-            b->extinction_max * r->convention.unit_mm);
+    fprintf(
+        f,
+        "baked: %zu of %zu points are visible; 1 scene unit is 1 %s, %s up; the extinction is at most %.4g per unit\n",
+        b->visible_count, iso_geometry_voxel_count(&b->geometry), r->convention.unit, up_of(r),
+        b->extinction_max * r->convention.unit_mm);
     fprintf(f, "colors interpolated in place of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
             e->lit.rmse, e->lit.max_abs, e->width, e->height);
     fprintf(f, "the same unlit, as a program shows it that takes the colors for light: RMSE %.2g, at most %.2g\n",
@@ -51,8 +59,8 @@ iso_status iso_target_vdb_baked(const iso_export_job *job, iso_error *err)
     o.threads = job->threads;
     iso_status status = job->view_of_level(job, job->level, &view, err);
     if (status == ISO_OK)
-        status = iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress,
-                          err);
+        status = iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked,
+                          job->progress, err);
     if (status == ISO_OK)
         status = iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err);
     if (status == ISO_OK)

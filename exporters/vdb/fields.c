@@ -46,7 +46,8 @@ static iso_status check_size(const iso_vdb_fields *f, const char *path, iso_erro
         return ISO_OK;
     return iso_fail(err, ISO_E_RANGE,
                     "%s: a voxel is %.3g %s, OpenVDB takes %.3g to %.3g: choose another --scene-unit (in it, %s)", path,
-                    voxel, f->convention.unit, least, most, voxel < least ? "mm or um, numbers are larger" : "m, they are smaller");
+                    voxel, f->convention.unit, least, most,
+                    voxel < least ? "mm or um, numbers are larger" : "m, they are smaller");
 }
 
 static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *field)
@@ -84,7 +85,8 @@ static iso_status add(iso_vdb_file *file, const iso_vdb_fields *f, size_t i, con
     const int code = iso_vdb_file_add(file, &source, &message);
     if (code == ISO_OPENVDB_OK)
         return ISO_OK;
-    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", path, message.text);
+    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", path,
+                    message.text);
 }
 
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)

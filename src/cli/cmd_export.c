@@ -191,9 +191,12 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                           a->level + a->level_count - 1, pyramid.level_count - 1);
     if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
         status = iso_subject_refuse_labels(&pyramid, a->cli->arguments[0],
-                                           a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err);
-    if (status == ISO_OK && (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale ||
-                             a->bake.wanted))
+                                           a->plan      ? "--plan"
+                                           : a->roi.box ? "--roi"
+                                                        : "--isosurface",
+                                           err);
+    if (status == ISO_OK &&
+        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale || a->bake.wanted))
         status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */
         iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});

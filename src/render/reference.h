@@ -49,12 +49,12 @@ typedef enum iso_quadrature {
 typedef struct iso_reference_options {
     iso_quadrature quadrature;
     iso_direction_source source;
-    double step_voxels;         /* midpoint and preintegrated; 0: the view's */
-    size_t intervals;           /* povray */
-    size_t planes;              /* povray: that cut the box across the view, each piece of a ray with its own intervals */
-    double tolerance;           /* converged: of a pixel's value */
-    double iso;                 /* first hit: the value of the surface */
-    iso_surface_output output;  /* first hit: what the image shows of it */
+    double step_voxels; /* midpoint and preintegrated; 0: the view's */
+    size_t intervals;   /* povray */
+    size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
+    double tolerance;   /* converged: of a pixel's value */
+    double iso;         /* first hit: the value of the surface */
+    iso_surface_output output; /* first hit: what the image shows of it */
     /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is smooth
      * within the cells between the level's voxel centers. */
     const iso_emitter *emitter;
