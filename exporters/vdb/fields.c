@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/version.h"
 #include "vdb/vdb_openvdb.h"
 
 iso_vdb_convention iso_vdb_own_convention(void)
@@ -78,6 +79,20 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
     return s;
 }
 
+/* The file's own metadata, by the keys of vdb.h. */
+static iso_status note(iso_vdb_file *file, const iso_vdb_fields *f, const char *path, iso_error *err)
+{
+    const char *const entries[][2] = {{"creator", "isoshade " ISO_VERSION},
+                                      {"source", f->made_from},
+                                      {"units", f->convention.unit}};
+    for (size_t i = 0; i < sizeof entries / sizeof *entries; ++i) {
+        iso_vdb_message message = {""};
+        if (*entries[i][1] && iso_vdb_file_note(file, entries[i][0], entries[i][1], &message) != ISO_OPENVDB_OK)
+            return iso_fail(err, ISO_E_PROGRAM, "%s: OpenVDB: %s", path, message.text);
+    }
+    return ISO_OK;
+}
+
 static iso_status add(iso_vdb_file *file, const iso_vdb_fields *f, size_t i, const char *path, iso_error *err)
 {
     const iso_vdb_source source = describe(f, &f->items[i]);
@@ -104,6 +119,8 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
         status = add(file, f, i, path, err);
     }
+    if (status == ISO_OK)
+        status = note(file, f, path, err);
     iso_vdb_message message = {""};
     if (status == ISO_OK && iso_vdb_file_write(file, out.temp_path, &message) != ISO_OPENVDB_OK)
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
