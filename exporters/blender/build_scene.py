@@ -94,7 +94,8 @@ def save(about, shift):
     explain(about, shift)
     arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=True, relative_remap=False)
+    # Not compressed: the checksum behind the end (base/stamp.h) would stand in the way of the compressed blocks' table.
+    bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=False, relative_remap=False)
 
 
 def work(path, shift):

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/process.h"
+#include "base/stamp.h"
 #include "vdb/vdb.h"
 
 ISO_EMBED(iso_blender_scene_nodes_py, "exporters/blender/scene_nodes.py");
@@ -230,6 +231,10 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
         const blender_run run = {blender, folder, script, description, calibration, iso_threads(opt->threads)};
         status = run_blender(&run, opt, progress, err);
     }
+    /* What stands behind the end of a .blend no Blender reads. */
+    const char *saved = json_string_value(json_object_get(about, "save"));
+    if (status == ISO_OK && saved)
+        status = iso_stamp_append(saved, "", err);
     json_decref(about);
     free(calibration);
     free(description);

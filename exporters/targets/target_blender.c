@@ -157,6 +157,7 @@ const iso_export_target iso_export_target_blender = {
     .write_frames = write_blender_frames,
     .open = open_blender,
     .renderer = "cycles",
+    .stamped = true,
     .example = "scene.blend",
     .limit = 5e-4,
     .why = "the same steps and random numbers: single precision is left, which steep tables multiply",

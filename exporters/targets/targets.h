@@ -91,6 +91,7 @@ typedef struct iso_export_target {
      * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
     const char *renderer; /* its name among the renderers */
+    bool stamped;         /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
     const char *example;  /* what -o may be called */
     /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:
      * it has steps. */

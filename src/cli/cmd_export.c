@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/stamp.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -23,7 +24,7 @@ typedef struct export_arguments {
     iso_bake_words bake_words;
     iso_bake_request bake;
     char *to, *output, *isosurface, *plan, *grids, *frames;
-    int level, level_count, half;
+    int level, level_count, half, force;
     double step;
     const iso_cli *cli;
 } export_arguments;
@@ -160,7 +161,9 @@ static iso_status check(const export_arguments *a, const iso_export_target **tar
         status = check_bake(a, err);
     if (status == ISO_OK)
         status = check_frames(a, *target, err);
-    return status == ISO_OK ? check_plan(a, err) : status;
+    if (status == ISO_OK)
+        status = check_plan(a, err);
+    return status == ISO_OK && (*target)->stamped ? iso_stamp_guard(a->output, a->force, err) : status;
 }
 
 static iso_status export_it(const export_arguments *a, iso_error *err)
@@ -375,6 +378,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
          "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
+        {"force", 0, POPT_ARG_NONE, &a.force, 0,
+         "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "base/stamp.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "base/file.h"
+
+static const char mark[] = "as isoshade wrote it: xxh64 ";
+
+iso_status iso_stamp_append(const char *path, const char *comment, iso_error *err)
+{
+    char *data = NULL;
+    size_t size = 0;
+    iso_status status = iso_file_read(path, &data, &size, err);
+    if (status != ISO_OK)
+        return status;
+    const uint64_t sum = XXH64(data, size, 0);
+    free(data);
+    FILE *f = fopen(path, "ab");
+    const bool written = f && fprintf(f, "\n%s%s%016" PRIx64 "\n", comment, mark, sum) > 0;
+    if (f && fclose(f) == 0 && written)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+bool iso_stamp_fits(const char *path)
+{
+    const size_t tail = strlen(mark) + 16 + 1; /* mark, checksum, end of line */
+    char *data = NULL;
+    size_t size = 0;
+    uint64_t sum = 0;
+    bool fits = iso_file_read(path, &data, &size, NULL) == ISO_OK && size > tail &&
+                memcmp(data + size - tail, mark, strlen(mark)) == 0 &&
+                sscanf(data + size - 17, "%16" SCNx64, &sum) == 1;
+    const char *line = fits ? memrchr(data, '\n', size - tail) : NULL;
+    fits = line && sum == XXH64(data, (size_t)(line - data), 0);
+    free(data);
+    return fits;
+}
+
+/* The file keeps its name until another takes it. */
+static iso_status keep_backup(const char *path, iso_error *err)
+{
+    char *backup = NULL;
+    if (asprintf(&backup, "%s1", path) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = ISO_OK;
+    if ((unlink(backup) != 0 && errno != ENOENT) || (link(path, backup) != 0 && rename(path, backup) != 0))
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be kept as %s: %s", path, backup, strerror(errno));
+    free(backup);
+    return status;
+}
+
+iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
+{
+    if (!iso_path_exists(path) || iso_stamp_fits(path))
+        return ISO_OK;
+    if (force)
+        return keep_backup(path, err);
+    return iso_fail(err, ISO_E_IO,
+                    "%s: was saved or changed since isoshade wrote it, or is not from isoshade; --force overwrites it and keeps "
+                    "it as %s1, -o names another",
+                    path, iso_path_base(path));
+}

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+"""What a person finds who opens an exported .blend, a line "name yes|no" each, for check_opened.sh. Run by Blender on it.
+
+blender -b FILE.blend -P opened.py -- a folder in which nothing is beside the file"""
+import sys
+
+import bpy
+
+
+def tell(name, good):
+    print(f"opened: {name} {'yes' if good else 'no'}", flush=True)
+
+
+def sign_vertices():
+    """Of the signs that are seen."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    graph.update()
+    return [len(thing.evaluated_get(graph).to_mesh().vertices) for thing in bpy.context.scene.objects
+            if thing.name.endswith("is missing") and not thing.evaluated_get(graph).hide_render]
+
+
+name = sys.argv[-1]
+scene, layer = bpy.context.scene, bpy.context.view_layer
+frame = bpy.data.objects[name]
+volumes = [thing for thing in scene.objects if thing.type == 'VOLUME']
+tell("all_is_in_one_collection", len(scene.collection.objects) == 0 and len(scene.collection.children) == 1 and
+     set(scene.collection.children[name].objects) == set(scene.objects))
+tell("the_box_is_active_and_selected", layer.objects.active == frame and [t for t in scene.objects if t.select_get()] == [frame])
+tell("and_so_is_its_collection", layer.active_layer_collection.name == name)
+tell("grids_are_read_in_full_precision", all(thing.data.render.precision == 'FULL' for thing in volumes))
+
+# EEVEE's places in a volume are off by about 1e-7 z z / near: less than half a voxel all over the box.
+camera = scene.camera
+corners = [frame.matrix_world @ vertex.co for vertex in frame.data.vertices]
+depths = [-(camera.matrix_world.inverted() @ corner).z for corner in corners]
+voxel = scene["isoshade_units_per_mm"]  # of this volume
+tell("the_near_plane_suits_single_precision", 1e-7 * max(depths) ** 2 / camera.data.clip_start < 0.5 * voxel)
+tell("it_cuts_nothing_off", camera.data.clip_start < min(depths) and camera.data.clip_end > max(depths))
+views = [area.spaces.active for screen in bpy.data.screens for area in screen.areas if area.type == 'VIEW_3D']
+far = (camera.matrix_world.translation - sum(corners, corners[0] * 0) / 8).length
+tell("windows_show_it", len(views) > 0 and all(
+    view.shading.type == 'MATERIAL' and view.region_3d.view_perspective == 'CAMERA' and
+    1e-7 * max(depths) ** 2 / view.clip_start < voxel and view.clip_end > max(depths) for view in views))
+tell("who_leaves_the_camera_turns_round_the_volume", all(abs(view.region_3d.view_distance - far) < 1e-3 * far for view in views))
+
+# Sockets by name: one more before them moves no driver to another.
+tree = volumes[0].data.materials[0].node_tree
+node = tree.nodes["isoshade"]
+group = node.node_tree
+modern = hasattr(group, "interface")
+if modern:
+    group.interface.move(group.interface.new_socket(name="New", in_out='INPUT', socket_type='NodeSocketFloat'), 0)
+else:
+    group.inputs.new('NodeSocketFloat', "New")
+    group.inputs.move(len(group.inputs) - 1, 0)
+sun = next(thing for thing in scene.objects if thing.type == 'LIGHT')
+sun.data.energy = 0.625
+layer.update()
+evaluated = node.inputs["Intensity 1"].default_value
+tell("drivers_survive_a_new_socket", abs(evaluated - 0.625) < 1e-6)
+
+tell("no_sign_where_the_file_is", sign_vertices() == [0] and len(volumes) == 2)
+for thing in volumes:
+    thing.data.filepath = "//nowhere/" + thing.data.filepath.lstrip("/")
+signs = sign_vertices()
+tell("a_sign_where_it_is_missing", len(signs) == 1 and signs[0] > 100)
+bpy.ops.wm.save_mainfile()
