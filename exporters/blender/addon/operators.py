@@ -212,6 +212,16 @@ class ISOSHADE_OT_check_files(Button, bpy.types.Operator):
 # ---- transfer functions ----------------------------------------------------------------------------------------
 
 
+class ISOSHADE_OT_show(Button, bpy.types.Operator):
+    """Show the volume by the exact table, or by the ramp, which changes as it is edited"""
+    bl_idname, bl_label = "isoshade.show", "Show"
+    ramp: BoolProperty(name="Ramp", description="The ramp instead of the exact table", default=False)
+
+    def work(self, context):
+        look, _ = volume.look_of(volume.shown_object(volume.need_frame(context)))
+        look.inputs["Use Ramp"].default_value = float(self.ramp)
+
+
 class ISOSHADE_OT_bake(Button, bpy.types.Operator):
     """Make the exact table of the ramp, so that the exact material shows what was edited"""
     bl_idname, bl_label = "isoshade.bake", "Bake"
@@ -467,5 +477,5 @@ class ISOSHADE_OT_report(Button, bpy.types.Operator):
         return f"The report is {path}"
 
 
-classes = (ISOSHADE_OT_cancel, ISOSHADE_OT_import, ISOSHADE_OT_level, ISOSHADE_OT_check_files, ISOSHADE_OT_bake, ISOSHADE_OT_range,
+classes = (ISOSHADE_OT_cancel, ISOSHADE_OT_import, ISOSHADE_OT_level, ISOSHADE_OT_check_files, ISOSHADE_OT_show, ISOSHADE_OT_bake, ISOSHADE_OT_range,
            ISOSHADE_OT_adapt, ISOSHADE_OT_save, ISOSHADE_OT_load, ISOSHADE_OT_certify, ISOSHADE_OT_report)

@@ -66,7 +66,10 @@ class ISOSHADE_PT_transfer(Section, bpy.types.Panel):
         except Refused as error:
             lines(layout, str(error), 'ERROR', self.width(context))
             return
-        layout.prop(look.inputs["Use Ramp"], "default_value", text="Use Ramp", slider=True)
+        uses_ramp = look.inputs["Use Ramp"].default_value > 0.5
+        row = layout.row(align=True)
+        row.operator("isoshade.show", text="Exact Table", depress=not uses_ramp).ramp = False
+        row.operator("isoshade.show", text="Ramp", depress=uses_ramp).ramp = True
         layout.template_color_ramp(ramp.node, "color_ramp", expand=False)
         row = layout.row()
         row.label(text=f"{ramp.lo:g} to {ramp.hi:g}, opacity of {ramp.unit_mm:.4g} mm")
