@@ -140,6 +140,14 @@ want = numpy.stack([numpy.interp(values, points[:, 0], points[:, c]) for c in ra
 want[:, 3] = -numpy.log1p(-numpy.minimum(want[:, 3], 0.9999)) / ramp.unit
 off = abs(table.read() - want).max(axis=0) / [1, 1, 1, want[:, 3].max()]
 tell("each_entry_is_the_formula's", off.max() <= 2e-6, off)
+frame["isoshade_hidden"] = json.dumps([[-1e30, float(values[3])]])
+ramp.node.color_ramp.elements[0].color[3] = 0.5
+buttons.bake()
+said = bpy.context.window_manager.isoshade.said
+tell("values_that_the_grids_lack_are_told", "which the grids leave out" in said, said)
+del frame["isoshade_hidden"]
+ramp.node.color_ramp.elements[0].color[3] = 0.0
+buttons.bake()
 works("both_levels_have_it", buttons.level, level=1)
 tell("colors_stay_when_the_level_is_switched", (volume.Table(volume.shown_object(frame)).read() == table.read()).all())
 edited = os.path.join(folder, "edited.tf.json")

@@ -121,3 +121,22 @@ def note_scene(about, frame):
     for key in ("value_range", "voxel_mm"):
         if key in about:
             frame[f"isoshade_{key}"] = about[key]
+    if not about.get("dense", True):
+        frame["isoshade_hidden"] = json.dumps(hidden_values(about["tf"]["tables"]))
+
+
+def hidden_values(tables):
+    """Intervals of values that no table shows: grids may leave them out."""
+    edges = numpy.unique(numpy.concatenate([numpy.linspace(t["lo"], t["hi"], len(t["entries"]) // (4 * t["rows"])) for t in tables]))
+    shown = numpy.zeros(len(edges), bool)
+    for table in tables:
+        for row in numpy.array(table["entries"]).reshape(table["rows"], -1, 4):
+            shown |= numpy.interp(edges, numpy.linspace(table["lo"], table["hi"], len(row)), row[:, 3]) > 0
+    intervals, begin = [], None
+    for i, edge in enumerate(edges):
+        if not shown[i] and begin is None:
+            begin = -1e30 if i == 0 else float(edge)
+        if begin is not None and (shown[i] or i == len(edges) - 1):
+            intervals.append([begin, 1e30 if not shown[i] else float(edges[i - 1])])
+            begin = None
+    return [interval for interval in intervals if interval[0] < interval[1]]

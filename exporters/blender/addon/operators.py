@@ -138,6 +138,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(default="*", options={'HIDDEN'})
     levels: IntProperty(name="Levels", description="The volume, and copies with half of the voxels along each axis", default=3, min=1, max=8)
     adapt: BoolProperty(name="Adapt", description="A transfer function for each level, with which it looks like the finest", default=True)
+    all_voxels: BoolProperty(name="All voxels", description="Also those that the transfer function hides, so that an edited one can show them; larger files", default=True)
     transfer: StringProperty(name="Transfer function", description="A file, or a preset such as ct-bone; empty: suggested by the volume")
     look: StringProperty(name="Scene file", description="A scene of isoshade (*.scene.json); empty: the volume from the front", subtype='FILE_PATH')
     folder: StringProperty(name="Folder", description="For the grids and their .blend; empty: beside the open .blend, or the volume", subtype='DIR_PATH')
@@ -145,7 +146,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
                                            ('HERE', "This scene", "Volume and lights into the open scene, whose settings stay")))
 
     def draw(self, _context):
-        for name in ("levels", "adapt", "transfer", "look", "folder", "into"):
+        for name in ("levels", "adapt", "all_voxels", "transfer", "look", "folder", "into"):
             self.layout.prop(self, name)
 
     def output(self):
@@ -166,7 +167,9 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
         if not os.path.exists(source):
             raise Refused(f"{source}: is not there")
         target, into = self.output(), self.into
-        command = [isoshade(context), "export", source, "--to", "blender", "--levels", str(self.levels), "-q", "-o", target]
+        path = isoshade(context)
+        command = [path, "export", source, "--to", "blender", "--levels", str(self.levels), "-q", "-o", target]
+        command += ["--dense"] if self.all_voxels and program.knows(path, "export", "--dense") else []
         command += ["--adapt"] if self.adapt and self.levels > 1 else []
         command += ["--tf", program.argument(self.transfer)] if self.transfer else []
         command += ["--scene", os.path.abspath(bpy.path.abspath(self.look))] if self.look else []
@@ -242,6 +245,9 @@ class ISOSHADE_OT_bake(Button, bpy.types.Operator):
             error = volume.bake(own, things)
             worst, where = max((worst, where), error)
             baked += len(things)
+        left_out = volume.left_out_but_shown(frame)
+        if left_out:
+            return "Careful: the ramp shows values from {:g} to {:g}, which the grids leave out; import the volume with all voxels".format(*left_out)
         if flat:
             return f"Careful: {flat[0]}: its 2D transfer function is the ramp's now"
         if worst > 1 / 255:

@@ -20,6 +20,15 @@ def find(named):
     return path
 
 
+def knows(path, command, option):
+    """Whether a command of this version has an option."""
+    try:
+        said = subprocess.run([path, command, "--help"], stdin=subprocess.DEVNULL, capture_output=True, timeout=60, check=False).stdout
+    except (OSError, subprocess.SubprocessError) as error:
+        raise Refused(f"{path} cannot be started: {error}") from None
+    return option in said.decode("utf-8", "replace").split()
+
+
 def argument(path):
     """A path that no program takes for an option."""
     return os.path.join(os.curdir, path) if path.startswith("-") else path

@@ -342,6 +342,23 @@ def bake(ramp, things):
     return worst, where
 
 
+def left_out_but_shown(frame):
+    """The first values that a table shows and that were left out of the grids, since the transfer function hid them then."""
+    try:
+        hidden = [(float(lo), float(hi)) for lo, hi in json.loads(frame.get("isoshade_hidden", "[]"))]
+    except (TypeError, ValueError, RecursionError):
+        raise Refused(f"{frame.name}: isoshade_hidden cannot be read") from None
+    for thing in levels_of(frame):
+        table = Table(thing)
+        values = tables.values_of(table.lo, table.hi, table.count)
+        seen = table.read()[:, 3] > 0
+        for lo, hi in hidden:
+            inside = values[seen & (values > lo) & (values < hi)]
+            if len(inside):
+                return float(inside[0]), float(inside[-1])
+    return None
+
+
 def present_transfer_function(thing):
     """What an object shows, as an object of the form isoshade.tf/1: the ramp's points, or the exact table's entries where a
     ramp only comes close."""
