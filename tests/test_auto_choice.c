@@ -121,6 +121,23 @@ static void a_level_is_shown_by_designs_of_its_own_filter(void **state)
 }
 
 /* What a level of this size can show: least squares give it back, means do not. */
+/* What is predicted to be nearer by 1 % does not take the place of what small views choose, by 3 % it does. */
+static void a_level_keeps_what_small_views_choose_unless_much_is_gained(void **state)
+{
+    (void)state;
+    const size_t d = design("original");
+    const iso_auto_design *of = iso_auto_design_at(d);
+    for (int percent = 1; percent <= 3; percent += 2) {
+        iso_auto_choice c = alike(0.1);
+        size_t chosen;
+        double gain;
+        c.error[d][2] = (0.1 + 1e-6) * exp((log(1 - percent / 100.0) - of->prior[1]) / of->slope[1]) - 1e-6;
+        assert_ok(iso_auto_choose_level(&c, 2, ISO_SCALAR_MEAN, ISO_AUTO_LEAST_BYTES, &chosen, &gain, &err));
+        assert_int_equal(chosen, percent > 2 ? d : 0);
+        assert_within(gain, percent > 2 ? 1 - percent / 100.0 : 1, 1e-9);
+    }
+}
+
 static void a_level_that_is_right_has_no_error(void **state)
 {
     (void)state;
@@ -161,6 +178,7 @@ int main(void)
         cmocka_unit_test(what_errs_least_by_far_is_chosen_within_the_budget),
         cmocka_unit_test(the_default_stays_where_nothing_is_much_nearer),
         cmocka_unit_test(a_level_is_shown_by_designs_of_its_own_filter),
+        cmocka_unit_test(a_level_keeps_what_small_views_choose_unless_much_is_gained),
         cmocka_unit_test(a_level_that_is_right_has_no_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

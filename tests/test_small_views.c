@@ -148,6 +148,35 @@ static void a_picture_without_anything_in_it_keeps_the_original(void **state)
     iso_pyramid_destroy(&p);
 }
 
+/* 1 - SSIM of .1 in each view, and what is added to it in the even and in the odd ones. */
+static iso_small_views_error error_of(double even, double odd, double rmse)
+{
+    iso_small_views_error e = {.ssim_dissimilarity = 0.1 + (even + odd) / 2, .rmse = rmse};
+    for (int i = 0; i < ISO_SMALL_VIEWS_COUNT; ++i)
+        e.of_view[i] = 0.1 + (i % 2 == 0 ? even : odd);
+    return e;
+}
+
+static bool is_taken(double even, double odd, double rmse)
+{
+    const iso_small_views_error original = error_of(0, 0, 1), adapted = error_of(even, odd, rmse);
+    return iso_adapt_is_nearer(&original, &adapted);
+}
+
+static void each_part_of_the_rule_decides_somewhere(void **state)
+{
+    (void)state;
+    assert_true(is_taken(-0.01, -0.01, 1));
+    assert_false(is_taken(-0.01, -0.01, 1.01)); /* farther by RMSE */
+    assert_false(is_taken(-0.02, 0.015, 1));    /* nearer in the mean, within the scatter: .0025 of twice .0053 */
+    assert_true(is_taken(-0.02, 0, 1));
+    assert_true(is_taken(0.004, 0.004, 0.74)); /* much nearer by RMSE */
+    assert_false(is_taken(0.004, 0.004, 0.76));
+    assert_false(is_taken(0.006, 0.006, 0.74)); /* and too far by SSIM */
+    assert_false(is_taken(-0.04, 0.021, 0.5));  /* a view much farther */
+    assert_true(is_taken(-0.04, 0.019, 0.5));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -155,6 +184,7 @@ int main(void)
         cmocka_unit_test(threads_change_nothing_and_a_wrong_level_shows),
         cmocka_unit_test(a_signed_orbital_keeps_its_empty_space),
         cmocka_unit_test(a_picture_without_anything_in_it_keeps_the_original),
+        cmocka_unit_test(each_part_of_the_rule_decides_somewhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -122,6 +122,8 @@ typedef struct iso_adapt_judgment {
     size_t given_back; /* entries that have the original's extinction for it; seen_adapted is of what is left then */
     bool use_original;
 } iso_adapt_judgment;
+/* What small views say: the rule above, without ghosts. */
+bool iso_adapt_is_nearer(const iso_small_views_error *original, const iso_small_views_error *adapted);
 /* At the voxels alone; *judgment is written anew. */
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
                            const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);

@@ -67,9 +67,7 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
     return ISO_OK;
 }
 
-/* Nearer to level 0 by 1 - SSIM, beyond twice the standard error of the views' mean, and no farther by RMSE; or much nearer by
- * RMSE and hardly farther by 1 - SSIM. In no view much farther. */
-static bool is_better(const iso_small_views_error *original, const iso_small_views_error *adapted)
+bool iso_adapt_is_nearer(const iso_small_views_error *original, const iso_small_views_error *adapted)
 {
     const double n = ISO_SMALL_VIEWS_COUNT, mean = adapted->ssim_dissimilarity - original->ssim_dissimilarity;
     double squares = 0, worst = -INFINITY;
@@ -123,7 +121,7 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     judgment->seen = true;
     judgment->seen_original = errors[0];
     judgment->seen_adapted = errors[1];
-    judgment->use_original = !is_better(&errors[0], &errors[1]) || errors[1].ghost > ISO_GHOST_LIMIT;
+    judgment->use_original = !iso_adapt_is_nearer(&errors[0], &errors[1]) || errors[1].ghost > ISO_GHOST_LIMIT;
     return ISO_OK;
 }
 
