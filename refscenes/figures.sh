@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
-#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart, which take longer or time a machine,
+#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened, which take longer or time a machine,
 #                                        chart-across, of the volume $ENGINE, and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
 set -eu
@@ -35,6 +35,13 @@ levels() { # doc/blender.md
         --size 240x240 -q -o "$work/brain.blend"
     blender -b "$work/brain.blend" -P refscenes/levels.py >/dev/null
     cp "$work/brain_level_0.png" "$work/brain_level_1.png" "$work/brain_level_2.png" "$out"
+}
+opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
+    "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
+        --force -q -o "$work/opened.blend"
+    xvfb-run -a -s '-screen 0 1280x800x24' sh -c 'blender --factory-startup -p 0 0 1280 800 "$1" \
+        --python-expr "import bpy; bpy.context.preferences.view.show_splash = False" >/dev/null 2>&1 &
+        sleep 90; import -window root -quality 80 "$2"; kill $!' opened "$work/opened.blend" "$out/blender-opened.jpg"
 }
 roi() { # doc/results/adaptive-tf.md
     region="--scene refscenes/hero.scene.json --size 480x392 --level 3 --roi 0,90,60,90,180,150 -q -o $work/roi.exr"
@@ -90,7 +97,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 [ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | first-pictures) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | first-pictures | opened) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"

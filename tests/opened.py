@@ -43,6 +43,9 @@ tell("windows_show_it", len(views) > 0 and all(
     1e-7 * max(depths) ** 2 / view.clip_start < voxel and view.clip_end > max(depths) for view in views))
 tell("who_leaves_the_camera_turns_round_the_volume", all(abs(view.region_3d.view_distance - far) < 1e-3 * far for view in views))
 
+# Reprojection of Blender 4.2 and later keeps a gray first frame.
+tell("eevee_draws_the_volume_anew", not hasattr(scene.eevee, "use_volume_custom_range") or not scene.eevee.use_taa_reprojection)
+
 # Sockets by name: one more before them moves no driver to another.
 tree = volumes[0].data.materials[0].node_tree
 node = tree.nodes["isoshade"]
@@ -65,3 +68,19 @@ for thing in volumes:
 signs = sign_vertices()
 tell("a_sign_where_it_is_missing", len(signs) == 1 and signs[0] > 100)
 bpy.ops.wm.save_mainfile()
+
+# The collection is what a person appends.
+path = bpy.data.filepath
+bpy.ops.wm.read_factory_settings(use_empty=True)
+with bpy.data.libraries.load(path, link=False) as (there, taken):
+    taken.collections = [name]
+scene = bpy.context.scene
+scene.collection.children.link(taken.collections[0])
+things = list(taken.collections[0].all_objects)
+volumes = [thing for thing in things if thing.type == 'VOLUME']
+sun = next(thing for thing in things if thing.type == 'LIGHT')
+sun.data.energy = 0.375
+bpy.context.view_layer.update()
+strength = volumes[0].data.materials[0].node_tree.nodes["isoshade"].inputs["Intensity 1"].default_value
+tell("it_can_be_appended_whole", len(volumes) == 2 and {'MESH', 'LIGHT', 'CAMERA', 'VOLUME'} <= {thing.type for thing in things} and
+     abs(strength - 0.375) < 1e-6)

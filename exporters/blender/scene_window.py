@@ -115,11 +115,14 @@ def choose(frame, collection):
 
 def set_eevee(scene, distance, reach):
     """Slices from the nearest to the farthest place of the volume, seen from any side at the camera's distance. Blender
-    4.2 and later finds that range itself, in each view anew, and shows the same."""
+    4.2 and later finds that range itself, in each view anew, and shows the same; its reprojection keeps the first frame
+    after a file is opened, in which opaque parts of the volume are gray."""
     eevee = scene.eevee
-    for name, value in (("use_volume_custom_range", False), ("volumetric_start", max(distance - reach, 1e-3 * reach)),
-                        ("volumetric_end", distance + reach), ("volumetric_tile_size", '4'), ("volumetric_samples", 128),
-                        ("volumetric_sample_distribution", 0.0)):
+    wanted = {"volumetric_start": max(distance - reach, 1e-3 * reach), "volumetric_end": distance + reach,
+              "volumetric_tile_size": '4', "volumetric_samples": 128, "volumetric_sample_distribution": 0.0}
+    if hasattr(eevee, "use_volume_custom_range"):
+        wanted |= {"use_volume_custom_range": False, "use_taa_reprojection": False}
+    for name, value in wanted.items():
         if hasattr(eevee, name):
             setattr(eevee, name, value)
 
