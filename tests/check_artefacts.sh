@@ -37,8 +37,8 @@ export_to() {
 # As doc/povray.md says: "povray NAME.ini" where the folder lies.
 show_povray() { (cd elsewhere/scene && rm -f scene.png && povray scene.ini >log 2>&1 && test -s scene.png); }
 povray_is_right() { show_povray && alike same.png elsewhere/scene/scene.png; }
-# As a person without a window: the file as it opens, and a picture for people.
-show_blender() { blender -b elsewhere/s.blend -F PNG -f 1 >log 2>&1 && test -s elsewhere/s_0001.png; }
+# As a person without a window, with the settings of the agreement: a picture for people.
+show_blender() { blender -b elsewhere/s.blend --python-text "isoshade agreement" -F PNG -f 1 >log 2>&1 && test -s elsewhere/s_0001.png; }
 blend_is_right() { show_blender && alike reference.png elsewhere/s_0001.png 0.0143 0.003; }
 
 export_to povray scene s.scene.json v.nrrd
@@ -69,7 +69,7 @@ before_moving=
 if has_cycles; then
     export_to blender s.blend s.scene.json v.nrrd
     check a_blend_shows_what_the_reference_shows blend_is_right
-    check it_says_where_its_picture_goes blender -b elsewhere/s.blend -f 1
+    check it_says_where_its_picture_goes blender -b elsewhere/s.blend --python-text "isoshade agreement" -f 1
     check beside_itself_in_floats test -s elsewhere/s_0001.exr
     export_to blender s.blend wrong.scene.json v.nrrd
     notice a_wrong_background_of_a_blend_is_seen blend_is_right

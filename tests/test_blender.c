@@ -338,6 +338,7 @@ static const char user_script[] =
     "import bpy, math\n"
     "from mathutils import Matrix\n"
     "scene, frame = bpy.context.scene, bpy.data.objects['two']\n"
+    "exec(bpy.data.texts['isoshade agreement'].as_string())\n"
     "def render(name):\n"
     "    scene.render.image_settings.file_format = 'OPEN_EXR'\n"
     "    scene.render.filepath = '//' + name\n"
@@ -455,6 +456,7 @@ static void a_volume_far_from_the_origin_agrees_and_so_does_its_file(void **stat
              "assert all(abs(o + m - c) < 1e-5 for o, m, c in zip(origin, middle, center)), (origin, middle, center)\n"
              "for thing in bpy.data.objects:\n"
              "    assert thing.matrix_world.to_translation().length < 50, thing.name\n"
+             "exec(bpy.data.texts['isoshade agreement'].as_string())\n"
              "scene.render.filepath = '//far.exr'\n"
              "bpy.ops.render.render(write_still=True)\n",
              center.x, center.y, center.z);

@@ -12,6 +12,14 @@
 #include "scene/roi.h"
 #include "vdb/vdb.h"
 
+static const struct {
+    const char *name, *summary;
+} materials[] = {
+    {"exact", "emission and absorption, the same in all renderers"},
+    {"physical", "scattering with shadows, lit by lamps and world"},
+};
+const iso_names iso_blender_material_names = ISO_NAMES_OF_ROWS("material", materials);
+
 iso_blender_options iso_blender_defaults(void)
 {
     return (iso_blender_options){.step_voxels = 0.0625, .samples = 1, .seed = 0, .threads = 0};

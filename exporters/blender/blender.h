@@ -18,6 +18,7 @@
 #ifndef ISO_EXPORT_BLENDER_H
 #define ISO_EXPORT_BLENDER_H
 
+#include "base/names.h"
 #include "base/progress.h"
 #include "brick/lattice.h"
 #include "image/image.h"
@@ -43,11 +44,15 @@ typedef struct iso_blender_options {
     int samples;        /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
     int threads;
+    bool physical; /* of exports: which material a file opens with (iso_blender_material_names) */
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
     iso_blender_session *
         *session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */
 } iso_blender_options;
 iso_blender_options iso_blender_defaults(void);
+
+/* The materials of an exported file: its property "physical" is the row. */
+extern const iso_names iso_blender_material_names;
 
 /* Version of the program found, such as "3.4.1". ISO_E_MISSING. */
 iso_status iso_blender_version(char *version, size_t size, iso_error *err);

@@ -77,6 +77,8 @@ def build(about, shift):
     scene.camera = camera_object(about["camera"], collection)
     if "save" in about:
         light_handles(about, look, collection)
+        choose_material(about, frame, look)
+        light_world(about, scene.world)
         missing_signs(about, frame, scene.camera, collection)
         choose(frame, collection)
     return scene
@@ -91,6 +93,7 @@ def save(about, shift):
     scene.render.filepath = "//" + about["name"] + "_"
     scene.frame_start, scene.frame_end = 1, about.get("sequence", scene.frame_end)
     scene.frame_set(1)
+    set_for_artist(scene)
     explain(about, shift)
     arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0

@@ -317,6 +317,7 @@ json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space
                               vec_json(space->origin_mm));
     if (about) {
         describe_box(about, &g);
+        json_object_set_new(about, "physical", json_boolean(opt->physical));
         json_object_set_new(about, "clip_planes", describe_clips(view, mm));
         json_object_set_new(about, "clip_planes_mm", describe_clips_mm(view));
     }

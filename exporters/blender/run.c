@@ -20,6 +20,7 @@ ISO_EMBED(iso_blender_scene_transfer_py, "exporters/blender/scene_transfer.py");
 ISO_EMBED(iso_blender_scene_objects_py, "exporters/blender/scene_objects.py");
 ISO_EMBED(iso_blender_scene_handles_py, "exporters/blender/scene_handles.py");
 ISO_EMBED(iso_blender_scene_window_py, "exporters/blender/scene_window.py");
+ISO_EMBED(iso_blender_scene_physical_py, "exporters/blender/scene_physical.py");
 ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
 
 #define CALIBRATION_SIZE 4 /* voxels along an axis of the volume that shows where Blender puts grids */
@@ -115,9 +116,9 @@ static void take_line(void *user, const char *line)
 /* One script of them all: the last one, which runs, needs what the others define. */
 static iso_status write_script(const char *path, iso_error *err)
 {
-    const char *const parts[] = {iso_blender_scene_nodes_py, iso_blender_scene_transfer_py,
-                                 iso_blender_scene_objects_py, iso_blender_scene_handles_py,
-                                 iso_blender_scene_window_py,  iso_blender_build_scene_py};
+    const char *const parts[] = {iso_blender_scene_nodes_py,   iso_blender_scene_transfer_py, iso_blender_scene_objects_py,
+                                 iso_blender_scene_handles_py, iso_blender_scene_window_py,   iso_blender_scene_physical_py,
+                                 iso_blender_build_scene_py};
     char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);

@@ -3,6 +3,8 @@
 
 Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
 """
+import math
+
 import bpy
 from mathutils import Matrix, Vector
 
@@ -12,8 +14,8 @@ from mathutils import Matrix, Vector
 def sun_object(number, light, about, collection):
     """A sun whose z axis points towards the light, beside the volume."""
     data = bpy.data.lights.new(f"isoshade light {number}", 'SUN')
-    data.energy = light["intensity"]
-    data.angle = 0
+    # A white matt surface that faces a sun of strength pi is as bright as 1.
+    data.energy = math.pi * light["intensity"]
     thing = bpy.data.objects.new(data.name, data)
     towards = Vector(light["direction"])
     frame = Matrix(about["box_to_world"])
@@ -56,7 +58,9 @@ def light_handles(about, look, collection):
         for c in range(3):
             drive(tree, f'nodes["isoshade"].inputs["Light {i + 1}"].default_value', c, axis[c],
                   {"x": (sun, 'ROT_X'), "y": (sun, 'ROT_Y'), "z": (sun, 'ROT_Z')})
-        drive(tree, f'nodes["isoshade"].inputs["Intensity {i + 1}"].default_value', None, "energy", {"energy": (sun.data, "energy")})
+        drive(tree, f'nodes["isoshade"].inputs["Intensity {i + 1}"].default_value', None, "energy / pi", {"energy": (sun.data, "energy")})
+        for c in range(3):
+            drive_by(tree, f'nodes["isoshade"].inputs["Color {i + 1}"].default_value', c, sun.data, f"color[{c}]")
 
 
 # ---- what a person finds who opens the file --------------------------------------------------------------------

@@ -215,16 +215,20 @@ def label_group(about):
     return group.finish(Class=group.math('MULTIPLY_ADD', high, 256.0, low, label="class"))
 
 
+def light_inputs(count):
+    return [socket for i in range(1, count + 1)
+            for socket in (('NodeSocketVector', f"Light {i}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i}", 1.0),
+                           ('NodeSocketColor', f"Color {i}", (1, 1, 1, 1)))]
+
+
 def shade_group(light_count, eps):
-    """shade = ka + sum of I (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2).
+    """shade = ka + sum of I C (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2); C is the light's color.
 
     The direction turns with the object as normals do (inverse transpose); its length, which says how far it can be
     trusted, is kept."""
     inputs = [('NodeSocketVector', "Direction", (0, 0, 0)), ('NodeSocketFloat', "Ambient", 0.3),
               ('NodeSocketFloat', "Diffuse", 0.7), ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
-    for i in range(light_count):
-        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
-    group = Group("isoshade shade", inputs, [('NodeSocketFloat', "Shade")])
+    group = Group("isoshade shade", inputs + light_inputs(light_count), [('NodeSocketVector', "Shade")])
     d = group.given["Direction"]
     length = group.vector('LENGTH', d)
     root = group.math('SQRT', group.math('MULTIPLY_ADD', length, length, eps * eps), label="sqrt(|d|^2 + eps^2)")
@@ -242,7 +246,8 @@ def shade_group(light_count, eps):
                             group.given["Power"])
         both = group.math('MULTIPLY_ADD', diffuse, group.given["Diffuse"],
                           group.math('MULTIPLY', glossy, group.given["Specular"]))
-        shade = group.math('MULTIPLY_ADD', both, group.given[f"Intensity {i + 1}"], shade)
+        bright = group.math('MULTIPLY', both, group.given[f"Intensity {i + 1}"])
+        shade = group.vector('MULTIPLY_ADD', bright, group.given[f"Color {i + 1}"], shade)
     return group.finish(Shade=shade)
 
 
@@ -250,10 +255,9 @@ def isoshade_group(about, frame):
     lights = len(about["lights"])
     inputs = [('NodeSocketFloat', "Density Scale", 1.0), ('NodeSocketFloat', "Use Ramp", 0.0),
               ('NodeSocketFloat', "Ambient", 0.3), ('NodeSocketFloat', "Diffuse", 0.7),
-              ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
-    for i in range(lights):
-        inputs += [('NodeSocketVector', f"Light {i + 1}", (0, 0, 1)), ('NodeSocketFloat', f"Intensity {i + 1}", 1.0)]
-    group = Group("isoshade", inputs, [('NodeSocketShader', "Volume")])
+              ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0),
+              ('NodeSocketFloat', "Physical", 0.0), ('NodeSocketFloat', "Anisotropy", 0.0)]
+    group = Group("isoshade", inputs + light_inputs(lights), [('NodeSocketShader', "Volume")])
     direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
     table = group.node('ShaderNodeAttribute', "table of the level", {}, attribute_type='OBJECT',
                        attribute_name="isoshade_table")
@@ -309,16 +313,11 @@ def isoshade_group(about, frame):
         inside = group.math('MULTIPLY', inside, group.math('COMPARE', here, piece.outputs["Fac"], 0.5), label="of this piece")
     seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
-    shading = {name: group.given[name] for name in ("Ambient", "Diffuse", "Specular", "Power")}
-    for i in range(lights):
-        shading[f"Light {i + 1}"] = group.given[f"Light {i + 1}"]
-        shading[f"Intensity {i + 1}"] = group.given[f"Intensity {i + 1}"]
-    shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"], **shading)["Shade"]
-    emission = group.node('ShaderNodeEmission', "", {"Color": color, "Strength": group.math('MULTIPLY', sigma, shade)}).outputs[0]
-    # Absorption takes density (1 - color): black leaves sigma itself.
-    absorption = group.node('ShaderNodeVolumeAbsorption', "", {"Color": (0, 0, 0, 1), "Density": sigma}).outputs[0]
-    volume = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
-    return group.finish(Volume=volume)
+    names = ["Ambient", "Diffuse", "Specular", "Power"] + [label for _, label, _ in light_inputs(lights)]
+    shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"],
+                       **{name: group.given[name] for name in names})["Shade"]
+    return group.finish(Volume=group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma,
+                                          Physical=group.given["Physical"], Anisotropy=group.given["Anisotropy"])["Volume"])
 
 
 def material(about, frame):

@@ -94,6 +94,7 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
     iso_blender_options o = iso_blender_defaults();
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
     o.threads = job->threads;
+    o.physical = job->physical;
     if (job->planned)
         return write_planned(job, &o, err);
     iso_view *views = calloc(count, sizeof *views);
@@ -116,6 +117,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     iso_blender_options o = iso_blender_defaults();
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
     o.threads = job->threads;
+    o.physical = job->physical;
     const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
     if (status == ISO_OK)
@@ -123,7 +125,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     return status;
 }
 
-/* "blender -b NAME.blend -f 1": the first frame, as the file opens, beside it. */
+/* The first frame, as the file opens, with the settings of the agreement that it keeps in a text; beside it. */
 static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
 {
     char *program = NULL, *exr = NULL;
@@ -132,7 +134,7 @@ static iso_status open_blender(const char *output, iso_image *picture, iso_error
     if (status == ISO_OK && asprintf(&exr, "%.*s_0001.exr", stem, output) < 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
-        const char *argv[] = {program, "-b", output, "-f", "1", NULL};
+        const char *argv[] = {program, "-b", output, "--python-text", "isoshade agreement", "-f", "1", NULL};
         const iso_process_options options = {.timeout_seconds = 600};
         status = iso_process_run(argv, &options, err);
     }
@@ -152,7 +154,7 @@ const iso_export_target iso_export_target_blender = {
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
+               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL),
     .write = write_blender,
     .write_frames = write_blender_frames,
     .open = open_blender,

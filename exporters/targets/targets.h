@@ -36,7 +36,8 @@
     X(ISO_EXPORT_ADAPT, "--adapt")            \
     X(ISO_EXPORT_EXTINCTION_SCALE, "--extinction-scale") \
     X(ISO_EXPORT_GRIDS, "--grids")            \
-    X(ISO_EXPORT_BAKE, "--bake and --for")
+    X(ISO_EXPORT_BAKE, "--bake and --for")   \
+    X(ISO_EXPORT_MATERIAL, "--material")
 /* clang-format on */
 
 typedef enum iso_export_option {
@@ -58,6 +59,7 @@ typedef struct iso_export_job {
     double step_voxels;         /* 0: the scene's */
     bool half_float;
     const iso_bake_request *bake; /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
+    bool physical;         /* the material that the file opens with (exporters/blender/blender.h) */
     bool extinction_scale; /* the views that view_of_level makes have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;

@@ -14,6 +14,7 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "volume/frames_all.h"
+#include "blender/blender.h"
 #include "targets/targets.h"
 
 typedef struct export_arguments {
@@ -23,8 +24,9 @@ typedef struct export_arguments {
     iso_cli_look look;
     iso_bake_words bake_words;
     iso_bake_request bake;
-    char *to, *output, *isosurface, *plan, *grids, *frames;
+    char *to, *output, *isosurface, *plan, *grids, *frames, *material;
     int level, level_count, half, force;
+    size_t material_row;
     double step;
     const iso_cli *cli;
 } export_arguments;
@@ -95,7 +97,8 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
                                                  [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
                                                  [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL,
-                                                 [ISO_EXPORT_BAKE] = a->bake.wanted};
+                                                 [ISO_EXPORT_BAKE] = a->bake.wanted,
+                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL};
     const char *const looks[] = {a->look.tf ? "--tf" : NULL, a->look.view ? "--view" : NULL,
                                  a->look.zoom != 0 ? "--zoom" : NULL};
     for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
@@ -140,7 +143,7 @@ static iso_status check_frames(const export_arguments *a, const iso_export_targe
     return ISO_OK;
 }
 
-static iso_status check(const export_arguments *a, const iso_export_target **target, iso_error *err)
+static iso_status check(export_arguments *a, const iso_export_target **target, iso_error *err)
 {
     char names[256];
     size_t row = 0;
@@ -157,6 +160,8 @@ static iso_status check(const export_arguments *a, const iso_export_target **tar
         status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     if (status == ISO_OK)
         status = check_options(a, *target, err);
+    if (status == ISO_OK && a->material)
+        status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);
     if (status == ISO_OK)
         status = check_bake(a, err);
     if (status == ISO_OK)
@@ -166,7 +171,7 @@ static iso_status check(const export_arguments *a, const iso_export_target **tar
     return status == ISO_OK && (*target)->stamped ? iso_stamp_guard(a->output, a->force, err) : status;
 }
 
-static iso_status export_it(const export_arguments *a, iso_error *err)
+static iso_status export_it(export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     double iso[3] = {0};
@@ -217,6 +222,7 @@ static iso_status export_it(const export_arguments *a, iso_error *err)
                                 .merged = wants_merged(a),
                                 .step_voxels = a->step,
                                 .half_float = a->half,
+                                .physical = a->material_row == 1,
                                 .extinction_scale = a->adapted.extinction_scale,
                                 .bake = a->bake.wanted ? &a->bake : NULL,
                                 .isosurface = a->isosurface != NULL,
@@ -294,7 +300,7 @@ static iso_status write_each(const export_arguments *a, const iso_export_target 
     return status;
 }
 
-static iso_status export_series(const export_arguments *a, iso_error *err)
+static iso_status export_series(export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     double iso[3] = {0};
@@ -324,6 +330,7 @@ static iso_status export_series(const export_arguments *a, iso_error *err)
                           .view = &view,
                           .step_voxels = a->step,
                           .half_float = a->half,
+                          .physical = a->material_row == 1,
                           .isosurface = a->isosurface != NULL,
                           .iso = iso[0],
                           .threads = a->cli->threads,
@@ -380,6 +387,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
+        {"material", 0, POPT_ARG_STRING, &a.material, 0,
+         "blender: the material that the file opens with; its property physical changes it", "exact|physical"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),

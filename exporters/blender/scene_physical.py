@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The physical look of a volume beside the exact one, and what only it needs: lamps, a lit world, bounces.
+
+Exact is emission and absorption, which is what all renderers agree on. Physical scatters light, from the same colour map:
+
+    scattering = albedo sigma(s),  absorption = (1 - albedo) sigma(s),  albedo = c(s) within 0 and 1
+
+Both have the same extinction sigma, so that the same is seen of what is behind and the same shadow falls.
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
+"""
+import math
+
+import bpy
+
+# ---- the material ----------------------------------------------------------------------------------------------
+
+
+def physical_group():
+    """Colour and extinction to a volume: what a share of 0 leaves is the exact one, bit for bit."""
+    group = Group("isoshade physical", [('NodeSocketColor', "Color", (1, 1, 1, 1)), ('NodeSocketVector', "Shade", (1, 1, 1)),
+                                        ('NodeSocketFloat', "Extinction", 0.0), ('NodeSocketFloat', "Physical", 0.0),
+                                        ('NodeSocketFloat', "Anisotropy", 0.0)],
+                  [('NodeSocketShader', "Volume")])
+    color, sigma, physical = (group.given[name] for name in ("Color", "Extinction", "Physical"))
+    exact = group.math('SUBTRACT', 1.0, physical, label="share of the exact one")
+    emission = group.node('ShaderNodeEmission', "", {
+        0: group.vector('MULTIPLY', color, group.given["Shade"], label="shaded color"),
+        1: group.math('MULTIPLY', sigma, exact)}).outputs[0]
+    albedo = group.vector('MINIMUM', group.vector('MAXIMUM', color, (0, 0, 0)), (1, 1, 1), label="albedo")
+    # Absorption takes density (1 - color): black leaves sigma itself, the albedo leaves what is not scattered.
+    absorption = group.node('ShaderNodeVolumeAbsorption', "", {
+        "Color": group.vector('SCALE', albedo, physical), "Density": sigma}).outputs[0]
+    scatter = group.node('ShaderNodeVolumeScatter', "", {
+        "Color": albedo, "Density": group.math('MULTIPLY', sigma, physical),
+        "Anisotropy": group.given["Anisotropy"]}).outputs[0]
+    both = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
+    return group.finish(Volume=group.node('ShaderNodeAddShader', "", {0: both, 1: scatter}).outputs[0])
+
+
+def choose_material(about, frame, look):
+    """The property "physical" of the volume's box decides, by a driver without an expression."""
+    frame["physical"] = 1 if about["physical"] else 0
+    frame.id_properties_ui("physical").update(
+        min=0, max=1, description="0: the exact material, for agreement. 1: the physical one, lit by lamps and world")
+    drive_by(look.node_tree, 'nodes["isoshade"].inputs["Physical"].default_value', None, frame, '["physical"]')
+
+
+def drive_by(owner, path, index, source, source_path):
+    """The value of another property as it is: such drivers work where files may not run Python."""
+    curve = owner.driver_add(path, index) if index is not None else owner.driver_add(path)
+    curve.driver.type = 'AVERAGE'
+    variable = curve.driver.variables.new()
+    target = variable.targets[0]
+    if not isinstance(source, bpy.types.Object):
+        target.id_type = 'LIGHT'
+    target.id = source
+    target.data_path = source_path
+
+
+# ---- light -----------------------------------------------------------------------------------------------------
+
+
+def light_world(about, world):
+    """The camera sees the background, everything else an even light as strong as the ambient term."""
+    tree = world.node_tree
+    seen = tree.nodes["Background"]
+    seen.label = "what the camera sees"
+    light = tree.nodes.new('ShaderNodeBackground')
+    light.name, light.label = "Light", "what lights the scene"
+    light.inputs["Color"].default_value = (1, 1, 1, 1)
+    light.inputs["Strength"].default_value = about["shading"]["ambient"]
+    path = tree.nodes.new('ShaderNodeLightPath')
+    mix = tree.nodes.new('ShaderNodeMixShader')
+    output = next(node for node in tree.nodes if node.bl_idname == 'ShaderNodeOutputWorld')
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(light.outputs[0], mix.inputs[1])
+    tree.links.new(seen.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    for node, place in ((path, (-300, 400)), (light, (-300, 50)), (seen, (-300, -150)), (mix, (0, 100)), (output, (200, 100))):
+        node.location = place
+
+
+# ---- settings --------------------------------------------------------------------------------------------------
+
+# What an artist expects of F12: edges without steps, soft shadows, light that bounces. Adaptive sampling ends early
+# where nothing is random, as everywhere in the exact material.
+ARTIST_SETTINGS = {"samples": 128, "use_adaptive_sampling": True, "adaptive_threshold": 0.02, "adaptive_min_samples": 16,
+                   "filter_width": 1.5, "max_bounces": 12, "volume_bounces": 12}
+
+AGREEMENT = '''"""The picture that isoshade validates: the exact material, a sample through the middle of each pixel.
+
+Run it here (Alt P) before a render, or:  blender -b NAME.blend --python-text "isoshade agreement" -f 1
+"""
+import bpy
+
+scene = bpy.context.scene
+for thing in scene.objects:
+    if "physical" in thing:
+        thing["physical"] = 0
+        thing.update_tag()
+for name, value in {settings!r}.items():
+    setattr(scene.cycles, name, value)
+'''
+
+
+def set_for_artist(scene):
+    """From the settings of the agreement, which a text block keeps, to those for F12."""
+    keep = {name: getattr(scene.cycles, name) for name in ARTIST_SETTINGS}
+    bpy.data.texts.new("isoshade agreement").write(AGREEMENT.replace("{settings!r}", repr(keep)))
+    for name, value in ARTIST_SETTINGS.items():
+        setattr(scene.cycles, name, value)
