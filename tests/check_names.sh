@@ -53,6 +53,7 @@ palette palette method
 chart direction code
 chart gradient estimator
 export export target
+export material
 END
 
 # Each table has its section in doc/extending.md, which says where a row goes.

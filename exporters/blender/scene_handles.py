@@ -68,12 +68,14 @@ def light_handles(about, look, collection):
 README = """{name}, exported by isoshade{source}
 
 The wire box "{name}" stands for the volume: move, turn and scale it, grids and normals follow.
-{far}{levels}Turn a sun "isoshade light N" to turn a light of the volume; its strength is the light's. Material "{name}", group
+{far}{levels}Turn a sun "isoshade light N" to turn a light of the volume; its color and strength, over pi, are the light's.
+The property "physical" of the box chooses the material: 0 emission and absorption, exact, lit by these suns alone; 1 scattering with
+shadows, lit by every lamp and the world. The text "isoshade agreement" sets what the validated picture needs (run it: Alt P). Material "{name}", group
 "isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
 packed. Use Ramp = 1 takes the ColorRamps in "isoshade ramp" instead, to edit by hand. Their alpha is the opacity of a
 length, as in a transfer function's file. As exported they differ from the exact map by up to:
 {ramps}
-A millimetre is {units:g} Blender unit(s).{unit} Cycles renders {samples} sample(s) at a step of {step:.4g} units; a longer step is faster, a shorter one
+A millimetre is {units:g} Blender unit(s).{unit} Cycles takes a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
 turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
 moved back by that. Other versions of Blender may differ; export again with the one that you use.
@@ -110,7 +112,7 @@ def explain(about, shift):
     text = bpy.data.texts.new("README")
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              far=far, levels=several, units=about["units_per_mm"],
-                             unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", ramps=tell_ramps(ramps), samples=about["samples"], step=about["levels"][0]["step"],
+                             unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", ramps=tell_ramps(ramps), step=about["levels"][0]["step"],
                              blender=bpy.app.version_string, shift=shift))
     scene = bpy.context.scene
     scene["isoshade_source"] = about["source"]

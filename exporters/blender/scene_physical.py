@@ -84,7 +84,7 @@ def light_world(about, world):
 
 # What an artist expects of F12: edges without steps, soft shadows, light that bounces. Adaptive sampling ends early
 # where nothing is random, as everywhere in the exact material.
-ARTIST_SETTINGS = {"samples": 128, "use_adaptive_sampling": True, "adaptive_threshold": 0.02, "adaptive_min_samples": 16,
+ARTIST_SETTINGS = {"samples": 64, "use_adaptive_sampling": True, "adaptive_threshold": 0.02, "adaptive_min_samples": 8,
                    "filter_width": 1.5, "max_bounces": 12, "volume_bounces": 12}
 
 AGREEMENT = '''"""The picture that isoshade validates: the exact material, a sample through the middle of each pixel.

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/stamp.h"
+#include "blender/blender.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -14,7 +15,6 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "volume/frames_all.h"
-#include "blender/blender.h"
 #include "targets/targets.h"
 
 typedef struct export_arguments {
@@ -388,7 +388,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
-         "blender: the material that the file opens with; its property physical changes it", "exact|physical"},
+         "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
@@ -419,6 +419,7 @@ const iso_command iso_command_export = {
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
         "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
+        "Its material is exact, or physical: lit by lamps and world, with shadows; a property switches.\n"
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
         "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
@@ -431,6 +432,7 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --levels 3 -o shells.vdb\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json -o shells.blend\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --levels 3 --adapt -o levels.blend\n"
+        "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --material physical -o lit.blend\n"
         "  isoshade export shells.nrrd --to blender --scene refscenes/shells.scene.json --level 1 --adapt --roi 8,8,8,32,32,32 -o roi.blend\n"
         "  isoshade export shells.nrrd --to povray --scene refscenes/shells.scene.json --level 1 -o shells-pov\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
@@ -441,7 +443,7 @@ const iso_command iso_command_export = {
         "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
-    .lists = (const iso_names *const[]){&iso_export_target_names, &iso_bake_grid_names, &iso_grid_program_names,
-                                        &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    .lists = (const iso_names *const[]){&iso_export_target_names, &iso_blender_material_names, &iso_bake_grid_names,
+                                        &iso_grid_program_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

@@ -2,6 +2,7 @@
 /* cmd_list.c - the tables that the program is made of: formats, codes, estimators, targets. */
 #include <stdio.h>
 
+#include "blender/blender.h"
 #include "encode/code.h"
 #include "gradient/gradient.h"
 #include "options/cli.h"
@@ -19,8 +20,8 @@
 static const iso_names *const lists[] = {
     &iso_volume_format_names, &iso_tf_format_names,        &iso_gradient_names,         &iso_code_names,
     &iso_scalar_filter_names, &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
-    &iso_field_names,         &iso_export_target_names,    &iso_bake_grid_names,        &iso_grid_program_names,
-    &iso_tf_preset_names,     &iso_viewpoint_names,
+    &iso_field_names,         &iso_export_target_names,    &iso_blender_material_names, &iso_bake_grid_names,
+    &iso_grid_program_names,  &iso_tf_preset_names,        &iso_viewpoint_names,
 };
 enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, whose table may grow at run time */
 

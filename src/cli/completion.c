@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/names.h"
+#include "blender/blender.h"
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "encode/code.h"
@@ -23,6 +24,7 @@ static const struct {
     const iso_names *names;
 } lists_of_options[] = {
     {"to", &iso_export_target_names},
+    {"material", &iso_blender_material_names},
     {"code", &iso_code_names},
     {"estimator", &iso_gradient_names},
     {"scalar-filter", &iso_scalar_filter_names},
