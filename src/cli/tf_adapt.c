@@ -10,6 +10,7 @@
 #include "plan/auto_choice.h"
 #include "scene/subject.h"
 #include "tf/format.h"
+#include "tf/ghost.h"
 
 /* FILE for one level, NAME_level_K.tf.json for all; to be freed. */
 static char *adapted_path(const iso_tf_arguments *a, size_t level)
@@ -50,6 +51,10 @@ static void print_level(size_t level, const char *path, const iso_adapt_judgment
     if (v->given_back > 0)
         printf("         a ghost of %.1f %% is left out with the values that draw it; --extinction-scale of render and "
                "export shows both in their places\n",
+               100 * v->ghost);
+    else if (!v->seen && v->ghost > ISO_GHOST_LIMIT)
+        printf("         draws a ghost of %.1f %%: --adapt of render and export, without --always, leaves it out, "
+               "--extinction-scale shows it in its place\n",
                100 * v->ghost);
 }
 
@@ -118,6 +123,8 @@ static iso_status adapt_one(const adapt_run *run, size_t level, iso_error *err)
     const bool adapted = !chosen.design || chosen.design->adapted;
     if (status == ISO_OK) /* level 0: the transfer function as it is */
         status = iso_adapt_level(run->p, adapted ? level : 0, run->tf, &opt, &table, &v, err);
+    if (status == ISO_OK && adapted && level > 0 && !opt.fall_back) /* no small views have looked for one */
+        status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
     if (status == ISO_OK)
         status = iso_tf_from_table(&table, &file, err);
     if (status == ISO_OK)
