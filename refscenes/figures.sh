@@ -3,7 +3,8 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
 #   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened, which take longer or time a machine,
-#                                        chart-across, of the volume $ENGINE, and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
+#                                        addon, in a window of Xvfb, chart-across, of the volume $ENGINE,
+#                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
 set -eu
 cd "$(dirname "$0")/.."
@@ -88,6 +89,16 @@ chart_across() { # doc/results/chart.md
         -q -o "$work/chart-engine"
     cp "$work/chart-engine/across.svg" "$out/chart-across.svg"
 }
+addon() { # doc/blender.md; by Xvfb and ImageMagick
+    make -s SETUP=no addon
+    rm -rf "$work/addon" && mkdir -p "$work/addon/scripts" "$work/addon/config" "$work/addon/extensions"
+    "$isoshade" make marschner-lobb --size 40 -q -o "$work/addon/lobb.nrrd"
+    BLENDER_USER_SCRIPTS=$work/addon/scripts BLENDER_USER_CONFIG=$work/addon/config BLENDER_USER_EXTENSIONS=$work/addon/extensions \
+        xvfb-run -a -s "-screen 0 1100x1000x24" blender --factory-startup -noaudio --window-geometry 0 0 1100 1000 \
+        -P refscenes/addon_picture.py -- "$PWD/build/release/isoshade-blender-addon.zip" "$(realpath "$isoshade")" \
+        "$work/addon/lobb.nrrd" "$PWD/refscenes/marschner-lobb.scene.json" "$work/addon" "$work/addon/window.png" >"$work/addon/log"
+    convert "$work/addon/window.png" -crop 670x830+238+78 +repage -resize 90% -colors 128 -strip "$out/blender-addon.png"
+}
 first_pictures() { # doc/results/first-pictures.md, which says where the volumes are from
     sh refscenes/first-pictures.sh "${VOLUMES:?the folder of the volumes of doc/results/first-pictures.md}" "$work/first-pictures" 224
     montage -label %t "$work"/first-pictures/tuned-*.png "$work"/first-pictures/reported-*.png -resize 200x200 -tile 7x \
@@ -97,7 +108,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 [ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | first-pictures | opened) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"
