@@ -41,7 +41,13 @@ expect the_chart_leaves_it_out 0 env ISOSHADE_POVRAY=/nowhere "${without[@]}" ch
 check by_name grep -q 'left out: cycles: Blender 5.2 of this system is built without NanoVDB' out
 expect the_report_calls_it_missing 7 "${without[@]}" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with gl,cycles -q -o "$dir/validated"
 check with_that_reason grep -q 'missing: Blender 5.2 of this system is built without NanoVDB' validated/report.json
-refuse halves_for_blender 2 "--half" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --half -q -o x.blend
+check sparse_vdb "$ISOSHADE" export v.nrrd --to vdb --scene "$scene" -q -o sparse.vdb
+check all_voxels_of_it "$ISOSHADE" export v.nrrd --to vdb --scene "$scene" --dense -q -o dense.vdb
+[ $((2 * $(size sparse.vdb))) -lt "$(size dense.vdb)" ] && ok what_is_not_shown_is_left_out || not_ok what_is_not_shown_is_left_out "$(size sparse.vdb) of $(size dense.vdb) bytes"
+check plain_voxels_left_out "$ISOSHADE" export v.nrrd --to vdb --background 0 -q -o plain.vdb
+check the_command_is_in_it grep -aq 'isoshade export v.nrrd --to vdb --background 0 -q -o plain.vdb' plain.vdb
+refuse a_background_of_all_voxels 2 "one keeps what the other leaves out" "$ISOSHADE" export v.nrrd --to vdb --dense --background 0 -q -o x.vdb
+refuse all_voxels_for_povray 2 "--dense" "$ISOSHADE" export v.nrrd --to povray --scene "$scene" --dense -q -o x
 refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -q -o x.vdb
 refuse grids_for_blender 2 "--grids" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --grids levels -q -o x.blend
 refuse an_unknown_target 2 "wanted vdb, blender or povray" "$ISOSHADE" export v.nrrd --to maya -q -o x

@@ -86,7 +86,7 @@ holds a_scale_changes_the_picture "$(json_number scaled.json max_abs) > 0.01"
 refuse a_scale_for_a_2d_tf 2 "of one value" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation --extinction-scale -o z.exr -q
 refuse a_scale_in_bricks 2 "extinction-scale" "$ISOSHADE" render shells.iso --size 48 --scene own.scene.json --extinction-scale --cache-bytes 1e6 -o z.exr -q
 check a_scaled_grid_is_exported "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json --adapt --extinction-scale -o scaled.vdb -q
-refuse a_scene_without_a_scale_for_vdb 2 "no meaning for --to vdb" "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json -o z.vdb -q
+check a_scene_without_a_scale_for_vdb "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json -o z.vdb -q
 expect scale_costs 0 "$ISOSHADE" bench extinction-scale shells.iso --levels 2 --size 32 --runs 1 --json
 holds scales_bring_opacities_nearer "$(json_number out rms_opacity_scaled) < $(json_number out rms_opacity_unscaled)"
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q

@@ -63,7 +63,10 @@ enum { ENTRIES = 64 };
 static void band(iso_tf_table *t, const iso_level *l, double lo, double hi)
 {
     if (!t->entries)
-        *t = (iso_tf_table){ENTRIES, l->min, l->max, calloc(4 * ENTRIES, sizeof *t->entries)};
+        *t = (iso_tf_table){.count = ENTRIES,
+                            .lo = l->min,
+                            .hi = l->max,
+                            .entries = calloc(4 * ENTRIES, sizeof *t->entries)};
     for (int i = 0; i < ENTRIES; ++i)
         if (i >= lo * (ENTRIES - 1) && i <= hi * (ENTRIES - 1))
             t->entries[4 * i + 3] = 1;

@@ -55,16 +55,16 @@ iso_status iso_blender_pyramid_in_space(const iso_pyramid *p, const iso_blender_
     return ISO_OK;
 }
 
+/* options: how it is written besides. */
 static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_blender_space *space, const char *path,
-                           const iso_progress *progress, iso_error *err)
+                           iso_vdb_options options, iso_error *err)
 {
     iso_level level = f->level;
-    iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
     iso_blender_note_space(space, &options);
     level.geometry = iso_blender_in_space(&f->level.geometry, space);
     const iso_pyramid one = {.options = p->options, .source = p->source, .level_count = 1, .levels = &level};
-    return iso_vdb_save(&one, 0, 1, path, &options, progress, err);
+    return iso_vdb_save(&one, 0, 1, path, &options, NULL, err);
 }
 
 /* Of label maps alone. */
@@ -108,12 +108,16 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     vdb_options.extinction_scale = view->extinction_scale;
+    iso_vdb_shown visible, roi_visible;
+    iso_vdb_options roi_options = iso_vdb_defaults();
+    iso_blender_grid_options(&frames[0], &view->tf, view->tf_2d, &visible, &vdb_options);
+    iso_blender_grid_options(&frames[0], view->roi ? &view->roi->tf : &view->tf, NULL, &roi_visible, &roi_options);
     iso_blender_note_space(&space, &vdb_options);
     status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
     if (status == ISO_OK)
         status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
     if (status == ISO_OK && view->roi)
-        status = save_roi(p, view->roi, &space, roi_vdb, progress, err);
+        status = save_roi(p, view->roi, &space, roi_vdb, roi_options, err);
     if (status == ISO_OK) {
         const iso_geometry *g = &p->levels[level].geometry;
         const double voxel = space.units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
@@ -125,6 +129,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         json_object_set_new(about, "tf", iso_blender_describe_tf(view, level, 1, space.units));
         json_object_set_new(about, "extinction_scale", json_boolean(view->extinction_scale));
         json_object_set_new(about, "film_transparent", json_true());
+        iso_blender_scale_directions(about, &frames[0], iso_vdb_direction_scale(p->options.code));
         json_object_set_new(about, "frames", iso_blender_describe_frames(voxel, folder, frames, count));
         status = describe_labels(about, p, &(iso_blender_levels){level, 1, view}, space.units, folder, err);
         status = run_described(status, about, folder, &frames[0], progress, err);
@@ -186,6 +191,8 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     options.pad_voxels = 1;
     options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     options.extinction_scale = view->extinction_scale;
+    iso_vdb_shown shown;
+    iso_blender_grid_options(e->opt, &view->tf, view->tf_2d, &shown, &options);
     iso_blender_note_space(e->space, &options);
     iso_status status = begin_grid(e, i, false, out, err);
     if (status == ISO_OK)
@@ -193,12 +200,14 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     return status;
 }
 
-static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out, const iso_progress *progress,
-                                 iso_error *err)
+static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out, iso_error *err)
 {
+    iso_vdb_options options = iso_vdb_defaults();
+    iso_vdb_shown shown;
+    iso_blender_grid_options(e->opt, &e->views[i].roi->tf, NULL, &shown, &options);
     iso_status status = begin_grid(e, i, true, out, err);
     if (status == ISO_OK)
-        status = save_roi(e->p, e->views[i].roi, e->space, out->temp_path, progress, err);
+        status = save_roi(e->p, e->views[i].roi, e->space, out->temp_path, options, err);
     return status;
 }
 
@@ -235,6 +244,7 @@ static json_t *describe_export(const export_job *e)
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", iso_blender_describe_tf(views, e->first, e->count, e->space->units));
     json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
+    iso_blender_scale_directions(about, e->opt, iso_vdb_direction_scale(e->p->options.code));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
     json_object_set_new(about, "unit", json_string(e->p->unit.name));
@@ -254,7 +264,7 @@ static iso_status write_files(const export_job *e, const char *folder, iso_outpu
     *files = e->count;
     for (size_t i = 0; i < e->count && status == ISO_OK; ++i)
         if (e->views[i].roi)
-            status = write_roi_grid(e, i, &outs[(*files)++], progress, err);
+            status = write_roi_grid(e, i, &outs[(*files)++], err);
     if (status == ISO_OK)
         status = iso_output_begin(&outs[*files], e->blend_path, err);
     char *target = status == ISO_OK ? realpath(outs[*files].temp_path, NULL) : NULL;

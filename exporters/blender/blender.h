@@ -45,6 +45,9 @@ typedef struct iso_blender_options {
     int seed;
     int threads;
     bool physical; /* of exports: which material a file opens with (iso_blender_material_names) */
+    bool dense;          /* of exports: grids hold all voxels, not only what the transfer functions show (vdb/vdb.h) */
+    bool half;           /* of exports: grids in half floats */
+    const char *command; /* of exports: noted in the grids' files; or NULL */
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
     iso_blender_session *
         *session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */

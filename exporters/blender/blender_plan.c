@@ -25,12 +25,11 @@ static char *plan_vdb_path(const iso_blender_plan *plan, size_t i, const char *b
     return iso_blender_vdb_path(blend_path, plan->lattices[i].level, plan->count, false);
 }
 
-static iso_status save_lattice(const iso_blender_plan *plan, size_t i, const char *path, const iso_progress *progress,
-                               iso_error *err)
+static iso_status save_lattice(const iso_blender_plan *plan, size_t i, const char *path, iso_vdb_options options,
+                               const iso_progress *progress, iso_error *err)
 {
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     iso_lattice lattice = plan->lattices[i];
-    iso_vdb_options options = iso_vdb_defaults();
     iso_blender_note_space(&space, &options);
     lattice.geometry = iso_blender_in_space(&lattice.geometry, &space);
     return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
@@ -95,7 +94,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
         char *path = plan_vdb_path(plan, i, stem);
-        status = save_lattice(plan, i, path, progress, err);
+        status = save_lattice(plan, i, path, iso_vdb_defaults(), progress, err);
         free(path);
     }
     if (status == ISO_OK) {
@@ -123,11 +122,14 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     iso_status status = ISO_OK;
     const char *base = iso_path_base(blend_path);
     char name[NAME_MAX + 1], *target = NULL;
+    iso_vdb_options options = iso_vdb_defaults();
+    iso_vdb_shown shown; /* has no meaning for lattices, which are sparse */
+    iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
     for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
         char *path = plan_vdb_path(plan, i, blend_path);
         status = iso_output_begin(&outs[i], path, err);
         if (status == ISO_OK)
-            status = save_lattice(plan, i, outs[i].temp_path, progress, err);
+            status = save_lattice(plan, i, outs[i].temp_path, options, progress, err);
         free(path);
     }
     if (status == ISO_OK)
@@ -138,6 +140,7 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
         snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
         json_t *about = describe_plan(job, name);
         json_object_set_new(about, "save", json_string(target));
+        iso_blender_scale_directions(about, job->opt, ISO_VDB_LINEAR_SCALE);
         status = iso_blender_run(about, folder, job->opt, progress, err);
     }
     free(target);

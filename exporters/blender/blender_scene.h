@@ -36,6 +36,11 @@ typedef struct iso_blender_space {
 iso_blender_space iso_blender_space_of(const iso_geometry *g);
 /* What a file of grids in that space says of it. */
 void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *options);
+/* How the grids of an export are written that a transfer function shows: `shown` is filled in and kept by the caller. */
+void iso_blender_grid_options(const iso_blender_options *opt, const iso_tf_table *tf, const iso_tf_2d *tf_2d,
+                              iso_vdb_shown *shown, iso_vdb_options *options);
+/* What the material needs to know of grids that are written so: eps is relative to the directions' length. */
+void iso_blender_scale_directions(json_t *about, const iso_blender_options *opt, double scale);
 iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space);
 
 /* A copy that shares the voxels, its geometry in Blender's space. Free its levels. */

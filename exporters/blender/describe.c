@@ -42,6 +42,24 @@ void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *opt
     options->origin_mm = space->origin_mm;
 }
 
+void iso_blender_grid_options(const iso_blender_options *opt, const iso_tf_table *tf, const iso_tf_2d *tf_2d,
+                              iso_vdb_shown *shown, iso_vdb_options *options)
+{
+    *shown = tf_2d ? (iso_vdb_shown){.tfs = tf_2d->rows, .tf_count = ISO_TF_2D_ROWS}
+                   : (iso_vdb_shown){.tfs = tf, .tf_count = 1};
+    options->shown = opt->dense ? NULL : shown;
+    options->half_float = opt->half;
+    options->half_directions = !opt->dense;
+    options->command = opt->command;
+    options->threads = opt->threads;
+}
+
+void iso_blender_scale_directions(json_t *about, const iso_blender_options *opt, double scale)
+{
+    json_object_set_new(about, "eps", json_real((opt->dense ? 1 : scale) * ISO_DIRECTION_EPS));
+    json_object_set_new(about, "dense", json_boolean(opt->dense));
+}
+
 iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_space *space)
 {
     iso_geometry g = *mm;

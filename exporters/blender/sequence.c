@@ -46,6 +46,7 @@ static void describe(sequence_job *job, const iso_pyramid *p)
     json_object_set_new(job->about, "sequence", json_integer((json_int_t)s->count));
     json_object_set_new(job->about, "tf", iso_blender_describe_tf(s->view, s->level, 1, job->space.units));
     json_object_set_new(job->about, "extinction_scale", json_false());
+    iso_blender_scale_directions(job->about, job->opt, iso_vdb_direction_scale(p->options.code));
     json_object_set_new(job->about, "film_transparent", json_false());
     json_object_set_new(job->about, "source", iso_blender_text(p->source ? p->source : "", 1000));
     json_object_set_new(job->about, "unit", json_string(p->unit.name));
@@ -56,6 +57,8 @@ static iso_status write_grid(sequence_job *job, const iso_pyramid *p, iso_output
     iso_pyramid scaled = {0};
     iso_vdb_options options = iso_vdb_defaults();
     options.pad_voxels = 1;
+    iso_vdb_shown shown;
+    iso_blender_grid_options(job->opt, &job->sequence->view->tf, job->sequence->view->tf_2d, &shown, &options);
     iso_blender_note_space(&job->space, &options);
     iso_status status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
     if (status == ISO_OK)

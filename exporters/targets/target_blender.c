@@ -88,12 +88,20 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
     return status;
 }
 
+static void take_grid_options(const iso_export_job *job, iso_blender_options *o)
+{
+    o->threads = job->threads;
+    o->dense = job->dense;
+    o->half = job->half_float;
+    o->command = job->command;
+}
+
 static iso_status write_blender(const iso_export_job *job, iso_error *err)
 {
     const size_t count = job->level_count;
     iso_blender_options o = iso_blender_defaults();
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
-    o.threads = job->threads;
+    take_grid_options(job, &o);
     o.physical = job->physical;
     if (job->planned)
         return write_planned(job, &o, err);
@@ -116,7 +124,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
 {
     iso_blender_options o = iso_blender_defaults();
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
-    o.threads = job->threads;
+    take_grid_options(job, &o);
     o.physical = job->physical;
     const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
@@ -154,7 +162,8 @@ const iso_export_target iso_export_target_blender = {
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL),
+               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_HALF) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE),
     .write = write_blender,
     .write_frames = write_blender_frames,
     .open = open_blender,

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* target_vdb.c - levels, or what a plan leaves, as grids of one OpenVDB file. */
+#include <stdlib.h>
+
 #include "targets/target_vdb_baked.h"
 #include "vdb/vdb.h"
 
@@ -15,6 +17,29 @@ static iso_status write_planned(const iso_export_job *job, const iso_vdb_options
     return status;
 }
 
+/* What the file's levels are shown by: a view each, and what is made of it. */
+typedef struct shown_levels {
+    iso_view views[64];
+    iso_vdb_shown shown[64];
+} shown_levels;
+
+static iso_status find_shown(const iso_export_job *job, shown_levels *l, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t k = 0; k < job->level_count && status == ISO_OK; ++k) {
+        iso_view *view = &l->views[k];
+        if (job->is_shown)
+            status = job->view_of_level(job, job->level + k, view, err);
+        if (status == ISO_OK && view->tf_2d)
+            l->shown[k] = (iso_vdb_shown){.tfs = view->tf_2d->rows, .tf_count = ISO_TF_2D_ROWS};
+        else if (status == ISO_OK && job->is_shown)
+            l->shown[k] = (iso_vdb_shown){.tfs = &view->tf, .tf_count = 1};
+        l->shown[k].has_background = job->background != NULL;
+        l->shown[k].background = job->background ? *job->background : 0;
+    }
+    return status;
+}
+
 static iso_status write_vdb(const iso_export_job *job, iso_error *err)
 {
     if (job->bake)
@@ -22,14 +47,22 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     iso_vdb_options o = iso_vdb_defaults();
     o.half_float = job->half_float;
     o.unit = job->pyramid->unit.name;
+    o.command = job->command;
+    o.threads = job->threads;
     if (job->planned)
         return write_planned(job, &o, err);
-    iso_view view = {0};
-    iso_status status = job->extinction_scale ? job->view_of_level(job, job->level, &view, err) : ISO_OK;
-    o.extinction_scale = view.extinction_scale;
-    if (status == ISO_OK)
+    shown_levels *l = calloc(1, sizeof *l);
+    iso_status status = l ? find_shown(job, l, err) : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    if (status == ISO_OK) {
+        const bool sparse = (job->is_shown || job->background) && !job->dense;
+        o.shown = sparse ? l->shown : NULL;
+        o.half_directions = sparse;
+        o.extinction_scale = job->extinction_scale ? l->views[0].extinction_scale : NULL;
         status = iso_vdb_save(job->pyramid, job->level, job->level_count, job->output, &o, job->progress, err);
-    iso_view_destroy(&view);
+    }
+    for (size_t k = 0; l && k < job->level_count; ++k)
+        iso_view_destroy(&l->views[k]);
+    free(l);
     return status;
 }
 
@@ -41,7 +74,8 @@ const iso_export_target iso_export_target_vdb = {
     .output = "NAME.vdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
                ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_BAKE),
+               ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) | ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
     .write = write_vdb,
     .suffix = ".vdb",
 };

@@ -36,8 +36,11 @@
     X(ISO_EXPORT_ADAPT, "--adapt")            \
     X(ISO_EXPORT_EXTINCTION_SCALE, "--extinction-scale") \
     X(ISO_EXPORT_GRIDS, "--grids")            \
-    X(ISO_EXPORT_BAKE, "--bake and --for")   \
-    X(ISO_EXPORT_MATERIAL, "--material")
+    X(ISO_EXPORT_BAKE, "--bake and --for")    \
+    X(ISO_EXPORT_MATERIAL, "--material")      \
+    X(ISO_EXPORT_DENSE, "--dense")            \
+    X(ISO_EXPORT_SHOWN, "--scene and --tf")   \
+    X(ISO_EXPORT_BACKGROUND, "--background")
 /* clang-format on */
 
 typedef enum iso_export_option {
@@ -60,6 +63,10 @@ typedef struct iso_export_job {
     bool half_float;
     const iso_bake_request *bake; /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
     bool physical;         /* the material that the file opens with (exporters/blender/blender.h) */
+    bool is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
+    bool dense;    /* grids hold all voxels */
+    const double *background; /* the value that stands for what grids leave out; NULL: chosen, or none is left out */
+    const char *command;      /* to be noted in files: without folders */
     bool extinction_scale; /* the views that view_of_level makes have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;

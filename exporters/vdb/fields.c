@@ -122,7 +122,7 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
     if (status == ISO_OK)
         status = note(file, f, path, err);
     iso_vdb_message message = {""};
-    if (status == ISO_OK && iso_vdb_file_write(file, out.temp_path, &message) != ISO_OPENVDB_OK)
+    if (status == ISO_OK && iso_vdb_file_write(file, out.temp_path, false, &message) != ISO_OPENVDB_OK)
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
     iso_vdb_file_destroy(file);
     if (status == ISO_OK)

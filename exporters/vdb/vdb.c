@@ -159,7 +159,7 @@ static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, is
 static iso_status write(const iso_vdb_job *job, const char *path, iso_error *err)
 {
     iso_vdb_message message = {""};
-    const int code = iso_vdb_file_write(job->file, path, &message);
+    const int code = iso_vdb_file_write(job->file, path, job->opt->half_directions, &message);
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 

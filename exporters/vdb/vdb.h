@@ -69,7 +69,8 @@ typedef struct iso_vdb_options {
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
 
-/* What half_directions multiplies the directions of a code by. */
+/* What half_directions multiplies the directions of a code by: this for those that are linear, and of lattices, else 1. */
+#define ISO_VDB_LINEAR_SCALE (127.0 / 128)
 double iso_vdb_direction_scale(iso_code code);
 
 /* Whether the files store x in reverse order. */

@@ -113,7 +113,7 @@ static void read_reversed_activity(const void *user, size_t x, size_t y, size_t 
 double iso_vdb_direction_scale(iso_code code)
 {
     const iso_code_info *info = iso_code_describe(code);
-    return info->is_linear && info->is_signed ? 127.0 / 128 : 1;
+    return info->is_linear && info->is_signed ? ISO_VDB_LINEAR_SCALE : 1;
 }
 
 /* Half floats hold 11 significant bits, from 2^-14 to 65504. */
@@ -308,7 +308,7 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
 {
     enum { LEAF = 8 };
     const iso_vdb_options *opt = job->opt;
-    *grids = (iso_vdb_grids){.direction_scale = opt->half_directions ? 127.0F / 128 : 1};
+    *grids = (iso_vdb_grids){.direction_scale = opt->half_directions ? (float)ISO_VDB_LINEAR_SCALE : 1};
     iso_vdb_source source = iso_vdb_describe(&l->geometry, made_from, opt);
     source.user = source.active_user = l;
     source.level = (int)l->level;

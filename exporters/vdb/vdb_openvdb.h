@@ -57,7 +57,8 @@ iso_vdb_file *iso_vdb_file_create(void);
 int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
 /* An entry of the file's own metadata. */
 int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);
-int iso_vdb_file_write(const iso_vdb_file *file, const char *path, iso_vdb_message *message);
+/* small: as small as can be, in several times the time. */
+int iso_vdb_file_write(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message);
 void iso_vdb_file_destroy(iso_vdb_file *file); /* accepts NULL */
 
 /* What a grid's header says. box_index is size where the file has none. */

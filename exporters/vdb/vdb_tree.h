@@ -9,6 +9,7 @@
 #define ISO_VDB_TREE_H
 
 #include <algorithm>
+#include <memory>
 
 #include <openvdb/io/Compression.h>
 #include <openvdb/openvdb.h>
@@ -111,6 +112,46 @@ private:
     }
 
     const iso_vdb_source *source_;
+};
+
+/* A grid for OpenVDB's archive, which writes the type first, and the header from a copy. Two things differ from then on.
+ *
+ * The class. Fog volumes are written without ZIP, which halves them, though they are read with it: the archive looks at the
+ * class before it makes the copy.
+ *
+ * The type. Of grids of the types that it knows the archive asks all leaves for their values, to note in the header how large
+ * they will be (file_delayed_load). Here they have none. Readers do without: they find the sizes in the file as they go. */
+template <typename T> class written_grid : public openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type> {
+    using base = openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type>;
+
+public:
+    written_grid(const typename base::TreePtrType &tree, bool fog_volume) : base(tree), fog_volume_(fog_volume) {}
+
+    openvdb::Name type() const override
+    {
+        return for_header_ ? "written" : base::type();
+    }
+    openvdb::GridBase::Ptr copyGrid() override
+    {
+        return header();
+    }
+    openvdb::GridBase::ConstPtr copyGrid() const override
+    {
+        return header();
+    }
+
+private:
+    openvdb::GridBase::Ptr header() const
+    {
+        for_header_ = true;
+        const auto copy = std::make_shared<written_grid>(*this);
+        if (fog_volume_)
+            copy->setGridClass(openvdb::GRID_FOG_VOLUME);
+        return copy;
+    }
+
+    bool fog_volume_;
+    mutable bool for_header_ = false; /* the type has been written */
 };
 
 } // namespace iso_vdb

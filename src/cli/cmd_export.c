@@ -24,10 +24,11 @@ typedef struct export_arguments {
     iso_cli_look look;
     iso_bake_words bake_words;
     iso_bake_request bake;
-    char *to, *output, *isosurface, *plan, *grids, *frames, *material;
-    int level, level_count, half, force;
+    char *to, *output, *isosurface, *plan, *grids, *frames, *material, *background_text;
+    int level, level_count, half, dense, force;
     size_t material_row;
-    double step;
+    double step, background;
+    bool has_background;
     const iso_cli *cli;
 } export_arguments;
 
@@ -81,11 +82,17 @@ static iso_status check_plan(const export_arguments *a, iso_error *err)
     return ISO_OK;
 }
 
+/* Grids alone need no transfer function, but one that is given says which voxels they have to hold. */
+static bool is_shown(const export_arguments *a, const iso_export_target *target)
+{
+    return iso_export_takes(target, ISO_EXPORT_SHOWN) && !a->plan &&
+           (a->look.scene || a->look.tf || a->adapted.extinction_scale);
+}
+
 /* An option that would change nothing is a mistake. */
 static iso_status check_options(const export_arguments *a, const iso_export_target *target, iso_error *err)
 {
-    /* Grids alone have no transfer function, but for the one that an extinction scale is made for. */
-    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && (a->adapted.extinction_scale || a->bake.wanted);
+    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && (is_shown(a, target) || a->bake.wanted);
     const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
                                                  [ISO_EXPORT_STEP] = a->step != 0,
                                                  [ISO_EXPORT_HALF] = a->half,
@@ -98,11 +105,18 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
                                                  [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL,
                                                  [ISO_EXPORT_BAKE] = a->bake.wanted,
-                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL};
-    const char *const looks[] = {a->look.tf ? "--tf" : NULL, a->look.view ? "--view" : NULL,
+                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL,
+                                                 [ISO_EXPORT_DENSE] = a->dense,
+                                                 [ISO_EXPORT_BACKGROUND] = a->has_background};
+    const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
                                  a->look.zoom != 0 ? "--zoom" : NULL};
+    if (a->dense && (a->has_background || a->plan))
+        return iso_fail(err, ISO_E_USAGE, "--dense and %s: one keeps what the other leaves out",
+                        a->plan ? "--plan" : "--background");
+    if (a->has_background && a->plan)
+        return iso_fail(err, ISO_E_USAGE, "--background has no meaning with --plan, which chooses it");
     for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
-        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !alone)
+        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
             return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);
     for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
@@ -204,7 +218,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                                         : "--isosurface",
                                            err);
     if (status == ISO_OK &&
-        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || a->adapted.extinction_scale || a->bake.wanted))
+        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || is_shown(a, target) || a->bake.wanted))
         status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */
         iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
@@ -213,6 +227,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                     &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
                                     a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
+    char *command = iso_cli_command_without_folders(a->cli);
     const iso_export_job job = {.pyramid = &pyramid,
                                 .level = (size_t)a->level,
                                 .level_count = (size_t)a->level_count,
@@ -223,6 +238,10 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                 .step_voxels = a->step,
                                 .half_float = a->half,
                                 .physical = a->material_row == 1,
+                                .dense = a->dense,
+                                .is_shown = is_shown(a, target),
+                                .background = a->has_background ? &a->background : NULL,
+                                .command = command,
                                 .extinction_scale = a->adapted.extinction_scale,
                                 .bake = a->bake.wanted ? &a->bake : NULL,
                                 .isosurface = a->isosurface != NULL,
@@ -244,6 +263,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
         if (status == ISO_OK)
             printf("%s: %s\n", a->output, a->bake.wanted ? "an OpenVDB file of baked grids" : target->summary);
     }
+    free(command);
     iso_planned_destroy(&planned);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&pyramid);
@@ -319,11 +339,12 @@ static iso_status export_series(export_arguments *a, iso_error *err)
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
     status = iso_subject_frames_create(a->cli->arguments[0], &a->input, &build,
-                                       iso_export_takes(target, ISO_EXPORT_SCENE) ? &look : NULL, &progress, &frames,
-                                       err);
+                                       iso_export_takes(target, ISO_EXPORT_SCENE) || is_shown(a, target) ? &look : NULL,
+                                       &progress, &frames, err);
     if (status == ISO_OK)
         status = make_series_view(a, &frames, iso, &view, err);
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
+    char *command = iso_cli_command_without_folders(a->cli);
     iso_export_job job = {.level = (size_t)a->level,
                           .level_count = (size_t)a->level_count,
                           .output = a->output,
@@ -331,6 +352,10 @@ static iso_status export_series(export_arguments *a, iso_error *err)
                           .step_voxels = a->step,
                           .half_float = a->half,
                           .physical = a->material_row == 1,
+                          .dense = a->dense,
+                          .is_shown = is_shown(a, target),
+                          .background = a->has_background ? &a->background : NULL,
+                          .command = command,
                           .isosurface = a->isosurface != NULL,
                           .iso = iso[0],
                           .threads = a->cli->threads,
@@ -356,6 +381,7 @@ static iso_status export_series(export_arguments *a, iso_error *err)
             printf("%s: %zu frames, all %.9g to %.9g: %s\n", a->output, frames.count, frames.build.value_range[0],
                    frames.build.value_range[1], target->summary);
     }
+    free(command);
     iso_view_destroy(&view);
     iso_subject_frames_destroy(&frames);
     return status;
@@ -378,7 +404,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
          "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
          "all"},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)", "STEP"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)",
+         "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
@@ -389,7 +416,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
-        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb: half floats, smaller and less exact", NULL},
+        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
+        {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
+         "vdb, blender: all voxels, not only what the transfer function shows: for one that will be edited", NULL},
+        {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
+         "vdb: the value of what is left out; without a scene or --tf, voxels of this value are", "VALUE"},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -401,6 +432,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     a.cli = &cli;
     a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && a.background_text) {
+        double numbers[3] = {0};
+        status = iso_words_parse_numbers(a.background_text, "--background", numbers, err);
+        a.background = numbers[0];
+        a.has_background = true;
+    }
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_bake_request_make(&a.bake_words, a.half, &a.bake, err);
     a.bake.error_pixels = a.look.size ? 0 : a.bake.error_pixels;
@@ -423,7 +460,8 @@ const iso_command iso_command_export = {
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
         "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
-        "makes it; vdb takes a scene only for --extinction-scale and --plan. With --plan only what the scene\n"
+        "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
+        "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
         "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
         "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
     .examples =

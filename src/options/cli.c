@@ -234,7 +234,19 @@ void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const 
         iso_cli_expect(cli, &(iso_cli_stage){otherwise, 1}, 1);
 }
 
-char *iso_cli_command_line(const iso_cli *cli)
+/* "--scene=a/b.json" as "--scene=b.json" */
+static void put_without_folders(FILE *f, const char *word)
+{
+    const char *slash = strrchr(word, '/'), *equals = strchr(word, '=');
+    char *text = NULL;
+    const int kept = slash && equals && equals < slash && word[0] == '-' ? (int)(equals + 1 - word) : 0;
+    if (asprintf(&text, "%.*s%s", kept, word, slash ? slash + 1 : word + kept) < 0)
+        return;
+    iso_words_put_quoted(f, text);
+    free(text);
+}
+
+static char *command_line(const iso_cli *cli, void (*put)(FILE *f, const char *word))
 {
     char *text = NULL;
     size_t size = 0;
@@ -244,10 +256,20 @@ char *iso_cli_command_line(const iso_cli *cli)
     fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
     for (int i = 1; i < cli->argc; ++i) {
         fputc(' ', memory);
-        iso_words_put_quoted(memory, cli->argv[i]);
+        put(memory, cli->argv[i]);
     }
     fclose(memory);
     return text;
+}
+
+char *iso_cli_command_line(const iso_cli *cli)
+{
+    return command_line(cli, iso_words_put_quoted);
+}
+
+char *iso_cli_command_without_folders(const iso_cli *cli)
+{
+    return command_line(cli, put_without_folders);
 }
 
 json_t *iso_cli_json(const iso_cli *cli)
