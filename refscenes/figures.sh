@@ -36,6 +36,10 @@ levels() { # doc/blender.md
         --size 240x240 -q -o "$work/brain.blend"
     blender -b "$work/brain.blend" -P refscenes/levels.py >/dev/null
     cp "$work/brain_level_0.png" "$work/brain_level_1.png" "$work/brain_level_2.png" "$out"
+    "$isoshade" export $templates/ch2.nii.gz --to blender --scene refscenes/brain.scene.json --level 1 --adapt \
+        --material physical -q -o "$work/lit.blend"
+    blender -b "$work/lit.blend" -P refscenes/lamps.py >/dev/null
+    cp "$work/brain_lit.jpg" "$out"
 }
 opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
