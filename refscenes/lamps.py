@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume of `isoshade export --material physical` under three lights: its own sun, an area lamp from behind, the world."""
+"""A volume of `isoshade export --material physical` under three lights: its own sun, a blue area lamp from the left, the world."""
 import math
 
 import bpy
@@ -19,14 +19,14 @@ sun.energy *= 2
 sun.angle = math.radians(10)  # soft shadows
 scene.world.node_tree.nodes["Light"].inputs["Color"].default_value = (0.6, 0.8, 1, 1)
 
-lamp = bpy.data.lights.new("rim", "AREA")
+lamp = bpy.data.lights.new("side", "AREA")
 lamp.size = size
 lamp.color = (0.3, 0.5, 1)
 lamp.energy = 150 * size * size
-rim = bpy.data.objects.new("rim", lamp)
-rim.location = middle + size * Vector((1.6, 1.2, 0.8))
-rim.rotation_euler = (rim.location - middle).to_track_quat("Z", "Y").to_euler()
-scene.collection.objects.link(rim)
+side = bpy.data.objects.new("side", lamp)
+side.location = middle + size * Vector((1.6, 1.2, 0.8))
+side.rotation_euler = (side.location - middle).to_track_quat("Z", "Y").to_euler()
+scene.collection.objects.link(side)
 
 scene.cycles.samples = 32
 scene.render.resolution_x = scene.render.resolution_y = 160
