@@ -131,7 +131,7 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
 iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
                                   iso_image *image, const iso_progress *progress, iso_error *err);
 
-/* The TF as Blender's ColorRamp, to be edited by hand: at most 32 stops, which Cycles bakes to 256 entries. The .blend
+/* The TF as Blender's ColorRamp, to be edited by hand: at most 32 stops, which Cycles bakes to 256 or 257 entries. The .blend
  * carries one for each different TF in the group "isoshade ramp", beside the exact image.
  *
  * Alpha is the opacity of unit_mm, as in a TF file; nodes behind the ramp make extinction = -ln(1 - alpha) / unit_mm of
@@ -146,7 +146,7 @@ typedef struct iso_color_ramp {
     double unit_mm;                      /* that alpha is the opacity of */
     double position[ISO_RAMP_MAX_STOPS]; /* single precision, ascending without equals */
     double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear colour, opacity */
-    /* The largest differences from the table after baking, at its entries: colour (of entries of an opacity of at least
+    /* The largest differences from the table after either baking, at its entries: colour (of entries of an opacity of at least
      * 1/1024), opacity of unit_mm, both of 1, and extinction as a part of the largest one. */
     double color_loss, opacity_loss, extinction_loss;
     double worst_value; /* where colour or opacity differ most */

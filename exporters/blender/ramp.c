@@ -5,7 +5,8 @@
 
 #include "blender/blender.h"
 
-#define BAKED 256                              /* Cycles evaluates a ramp at i / 255 and interpolates */
+/* Cycles evaluates a ramp at i / 255 (Blender 3.4) or at i / 256 (4.3) and interpolates: measured, tests/addon_buttons.py. */
+static const double baked_steps[] = {255, 256};
 static const double close_enough = 1.0 / 1024; /* of fitted stops: less than a person sees, and few stops to edit */
 static const double same = 1e-4; /* of a TF's own points: the table's floats near the largest opacity, no other curve */
 
@@ -58,12 +59,12 @@ static void ramp_at(const iso_color_ramp *ramp, double x, double rgba[4])
         rgba[c] = (1 - f) * ramp->rgba[i][c] + f * ramp->rgba[next][c];
 }
 
-static void baked_at(const iso_color_ramp *ramp, double x, double rgba[4])
+static void baked_at(const iso_color_ramp *ramp, double steps, double x, double rgba[4])
 {
-    const double at = fmin(fmax(x, 0), 1) * (BAKED - 1), whole = floor(at), f = at - whole;
+    const double at = fmin(fmax(x, 0), 1) * steps, whole = floor(at), f = at - whole;
     double next[4];
-    ramp_at(ramp, whole / (BAKED - 1), rgba);
-    ramp_at(ramp, fmin(whole + 1, BAKED - 1) / (BAKED - 1), next);
+    ramp_at(ramp, whole / steps, rgba);
+    ramp_at(ramp, fmin(whole + 1, steps) / steps, next);
     for (int c = 0; c < 4; ++c)
         rgba[c] = (1 - f) * rgba[c] + f * next[c];
 }
@@ -240,21 +241,29 @@ static void fit_stops(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
 
 /* ---- what it loses ---- */
 
+/* What one of the bakings makes of an entry, taken into the ramp's losses. Returns the visible difference. */
+static double measure_entry(const iso_tf_table *t, size_t i, double steps, double max_extinction, iso_color_ramp *ramp)
+{
+    double want[4], have[4];
+    entry_of(t, i, ramp->unit_mm, want);
+    baked_at(ramp, steps, place(ramp, value_of_entry(t, i)), have);
+    have[3] = fmin(have[3], ISO_TF_MAX_OPACITY);
+    for (int c = 0; c < 3 && want[3] >= close_enough; ++c)
+        ramp->color_loss = fmax(ramp->color_loss, fabs(want[c] - have[c]));
+    ramp->opacity_loss = fmax(ramp->opacity_loss, fabs(want[3] - have[3]));
+    const double extinction = fabs(extinction_of(have[3], ramp->unit_mm) - (double)t->entries[4 * i + 3]);
+    ramp->extinction_loss = fmax(ramp->extinction_loss, max_extinction > 0 ? extinction / max_extinction : 0);
+    return visible_difference(want, have);
+}
+
 static void measure(const iso_tf_table *t, double max_extinction, iso_color_ramp *ramp)
 {
     double worst = -1;
     size_t off = 0;
     for (size_t i = 0; i < t->count; ++i) {
-        double want[4], have[4];
-        entry_of(t, i, ramp->unit_mm, want);
-        baked_at(ramp, place(ramp, value_of_entry(t, i)), have);
-        have[3] = fmin(have[3], ISO_TF_MAX_OPACITY);
-        for (int c = 0; c < 3 && want[3] >= close_enough; ++c)
-            ramp->color_loss = fmax(ramp->color_loss, fabs(want[c] - have[c]));
-        ramp->opacity_loss = fmax(ramp->opacity_loss, fabs(want[3] - have[3]));
-        const double extinction = fabs(extinction_of(have[3], ramp->unit_mm) - (double)t->entries[4 * i + 3]);
-        ramp->extinction_loss = fmax(ramp->extinction_loss, max_extinction > 0 ? extinction / max_extinction : 0);
-        const double difference = visible_difference(want, have);
+        double difference = 0;
+        for (size_t b = 0; b < sizeof baked_steps / sizeof *baked_steps; ++b)
+            difference = fmax(difference, measure_entry(t, i, baked_steps[b], max_extinction, ramp));
         off += difference > 1.0 / 255;
         if (difference > worst) {
             worst = difference;
