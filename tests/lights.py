@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: MIT
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Run by check_lights.sh in the slab.blend that it exports: a line "ok NAME" or "not ok NAME: why" a case."""
 import math
 

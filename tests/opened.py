@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: MIT
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a person finds who opens an exported .blend, a line "name yes|no" each, for check_opened.sh. Run by Blender on it.
 
 blender -b FILE.blend -P opened.py -- a folder in which nothing is beside the file"""
