@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/bake_error.h"
 
-#include <math.h>
-
 #include "render/reference_ray.h"
 
 /* Of the level's smallest spacing, for both pictures: their samples stand at the same places. */
@@ -65,15 +63,11 @@ static iso_status compare(const iso_baked *b, iso_baked_pair pair, const iso_vie
 {
     iso_image image = {0};
     iso_status status = iso_baked_render(b, pair, view, step_voxels, &image, progress, err);
-    double sum = 0, most = 0;
-    for (size_t i = 0; status == ISO_OK && i < image.width * image.height; ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            const double d = fabs((double)image.rgba[4 * i + c] - (double)exact->rgba[4 * i + c]);
-            sum += d * d;
-            most = d > most || isnan(d) ? d : most;
-        }
+    iso_metrics metrics = {0};
     if (status == ISO_OK)
-        *out = (iso_bake_difference){sqrt(sum / (3.0 * (double)(image.width * image.height))), most};
+        status = iso_metrics_measure(&image, exact, &metrics, err);
+    if (status == ISO_OK)
+        *out = (iso_bake_difference){metrics.rmse, metrics.max_abs};
     iso_image_destroy(&image);
     return status;
 }

@@ -15,7 +15,7 @@
 enum { ISO_BAKE_ERROR_PIXELS = 128 };
 
 typedef struct iso_bake_difference {
-    double rmse, max_abs; /* over the color channels */
+    double rmse, max_abs; /* over color and alpha, as compare has them */
 } iso_bake_difference;
 
 typedef struct iso_bake_error {
