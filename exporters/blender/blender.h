@@ -96,6 +96,22 @@ typedef struct iso_blender_sequence {
 iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
+/* A level of each of several volumes, which stand where their coordinates say. */
+enum { ISO_BLENDER_VOLUME_NAME = 64 };
+typedef struct iso_blender_several {
+    size_t level, count;
+    /* To be destroyed, both. name: of its box, and what its file's name ends in; no two are alike. */
+    iso_status (*load)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[ISO_BLENDER_VOLUME_NAME],
+                       iso_error *err);
+    void *user;
+} iso_blender_several;
+
+/* opt->step_voxels 0: the first view's. One NAME.blend with a NAME_volume.vdb, a box, a material and a collection for each, a property "show" of each box, and
+ * camera, lights and background of the first. Volumes are loaded one after the other. Where they overlap their emission and
+ * their extinction add up. */
+iso_status iso_blender_export_several(const iso_blender_several *several, const char *blend_path,
+                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
+
 /* Renders a level with Cycles: background included as in iso_reference_render. */
 iso_status iso_cycles_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_blender_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);

@@ -4,6 +4,7 @@
  *   blender.c        a level as a picture or as a file
  *   blender_plan.c   what a plan leaves of a volume
  *   sequence.c       frames of a series
+ *   several.c        several volumes
  *   describe.c       the description that the scripts read
  *   labels.c         label maps as an image of class numbers
  *   run.c            a run of Blender with the scripts */

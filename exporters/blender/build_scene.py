@@ -59,19 +59,41 @@ def add_levels(about, shift, frame, look, collection):
             thing[f"isoshade_roi_{key}"] = [float(v) for v in value]
         for hidden in ("hide_render", "hide_viewport") if several else ():
             drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})
+        for hidden in ("hide_render", "hide_viewport") if "show" in frame else ():
+            drive(thing, hidden, None, "show < 1", {"show": (frame, '["show"]')})
+
+
+def add_switch(frame):
+    """Of volumes that share a scene."""
+    frame["show"] = 1
+    frame.id_properties_ui("show").update(min=0, max=1, description="Whether this volume is shown")
+
+
+def add_volume(about, shift, parent, camera):
+    """One more volume: its box, levels and material in a collection of their own, lit by the lights that there are."""
+    collection = bpy.data.collections.new(about["name"])
+    parent.children.link(collection)
+    frame = frame_object(about, collection)
+    add_switch(frame)
+    look = material(about, frame)
+    add_levels(about, shift, frame, look, collection)
+    light_handles(about, look, collection)
+    missing_signs(about, frame, camera, collection)
 
 
 def build(about, shift):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    scene.name = about["name"]
+    scene.name = about.get("scene", about["name"])
     configure(scene, about)
     scene.unit_settings.scale_length = 0.001 / about["units_per_mm"]
     scene.unit_settings.length_unit = 'MILLIMETERS'
-    collection = bpy.data.collections.new(about["name"])
+    collection = bpy.data.collections.new(scene.name)
     scene.collection.children.link(collection)
     frame = frame_object(about, collection)
     note_scene(about, frame)
+    if "more" in about:
+        add_switch(frame)
     look = material(about, frame)
     add_levels(about, shift, frame, look, collection)
     scene.camera = camera_object(about["camera"], collection)
@@ -80,6 +102,8 @@ def build(about, shift):
         choose_material(about, frame, look)
         light_world(about, scene.world)
         missing_signs(about, frame, scene.camera, collection)
+        for other in about.get("more", ()):
+            add_volume(other, shift, collection, scene.camera)
         choose(frame, collection)
     return scene
 
@@ -90,7 +114,7 @@ def save(about, shift):
     scene.cycles.volume_preview_step_rate = max(1.0, 0.5 / about["step_voxels"])
     scene.cycles.preview_samples = 16
     scene.cycles.use_preview_denoising = False
-    scene.render.filepath = "//" + about["name"] + "_"
+    scene.render.filepath = "//" + scene.name + "_"
     scene.frame_start, scene.frame_end = 1, about.get("sequence", scene.frame_end)
     scene.frame_set(1)
     set_for_artist(scene)

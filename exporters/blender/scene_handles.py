@@ -54,7 +54,7 @@ def light_handles(about, look, collection):
     tree = look.node_tree
     axis = ("cos(z) * sin(y) * cos(x) + sin(z) * sin(x)", "sin(z) * sin(y) * cos(x) - cos(z) * sin(x)", "cos(y) * cos(x)")
     for i, light in enumerate(about["lights"]):
-        sun = sun_object(i + 1, light, about, collection)
+        sun = bpy.data.objects.get(f"isoshade light {i + 1}") or sun_object(i + 1, light, about, collection)
         for c in range(3):
             drive(tree, f'nodes["isoshade"].inputs["Light {i + 1}"].default_value', c, axis[c],
                   {"x": (sun, 'ROT_X'), "y": (sun, 'ROT_Y'), "z": (sun, 'ROT_Z')})
@@ -98,6 +98,10 @@ def explain(about, shift):
                    "one range for all of them.\n")
     if "bricks" in about:
         several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
+    if "more" in about:
+        several += ("Several volumes: each has a box, a material and a collection of its own, and the property \"show\" of its box, 0 or 1,\n"
+                    "hides it. Where they overlap they add up. They are {}.\n"
+                    .format(", ".join(f'"{one["name"]}"' for one in [about] + about["more"])))
     if any("roi" in level for level in about["levels"]):
         several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
                     'isoshade_roi_* and those of the volume around it have to be the same but for the side.\n')

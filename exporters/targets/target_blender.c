@@ -133,6 +133,16 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     return status;
 }
 
+static iso_status write_blender_volumes(const iso_export_job *job, iso_error *err)
+{
+    iso_blender_options o = iso_blender_defaults();
+    o.step_voxels = job->step_voxels;
+    take_grid_options(job, &o);
+    o.physical = job->physical;
+    const iso_blender_several all = {job->level, job->volume_count, job->load_volume, job->volume_user};
+    return iso_blender_export_several(&all, job->output, &o, job->progress, err);
+}
+
 /* The first frame, as the file opens, with the settings of the agreement that it keeps in a text; beside it. */
 static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
 {
@@ -166,6 +176,7 @@ const iso_export_target iso_export_target_blender = {
                ISO_EXPORT_TAKES(ISO_EXPORT_HALF) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE),
     .write = write_blender,
     .write_frames = write_blender_frames,
+    .write_volumes = write_blender_volumes,
     .open = open_blender,
     .renderer = "cycles",
     .stamped = true,

@@ -78,6 +78,10 @@ typedef struct iso_export_job {
     size_t frame_count;
     iso_status (*load_frame)(void *user, size_t frame, iso_pyramid *p, iso_error *err);
     void *frame_user;
+    /* Several volumes, of write_volumes: how many, and one of them with its view, to be destroyed; its name, 63 bytes. */
+    size_t volume_count;
+    iso_status (*load_volume)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[64], iso_error *err);
+    void *volume_user;
     const void *user;
     json_t *results; /* what a target has to say, by keys, or NULL; */
     FILE *notes;     /* or the same for people, in lines, or NULL */
@@ -95,6 +99,8 @@ typedef struct iso_export_target {
      * names end in `suffix` behind the number. */
     iso_status (*write_frames)(const iso_export_job *job, iso_error *err);
     const char *suffix;
+    /* Several volumes in one output, by job->load_volume; job->pyramid is NULL. NULL: there is no such thing. */
+    iso_status (*write_volumes)(const iso_export_job *job, iso_error *err);
 
     /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person to,
      * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */

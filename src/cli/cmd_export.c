@@ -6,6 +6,7 @@
 
 #include "base/stamp.h"
 #include "blender/blender.h"
+#include "cli/export_several.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -24,7 +25,8 @@ typedef struct export_arguments {
     iso_cli_look look;
     iso_bake_words bake_words;
     iso_bake_request bake;
-    char *to, *output, *isosurface, *plan, *grids, *frames, *material, *background_text;
+    char *to, *output, *isosurface, *plan, *grids, *frames, *channels, *material, *background_text;
+    char **added;
     int level, level_count, half, dense, force;
     size_t material_row;
     double step, background;
@@ -387,6 +389,42 @@ static iso_status export_series(export_arguments *a, iso_error *err)
     return status;
 }
 
+/* ---- several volumes ---- */
+
+static iso_status export_volumes(export_arguments *a, iso_error *err)
+{
+    const iso_export_target *target = NULL;
+    iso_subject_look look;
+    const char *other = a->plan                       ? "--plan"
+                        : a->frames                   ? "--frames"
+                        : a->adapted.wanted           ? "--adapt"
+                        : a->adapted.extinction_scale ? "--extinction-scale"
+                        : a->roi.box                  ? "--roi"
+                        : a->isosurface               ? "--isosurface"
+                        : a->level_count > 1          ? "--levels"
+                                                      : NULL;
+    iso_status status = check(a, &target, err);
+    if (status == ISO_OK && other)
+        status = iso_fail(err, ISO_E_USAGE, "%s and several volumes: %s is of one volume", other, other);
+    if (status == ISO_OK && a->channels && a->input.channel)
+        status = iso_fail(err, ISO_E_USAGE, "--channel and --channels: one of them");
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
+    if (status != ISO_OK)
+        return status;
+    iso_cli_expect_names(a->cli, true, target->stages, target->name);
+    return iso_export_several_volumes(&(iso_export_several){.cli = a->cli,
+                                                            .input = &a->input,
+                                                            .look = &look,
+                                                            .channels = a->channels,
+                                                            .added = (const char **)a->added,
+                                                            .level = (size_t)a->level,
+                                                            .step_voxels = a->step,
+                                                            .output = a->output,
+                                                            .target = target},
+                                      err);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     export_arguments a = {.level_count = 1};
@@ -404,8 +442,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
          "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
          "all"},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)",
-         "STEP"},
+        {"add", 0, POPT_ARG_ARGV, &a.added, 0,
+         "blender: one more volume in the scene, with a transfer function of its own (one that is suggested); again for more",
+         "VOLUME[,TF]"},
+        {"channels", 0, POPT_ARG_STRING, &a.channels, 0,
+         "blender: channels of the file as volumes of one scene, a color each", "all|LIST"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)", "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
@@ -442,7 +484,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_bake_request_make(&a.bake_words, a.half, &a.bake, err);
     a.bake.error_pixels = a.look.size ? 0 : a.bake.error_pixels;
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.frames ? export_series(&a, err) : export_it(&a, err);
+        status = a.added || a.channels ? export_volumes(&a, err)
+                 : a.frames            ? export_series(&a, err)
+                                       : export_it(&a, err);
     iso_cli_end(&cli);
     return status;
 }

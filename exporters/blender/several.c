@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+/* several.c - several volumes in one .blend: a box, a file of grids, a material and a transfer function each, in collections
+ * of their own. Camera, lights and background are the first one's. */
+#define _GNU_SOURCE
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "blender/blender_scene.h"
+
+typedef struct several_job {
+    const iso_blender_several *several;
+    const char *blend_path, *folder;
+    iso_blender_options opt;
+    const iso_progress *progress;
+    iso_blender_space space; /* of the first volume, which is all volumes' */
+    iso_output *outs;        /* the volumes' files, then the .blend */
+    json_t *about, *more;    /* of the first volume; of the others */
+} several_job;
+
+static char *grid_path(const char *blend_path, const char *name)
+{
+    char *path = NULL;
+    return asprintf(&path, "%.*s_%s.vdb", (int)(strlen(blend_path) - strlen(".blend")), blend_path, name) < 0 ? NULL
+                                                                                                              : path;
+}
+
+/* Overlapping volumes are walked by the shortest step of them, so each has its own. */
+static json_t *describe(const several_job *job, const iso_pyramid *p, const iso_view *view, const char *name)
+{
+    const iso_blender_several *s = job->several;
+    const iso_geometry *g = &p->levels[s->level].geometry;
+    char relative[NAME_MAX + 48], *path = grid_path(job->blend_path, name);
+    snprintf(relative, sizeof relative, "//%s", iso_path_base(path ? path : ""));
+    free(path);
+    json_t *about = iso_blender_describe_scene(view, &job->space, g, name, &job->opt), *levels = json_array();
+    iso_blender_append_level(levels, &(blender_level){g, s->level, {0, 1}, relative, ""}, view, &job->space, &job->opt);
+    json_object_set_new(about, "levels", levels);
+    json_object_set_new(about, "tf", iso_blender_describe_tf(view, s->level, 1, job->space.units));
+    json_object_set_new(about, "extinction_scale", json_false());
+    json_object_set_new(about, "film_transparent", json_false());
+    json_object_set_new(about, "source", iso_blender_text(p->source ? p->source : "", 1000));
+    json_object_set_new(about, "unit", json_string(p->unit.name));
+    return about;
+}
+
+static iso_status write_grid(several_job *job, const iso_pyramid *p, const char *name, iso_output *out, iso_error *err)
+{
+    iso_pyramid scaled = {0};
+    iso_vdb_options options = iso_vdb_defaults();
+    options.pad_voxels = 1;
+    iso_blender_note_space(&job->space, &options);
+    char *path = grid_path(job->blend_path, name);
+    iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK)
+        status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
+    if (status == ISO_OK)
+        status = iso_vdb_save(&scaled, job->several->level, 1, out->temp_path, &options, job->progress, err);
+    free(scaled.levels);
+    free(path);
+    return status;
+}
+
+/* Label maps have an image each, so each has a folder. */
+static iso_status describe_labels(const several_job *job, json_t *about, const iso_pyramid *p, const iso_view *view,
+                                  const char *name, iso_error *err)
+{
+    if (!p->levels[job->several->level].labels)
+        return ISO_OK;
+    char *own = iso_path_join(job->folder, name);
+    iso_status status = own && mkdir(own, 0777) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "blender: no folder for labels");
+    if (status == ISO_OK)
+        status = iso_blender_describe_labels(about, p, &(iso_blender_levels){job->several->level, 1, view},
+                                             job->space.units, own, err);
+    free(own);
+    return status;
+}
+
+static iso_status write_volume(several_job *job, size_t i, iso_error *err)
+{
+    const iso_blender_several *s = job->several;
+    iso_pyramid p = {0};
+    iso_view view = {0};
+    char name[ISO_BLENDER_VOLUME_NAME] = "";
+    iso_status status = s->load(s->user, i, &p, &view, name, err);
+    if (status == ISO_OK && !(job->opt.step_voxels > 0))
+        job->opt.step_voxels = view.step_voxels;
+    if (status == ISO_OK)
+        status = iso_blender_check(&p, s->level, 1, &job->opt, err);
+    if (status == ISO_OK && i == 0)
+        job->space = iso_blender_space_of(&p.levels[0].geometry);
+    if (status == ISO_OK)
+        status = write_grid(job, &p, name, &job->outs[i], err);
+    json_t *about = status == ISO_OK ? describe(job, &p, &view, name) : NULL;
+    if (status == ISO_OK)
+        status = describe_labels(job, about, &p, &view, name, err);
+    if (status == ISO_OK && i == 0)
+        job->about = json_incref(about);
+    else if (status == ISO_OK)
+        json_array_append(job->more, about);
+    json_decref(about);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+static iso_status write_blend(several_job *job, iso_error *err)
+{
+    iso_output *out = &job->outs[job->several->count];
+    const char *base = iso_path_base(job->blend_path);
+    char scene[NAME_MAX + 1];
+    iso_status status = iso_output_begin(out, job->blend_path, err);
+    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
+    if (status == ISO_OK && !target)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", job->blend_path);
+    if (status == ISO_OK) {
+        json_t *about = job->about;
+        job->about = NULL; /* is taken */
+        snprintf(scene, sizeof scene, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+        json_object_set_new(about, "scene", iso_blender_text(scene, 50));
+        json_object_set(about, "more", job->more);
+        json_object_set_new(about, "save", json_string(target));
+        status = iso_blender_run(about, job->folder, &job->opt, job->progress, err);
+    }
+    free(target);
+    return status;
+}
+
+iso_status iso_blender_export_several(const iso_blender_several *s, const char *blend_path,
+                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    if (!iso_path_ends_with(blend_path, ".blend"))
+        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    json_t *probe = json_string(blend_path);
+    char *folder = iso_make_temp_dir();
+    several_job job = {.several = s,
+                       .blend_path = blend_path,
+                       .folder = folder,
+                       .opt = *opt,
+                       .progress = progress,
+                       .outs = calloc(s->count + 1, sizeof *job.outs),
+                       .more = json_array()};
+    iso_status status = !probe ? iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path)
+                        : !folder || !job.outs ? iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made")
+                                               : ISO_OK;
+    json_decref(probe);
+    for (size_t i = 0; i < s->count && status == ISO_OK; ++i)
+        status = write_volume(&job, i, err);
+    if (status == ISO_OK)
+        status = write_blend(&job, err);
+    for (size_t i = 0; i <= s->count && status == ISO_OK; ++i)
+        status = iso_output_commit(&job.outs[i], err);
+    for (size_t i = 0; job.outs && i <= s->count; ++i)
+        iso_output_abandon(&job.outs[i]);
+    json_decref(job.about);
+    json_decref(job.more);
+    if (folder)
+        iso_remove_tree(folder);
+    free(job.outs);
+    free(folder);
+    return status;
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "cli/export_several.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "tf/presets.h"
+
+enum { MOST_VOLUMES = 32, NAME_BYTES = 64 };
+
+/* One of them, as it is asked for. */
+typedef struct one_volume {
+    char *path, *tf, *channel; /* tf, channel: or NULL */
+    char name[NAME_BYTES];
+} one_volume;
+
+typedef struct several_job {
+    const iso_export_several *asked;
+    iso_progress progress;
+    one_volume volumes[MOST_VOLUMES];
+    size_t count;
+    iso_view first; /* whose camera, lights and background are all volumes' */
+} several_job;
+
+/* Green, magenta, cyan, yellow, red, blue: as fluorescence is shown. Two of them are told apart by everybody. */
+static const double channel_colors[][3] = {{0, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 0}, {1, 0.05, 0.05}, {0.1, 0.2, 1}};
+static const char *const color_names[] = {"green", "magenta", "cyan", "yellow", "red", "blue"};
+enum { COLORS = sizeof channel_colors / sizeof *channel_colors };
+
+/* Letters, digits, "-" and "_"; a number where another has the name. */
+static void set_name(several_job *job, one_volume *v, const char *text)
+{
+    char base[NAME_BYTES - 8];
+    size_t n = 0;
+    for (; text[n] && text[n] != '.' && n + 1 < sizeof base; ++n)
+        base[n] = isalnum((unsigned char)text[n]) || text[n] == '-' ? text[n] : '_';
+    base[n] = 0;
+    snprintf(v->name, sizeof v->name, "%s", n > 0 ? base : "volume");
+    for (size_t i = 0, number = 2; i < job->count; ++i)
+        if (strcmp(job->volumes[i].name, v->name) == 0) {
+            snprintf(v->name, sizeof v->name, "%s_%zu", base, number++);
+            i = (size_t)-1;
+        }
+}
+
+static iso_status add(several_job *job, const char *path, const char *tf, const char *channel, const char *name,
+                      iso_error *err)
+{
+    if (job->count == MOST_VOLUMES)
+        return iso_fail(err, ISO_E_USAGE, "more than %d volumes", MOST_VOLUMES);
+    one_volume *v = &job->volumes[job->count];
+    *v = (one_volume){.path = strdup(path), .tf = tf ? strdup(tf) : NULL, .channel = channel ? strdup(channel) : NULL};
+    set_name(job, v, name);
+    ++job->count;
+    return v->path && (v->tf || !tf) && (v->channel || !channel) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+}
+
+static iso_status add_channel(several_job *job, const char *channel, iso_error *err)
+{
+    const iso_export_several *a = job->asked;
+    iso_volume_input input = *a->input;
+    iso_volume_source *source = NULL;
+    char name[NAME_BYTES];
+    input.channel = (char *)channel;
+    iso_status status = iso_volume_input_open(a->cli->arguments[0], &input, &source, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_volume_notes *notes = &iso_source_volume(source)->notes;
+    snprintf(name, sizeof name, "channel_%zu%s%.32s", notes->channel, notes->channel_name[0] ? "_" : "",
+             notes->channel_name);
+    iso_source_close(source);
+    return add(job, a->cli->arguments[0], NULL, channel, name, err);
+}
+
+/* How many channels the file has: its first one is opened to see. */
+static iso_status count_channels(const iso_export_several *a, size_t *count, iso_error *err)
+{
+    iso_volume_input input = *a->input;
+    iso_volume_source *source = NULL;
+    char first[] = "0";
+    input.channel = first;
+    iso_status status = iso_volume_input_open(a->cli->arguments[0], &input, &source, err);
+    *count = status == ISO_OK ? iso_source_volume(source)->notes.channel_count : 0;
+    iso_source_close(source);
+    return status == ISO_OK && *count < 2
+               ? iso_fail(err, ISO_E_USAGE, "%s has one channel, --channels chooses among several", a->cli->arguments[0])
+               : status;
+}
+
+static iso_status add_channels(several_job *job, iso_error *err)
+{
+    const char *list = job->asked->channels;
+    size_t count = 0;
+    iso_status status = count_channels(job->asked, &count, err);
+    if (status == ISO_OK && strcmp(list, "all") == 0) {
+        for (size_t c = 0; c < count && status == ISO_OK; ++c) {
+            char number[24];
+            snprintf(number, sizeof number, "%zu", c);
+            status = add_channel(job, number, err);
+        }
+        return status;
+    }
+    char *copy = strdup(list), *rest = copy;
+    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
+        status = add_channel(job, word, err);
+    free(copy);
+    return status;
+}
+
+/* "VOLUME,TF": what follows the last comma, but for a file whose own name has one. */
+static iso_status add_other(several_job *job, const char *text, iso_error *err)
+{
+    const char *comma = iso_path_exists(text) ? NULL : strrchr(text, ',');
+    char *path = comma ? strndup(text, (size_t)(comma - text)) : strdup(text);
+    iso_status status = path ? add(job, path, comma ? comma + 1 : NULL, NULL, iso_path_base(path), err)
+                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    free(path);
+    return status;
+}
+
+static void color_points(iso_tf *tf, const double color[3])
+{
+    for (size_t i = 0; i < tf->point_count; ++i)
+        memcpy(tf->points[i].rgb_linear, color, sizeof tf->points[i].rgb_linear);
+}
+
+/* The transfer function of a volume: the one that is named with it; of channels, a suggested one in the channel's color;
+ * of the first volume the scene's; else a suggested one. */
+static iso_status make_view(several_job *job, size_t i, const iso_pyramid *p, iso_view *view, iso_error *err)
+{
+    const one_volume *v = &job->volumes[i];
+    iso_subject_look look = *job->asked->look;
+    iso_scene scene = {0};
+    const bool colored = v->channel && !look.tf && !p->levels[0].labels;
+    look.tf = v->tf ? v->tf : i > 0 && !v->channel ? "auto" : colored ? "auto" : look.tf;
+    iso_status status = iso_subject_make_scene(&look, p, &scene, err);
+    if (status == ISO_OK && colored)
+        color_points(&scene.tf, channel_colors[i % COLORS]);
+    if (status == ISO_OK)
+        status = iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
+    iso_scene_destroy(&scene);
+    if (status != ISO_OK)
+        return status;
+    if (i == 0) {
+        job->first = *view;
+        return ISO_OK;
+    }
+    const iso_tf_table own = view->tf;
+    *view = job->first;
+    view->tf = own;
+    return ISO_OK;
+}
+
+static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[NAME_BYTES], iso_error *err)
+{
+    several_job *job = user;
+    const iso_export_several *a = job->asked;
+    const one_volume *v = &job->volumes[i];
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_volume_input input = *a->input;
+    build.threads = a->cli->threads;
+    build.level_count = a->level + 1;
+    if (v->channel)
+        input.channel = v->channel;
+    else if (i > 0)
+        iso_volume_input_defaults(&input); /* the options are the first volume's */
+    iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
+    if (status == ISO_OK && a->level >= p->level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %zu, the pyramid has levels 0 to %zu", v->path, a->level,
+                          p->level_count - 1);
+    if (status == ISO_OK)
+        status = make_view(job, i, p, view, err);
+    snprintf(name, NAME_BYTES, "%s", v->name);
+    return status;
+}
+
+static void tell(const several_job *job)
+{
+    const iso_export_several *a = job->asked;
+    if (a->cli->json) {
+        json_t *root = iso_cli_json(a->cli), *names = json_array();
+        for (size_t i = 0; i < job->count; ++i)
+            json_array_append_new(names, json_string(job->volumes[i].name));
+        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:o}", "to", a->target->name, "output", a->output,
+                                               "level", (int)a->level, "volumes", names));
+        iso_cli_print_json(root);
+        return;
+    }
+    for (size_t i = 0; i < job->count; ++i)
+        printf("%s%s%s\n", job->volumes[i].name, job->volumes[i].channel && !a->look->tf ? ": " : "",
+               job->volumes[i].channel && !a->look->tf ? color_names[i % COLORS] : "");
+    printf("%s: %zu volumes: %s\n", a->output, job->count, a->target->summary);
+}
+
+iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *err)
+{
+    several_job job = {.asked = a, .progress = iso_cli_progress(a->cli)};
+    iso_status status = a->target->write_volumes
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_USAGE, "--to %s has one volume in a scene", a->target->name);
+    if (status == ISO_OK)
+        status = a->channels ? add_channels(&job, err)
+                             : add(&job, a->cli->arguments[0], NULL, NULL, iso_path_base(a->cli->arguments[0]), err);
+    for (size_t i = 0; a->added && a->added[i] && status == ISO_OK; ++i)
+        status = add_other(&job, a->added[i], err);
+    if (status == ISO_OK) {
+        const iso_export_job export_job = {.level = a->level,
+                                           .output = a->output,
+                                           .step_voxels = a->step_voxels,
+                                           .threads = a->cli->threads,
+                                           .progress = &job.progress,
+                                           .volume_count = job.count,
+                                           .load_volume = load,
+                                           .volume_user = &job};
+        status = a->target->write_volumes(&export_job, err);
+    }
+    if (status == ISO_OK)
+        tell(&job);
+    for (size_t i = 0; i < job.count; ++i) {
+        free(job.volumes[i].path);
+        free(job.volumes[i].tf);
+        free(job.volumes[i].channel);
+    }
+    return status;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* export_several.h - several volumes in one scene: channels of a file, and volumes that are added to it. */
+#ifndef ISO_CLI_EXPORT_SEVERAL_H
+#define ISO_CLI_EXPORT_SEVERAL_H
+
+#include "options/cli.h"
+#include "scene/subject.h"
+#include "targets/targets.h"
+
+typedef struct iso_export_several {
+    const iso_cli *cli;
+    const iso_volume_input *input; /* of the first volume */
+    const iso_subject_look *look;
+    const char *channels; /* "all", or "0,2,DAPI"; NULL: not by channels */
+    const char **added;   /* "VOLUME" or "VOLUME,TF", NULL at the end; or NULL */
+    size_t level;
+    double step_voxels; /* 0: the scene's */
+    const char *output;
+    const iso_export_target *target;
+} iso_export_several;
+
+iso_status iso_export_several_volumes(const iso_export_several *several, iso_error *err);
+
+#endif
