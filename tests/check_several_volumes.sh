@@ -12,7 +12,7 @@ def write(name, value, origin, size=(8, 8, 8), kind="uchar", more=""):
                    f"encoding: raw\n{more}\n".encode() + bytes(value(i) for i in range(size[0] * size[1] * size[2])))
 write("a.nrrd", lambda i: 100, (0, 0, 0))
 write("b.nrrd", lambda i: 100, (4, 0, 0))
-write("seg.nrrd", lambda i: 5 if i % 8 < 2 else 0, (0, 0, 0), more="Segment0_ID:=liver\nSegment0_LabelValue:=5\n")
+write("seg.nrrd", lambda i: 5 if i % 8 < 3 else 0, (0, 0, 0), more="Segment0_ID:=liver\nSegment0_LabelValue:=5\n")
 with open("two.nrrd", "wb") as file: # a ball in each channel
     ball = lambda i, c: max(0, 250 - 30 * ((i % 8 - 2 - 3 * c) ** 2 + (i // 8 % 8 - 4) ** 2 + (i // 64 - 4) ** 2))
     file.write(b"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 8 8 8\nkinds: vector domain domain domain\nspace dimension: 3\n"
