@@ -74,7 +74,7 @@ invented() { # page: keys of it that no code has
 }
 check keys_of_the_code_are_on_the_page undocumented "$page"
 check keys_of_the_page_are_in_the_code invented "$page"
-sed 's/`unit_distance_mm`/`unit_distance`/' "$page" >planted.md
+sed 's/`unit_distance_mm`/`unit_distance_of_nothing`/' "$page" >planted.md
 expect a_key_that_is_left_out_is_found 1 undocumented planted.md
 expect a_key_that_is_invented_is_found 1 invented planted.md
 exit $failed
