@@ -108,6 +108,26 @@ static double optical_depth(const float *density, const size_t n[3], int axis, d
     return sum;
 }
 
+/* The points of a grid, and where they are: its geometry begins at another index than 0. */
+static void load_points(const char *path, const char *name, size_t channels, const size_t n[3], float *out,
+                        iso_geometry *geometry)
+{
+    enum { FIRST = ISO_VDB_FIELDS_FIRST };
+    const size_t m[3] = {n[0] + FIRST, n[1] + FIRST, n[2] + FIRST};
+    float *all = malloc(channels * m[0] * m[1] * m[2] * sizeof *all);
+    iso_geometry whole;
+    assert_ok(iso_vdb_load_grid(path, name, (int)channels, m, all, &whole, &err));
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y)
+            memcpy(out + channels * n[0] * (y + n[1] * z),
+                   all + channels * (FIRST + m[0] * (y + FIRST + m[1] * (z + FIRST))), channels * n[0] * sizeof *out);
+    if (geometry) {
+        *geometry = whole;
+        geometry->origin_mm = iso_geometry_to_world(&whole, iso_v3(FIRST, FIRST, FIRST));
+    }
+    free(all);
+}
+
 /* A slab of extinction .3 / mm: 10 mm along x are 3, whatever the unit, the points, and the axis that is up. */
 static void a_slab_is_as_deep_in_every_unit(void **state)
 {
@@ -127,7 +147,7 @@ static void a_slab_is_as_deep_in_every_unit(void **state)
             float *density = malloc(count * sizeof *density);
             iso_geometry back;
             save(&b, &r, f->path);
-            assert_ok(iso_vdb_load_grid(f->path, "density", 1, n, density, &back, &err));
+            load_points(f->path, "density", 1, n, density, &back);
             for (int a = 0; a < 3; ++a) {
                 const double distance = spacing[a] / (double)points / mm[u / 2];
                 /* floats of the grid: 6e-8 of each summand */
@@ -255,10 +275,10 @@ static void grids_agree_and_are_never_negative(void **state)
     float *density = malloc(8 * count * sizeof *density), *color = density + count, *emission = color + 3 * count,
           *place = emission + 3 * count;
     save(&b, &r, f->path);
-    assert_ok(iso_vdb_load_grid(f->path, "density", 1, n, density, NULL, &err));
-    assert_ok(iso_vdb_load_grid(f->path, "color", 3, n, color, NULL, &err));
-    assert_ok(iso_vdb_load_grid(f->path, "emission", 3, n, emission, NULL, &err));
-    assert_ok(iso_vdb_load_grid(f->path, "temperature", 1, n, place, NULL, &err));
+    load_points(f->path, "density", 1, n, density, NULL);
+    load_points(f->path, "color", 3, n, color, NULL);
+    load_points(f->path, "emission", 3, n, emission, NULL);
+    load_points(f->path, "temperature", 1, n, place, NULL);
     size_t visible = 0;
     for (size_t i = 0; i < count; ++i) {
         visible += density[i] > 0;

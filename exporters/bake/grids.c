@@ -8,6 +8,14 @@
 
 #include "base/file.h"
 
+/* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active points
+ * alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
+enum { RIM = 2 };
+static long rim_of(iso_bake_grid grid)
+{
+    return grid == ISO_BAKE_DENSITY ? RIM : 1;
+}
+
 /* What the readers of a grid look at. */
 typedef struct grid_source {
     const iso_baked *baked;
@@ -52,11 +60,39 @@ static void read_values(const void *user, size_t x, size_t y, size_t z, size_t c
     }
 }
 
+static bool is_visible(const iso_baked *b, long x, long y, long z)
+{
+    const long at[3] = {x, y, z};
+    for (int a = 0; a < 3; ++a)
+        if (at[a] < 0 || at[a] >= (long)b->geometry.size[a])
+            return false;
+    const float *point = iso_baked_point(b, (size_t)x, (size_t)y, (size_t)z);
+    return point && point[ISO_BAKE_EXTINCTION] > 0;
+}
+
+/* Is a point of column x visible, at most `rim` rows and planes from (y, z)? */
+static bool shows_in_column(const iso_baked *b, long rim, long x, long y, long z)
+{
+    bool any = false;
+    for (long dz = -rim; dz <= rim && !any; ++dz)
+        for (long dy = -rim; dy <= rim && !any; ++dy)
+            any = is_visible(b, x, y + dy, z + dz);
+    return any;
+}
+
+/* x, y, z count from the rim's first point; count is at most 8, a leaf's side. */
 static void read_active(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
 {
     const grid_source *s = user;
-    for (size_t i = 0; i < count; ++i)
-        out[i] = is_active(s->grid, iso_baked_point(s->baked, x + i, y, z));
+    const long rim = rim_of(s->grid);
+    bool shows[8 + 2 * RIM] = {false};
+    for (size_t i = 0; i < count + 2 * (size_t)rim; ++i)
+        shows[i] = shows_in_column(s->baked, rim, (long)(x + i) - RIM - rim, (long)y - RIM, (long)z - RIM);
+    for (size_t i = 0; i < count; ++i) {
+        out[i] = 0;
+        for (size_t k = 0; k <= 2 * (size_t)rim; ++k)
+            out[i] = out[i] || shows[i + k];
+    }
 }
 
 static double largest(const grid_source *s)
@@ -112,6 +148,7 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
     const iso_vdb_fields all = {.geometry = &b->geometry,
                                 .items = fields,
                                 .count = count,
+                                .rim = RIM,
                                 .level = level,
                                 .made_from = made_from ? iso_path_base(made_from) : "",
                                 .convention = r->convention,

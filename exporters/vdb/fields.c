@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/version.h"
+#include "vdb/vdb_file.h"
 #include "vdb/vdb_openvdb.h"
 
 iso_vdb_convention iso_vdb_own_convention(void)
@@ -59,6 +60,7 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
                         .read_active = field->read_active,
                         .user = field->user,
                         .active_user = field->user,
+                        .pad = f->rim,
                         .direction_scale = 1,
                         .half_float = f->half_float,
                         .fog_volume = true,
@@ -76,6 +78,8 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
     memcpy(s.box_index, f->geometry->box_index, sizeof s.box_index);
     iso_geometry_spacing_mm(f->geometry, s.spacing_mm);
     place(f, s.index_to_world);
+    /* Not at 0: Cycles takes a voxel more on each side, and bounds grids with negative indices wrongly. */
+    iso_vdb_begin_at(&s, (const long[]){ISO_VDB_FIELDS_FIRST, ISO_VDB_FIELDS_FIRST, ISO_VDB_FIELDS_FIRST});
     return s;
 }
 

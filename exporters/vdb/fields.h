@@ -28,11 +28,15 @@ iso_vec3 iso_vdb_in_scene(const iso_vdb_convention *c, iso_vec3 world_mm);
 /* A direction of the world on the scene's axes. */
 iso_vec3 iso_vdb_turned(const iso_vdb_convention *c, iso_vec3 direction);
 
+/* Index of the geometry's first point along each axis, where a leaf begins: the rim has no negative one. */
+enum { ISO_VDB_FIELDS_FIRST = 8 };
+
 /* One grid. */
 typedef struct iso_vdb_field {
     const char *name, *meaning;
     int channels; /* 1: float; 3: vec3s, a color */
-    /* Copies `count` values of the row (y, z) from x on, `channels` floats each; and which of them are active. */
+    /* Copies `count` values of the row (y, z) from x on, `channels` floats each; and which of at most eight are active,
+     * where x, y and z count from the first point of the rim. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user;
@@ -43,6 +47,7 @@ typedef struct iso_vdb_fields {
     const iso_geometry *geometry; /* in mm, right-handed; voxels' centers are the points */
     const iso_vdb_field *items;
     size_t count;
+    size_t rim; /* points beyond the geometry that may be active; their values are those at its faces */
     int level;
     const char *made_from; /* a file's name without its folder */
     iso_vdb_convention convention;

@@ -53,4 +53,7 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
                                iso_vdb_grids *grids, iso_error *err);
 void iso_vdb_grids_destroy(iso_vdb_grids *grids); /* accepts empty */
 
+/* Voxel 0 gets the index `first` along each axis, and stays where it is in the world. */
+void iso_vdb_begin_at(iso_vdb_source *source, const long first[3]);
+
 #endif

@@ -205,8 +205,7 @@ static iso_status add_grids(const iso_vdb_job *job, const iso_vdb_source *common
     return ISO_OK;
 }
 
-/* Voxel 0 gets the index `first` along each axis, and stays where it is in the world. */
-static void begin_at(iso_vdb_source *source, const long first[3])
+void iso_vdb_begin_at(iso_vdb_source *source, const long first[3])
 {
     for (int a = 0; a < 3; ++a) {
         source->first[a] = first[a];
@@ -255,7 +254,7 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
     /* Cycles marks one voxel more on each side as its own, and up to Blender 5.1 it bounds a grid wrongly that then has
      * negative indices: parts of levels of a few voxels were not drawn (projects.blender.org, issue 141488). */
     const long first = opt->pad_voxels > 0 ? (long)opt->pad_voxels + 1 : 0;
-    begin_at(&source, (const long[3]){first, first, first});
+    iso_vdb_begin_at(&source, (const long[3]){first, first, first});
     char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
     if (level->labels)
         source.labels = segments ? segments : "[]";
@@ -323,7 +322,7 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
     long first[3] = {reversed ? -l->first[0] - (long)l->size[0] : l->first[0], l->first[1], l->first[2]};
     for (int a = 0; a < 3; ++a)
         first[a] += beginning(first[a], LEAF);
-    begin_at(&source, first);
+    iso_vdb_begin_at(&source, first);
     const grid_readers readers = {.scalar = read_node_scalars,
                                   .directions = opt->gradient ? read_node_directions : NULL,
                                   .kept = read_node_activity,
