@@ -17,9 +17,10 @@ page = sys.argv[1]
 # Words that stand for something, and volumes that a reader has and this test does not; all are the same small volume.
 STANDS_FOR = [
     (r"(VOLUME|[a-z0-9_/]*(ch2|ch2bet)\.nii\.gz)\b", "v.nrrd"),
-    (r"\b(nucleon_41|fuel_crop|aneurism_256|bonsai_256|engine_256x256x128|cranium_ct_hu|mr_seg3d|heptane_302|inia19_t1_float|engine|big)\.nrrd", "v.nrrd"),
+    (r"\b(nucleon_41|fuel_crop|aneurism_256|bonsai_256|engine_256x256x128|cranium_ct_hu|mr_seg3d|heptane_302|inia19_t1_float|engine|big|head)\.nrrd", "v.nrrd"),
     (r"v\.nrrd\.\.\.|v\.nrrd,\.\.\.", "v.nrrd"),
-    (r"\b(SCENE|s)\.scene\.json|(?<=--scene )S\b", "refscenes/shells.scene.json"),
+    (r"\b(SCENE|s|head)\.scene\.json|(?<=--scene )S\b", "refscenes/shells.scene.json"),
+    (r"(?<=--step )S\b", "0.5"),
     (r"\b(FOLDER|DIR|FILE)\b", "folder"),
     (r" \.\.\.$", ""),
 ]

@@ -31,6 +31,8 @@ expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --js
 has_keys json_has "$dir/out" schema command options worse_count missing_count changes verdict
 expect a_factor_below_1_is_refused 2 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --factor 0.5
 expect another_file_is_no_baseline 4 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
+echo '{"schema": "isoshade.accepted/2", "rows": {}}' >"$dir/empty.json"
+expect a_baseline_without_rows_is_refused 4 "$ISOSHADE" baseline "$dir/one" "$dir/empty.json"
 expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/base.json"
 
 expect a_report_without_pictures_gives_no_figure 5 "$ISOSHADE" figure "$dir/one" -o "$dir/f"
@@ -38,5 +40,5 @@ check no_figure_is_left test ! -e "$dir/f"
 expect a_figure_needs_a_report 3 "$ISOSHADE" figure "$dir" -o "$dir/f"
 expect an_unknown_figure_is_refused 2 "$ISOSHADE" figure "$dir/one" --kind photo -o "$dir/f"
 expect a_figure_needs_an_output 2 "$ISOSHADE" figure "$dir/one"
-check nothing_temporary_is_left test -z "$(find "$dir" -name '.*-*')"
+check nothing_temporary_is_left test -z "$(find "$dir" -name '.*-*' ! -name .isoshade-files)"
 exit $failed

@@ -151,7 +151,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
                                   .brick_voxels = (size_t)a->brick,
                                   .level_count = (size_t)a->brick_levels,
                                   .page_side = (size_t)a->page_side,
-                                  .step_voxels = isnan(a->step) ? 0 : a->step,
+                                  .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                                   .threads = cli->threads,
                                   .report = &r};
     iso_gl *gl;
@@ -366,7 +366,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     help_texts help = {.count = 0};
     iso_render_arguments a = {
-        .with = iso_renderers_usual()->name, .step = NAN, .brick = 16, .brick_levels = 4};
+        .with = iso_renderers_usual()->name, .step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);

@@ -138,7 +138,7 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
     *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
     if (status == ISO_OK && a->source)
         status = iso_direction_source_from_name(a->source, &opt->source, err);
-    if (status == ISO_OK && !isnan(a->step))
+    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--intervals", a->intervals, 0,
@@ -167,7 +167,7 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
         opt->isosurface = true;
         opt->iso = value[0];
     }
-    opt->step_voxels = isnan(a->step) ? 0 : a->step;
+    opt->step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step;
     opt->intervals = (size_t)a->intervals;
     opt->planes = (size_t)a->planes;
     opt->samples = a->samples;

@@ -3,11 +3,16 @@
 #ifndef ISO_RENDER_OPTIONS_H
 #define ISO_RENDER_OPTIONS_H
 
+#include <math.h>
+
 #include "options/adapted.h"
 #include "options/input.h"
 #include "options/look.h"
 #include "options/roi.h"
 #include "renderers/renderers.h"
+
+/* What --step is where it is not given: 0 and NaN are refused. */
+#define ISO_STEP_OF_SCENE (-INFINITY)
 
 /* As given; 0 and NULL: not given. */
 typedef struct iso_render_arguments {
