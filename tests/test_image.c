@@ -140,7 +140,7 @@ static void ppm_of_16_bits_is_read_and_8_bits_refused(void **state)
 }
 
 /* Byte 188 is 0.502886 in linear light, 1 is 1 / (255 * 12.92). */
-static void png_is_decoded_from_srgb_and_16_bits_are_refused(void **state)
+static void png_is_decoded_from_srgb_of_8_and_16_bits(void **state)
 {
     (void)state;
     iso_image a, b;
@@ -173,7 +173,10 @@ static void png_is_decoded_from_srgb_and_16_bits_are_refused(void **state)
     const uint16_t deep[] = {1, 2, 3, 4, 5, 6};
     png = (png_image){.version = PNG_IMAGE_VERSION, .width = 2, .height = 1, .format = PNG_FORMAT_LINEAR_RGB};
     assert_true(png_image_write_to_file(&png, path, 0, deep, 0, NULL));
-    assert_status(iso_image_load_png(path, &a, &err), ISO_E_FORMAT);
+    assert_ok(iso_image_load_png(path, &a, &err)); /* of 16 bits, which the file says are linear */
+    for (size_t i = 0; i < 6; ++i)
+        assert_within((double)a.rgba[4 * (i / 3) + i % 3], (double)deep[i] / 65535, 0.5 / 65535 / 12.92 + 1e-9);
+    iso_image_destroy(&a);
     assert_ok(iso_file_write(path, "not a picture", 13, &err));
     assert_status(iso_image_load_png(path, &a, &err), ISO_E_FORMAT);
     free(path);
@@ -202,7 +205,7 @@ int main(void)
         cmocka_unit_test(a_truncated_exr_is_refused),
         cmocka_unit_test(an_unwritable_folder_is_named),
         cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),
-        cmocka_unit_test(png_is_decoded_from_srgb_and_16_bits_are_refused),
+        cmocka_unit_test(png_is_decoded_from_srgb_of_8_and_16_bits),
         cmocka_unit_test(the_background_shows_through_what_is_left_of_alpha),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -251,6 +251,13 @@ def shade_group(light_count, eps):
     return group.finish(Shade=shade)
 
 
+def where_positive(group, factor, volume, label):
+    """The same shader, of which Cycles evaluates nothing where the factor is 0: it jumps over the branch of a mix that has no
+    part. Volumes that overlap, as the levels of a plan, are all evaluated at each step of a ray."""
+    part = group.math('GREATER_THAN', factor, 0.0, label=label)
+    return group.node('ShaderNodeMixShader', label, {0: part, 2: volume}).outputs[0]
+
+
 def isoshade_group(about, frame):
     lights = len(about["lights"])
     inputs = [('NodeSocketFloat', "Density Scale", 1.0), ('NodeSocketFloat', "Use Ramp", 0.0),
@@ -306,18 +313,21 @@ def isoshade_group(about, frame):
         side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
         share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
         inside = group.math('MULTIPLY', inside, share)
-    if "bricks" in about:
-        piece = group.node('ShaderNodeAttribute', "number of the piece", {}, attribute_type='OBJECT',
-                           attribute_name="isoshade_piece")
-        here = group.call(piece_group(about), Position=position)["Piece"]
-        inside = group.math('MULTIPLY', inside, group.math('COMPARE', here, piece.outputs["Fac"], 0.5), label="of this piece")
     seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
     names = ["Ambient", "Diffuse", "Specular", "Power"] + [label for _, label, _ in light_inputs(lights)]
     shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"],
                        **{name: group.given[name] for name in names})["Shade"]
-    return group.finish(Volume=group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma,
-                                          Physical=group.given["Physical"], Anisotropy=group.given["Anisotropy"])["Volume"])
+    volume = group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma, Physical=group.given["Physical"],
+                        Anisotropy=group.given["Anisotropy"])["Volume"]
+    volume = where_positive(group, sigma, volume, "where something is seen")
+    if "bricks" in about:
+        piece = group.node('ShaderNodeAttribute', "number of the piece", {}, attribute_type='OBJECT',
+                           attribute_name="isoshade_piece")
+        here = group.call(piece_group(about), Position=position)["Piece"]
+        own = group.math('COMPARE', here, piece.outputs["Fac"], 0.5, label="of this piece")
+        volume = where_positive(group, own, volume, "in its own bricks")
+    return group.finish(Volume=volume)
 
 
 def material(about, frame):

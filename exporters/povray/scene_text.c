@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "povray/scene_text.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -250,14 +251,20 @@ static void write_weights(FILE *f, const iso_roi *roi)
         lo[0], lo[1], lo[2], hi[0], hi[1], hi[2], lo[0], hi[0], lo[1], hi[1], lo[2], hi[2], fmax(roi->band, 1e-9));
 }
 
-/* The text with its declared names made those of the finer layer; what the user sets is shared. */
+static bool ends_there(const char *at)
+{
+    return !isalnum((unsigned char)*at) && *at != '_';
+}
+
+/* The text with its declared names made those of the finer layer; what the user sets is shared, and what belongs to both. */
 void iso_povray_write_renamed(FILE *f, const char *text)
 {
-    static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale", "Iso_Light",
-                                         "Iso_Viewer", "Iso_Diffuse_Most", "Iso_Specular_Most"};
+    static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale", "Iso_Light", "Iso_Units_Per_mm",
+                                         "Iso_Diffuse_Most", "Iso_Specular_Most"}; /* and names that begin so */
+    static const char viewer[] = "Iso_Viewer"; /* the point alone: functions of it are the layer's own */
     static const char from[] = "Iso_", to[] = "Iso_Roi_";
     for (const char *at; (at = strstr(text, from)); text = at + sizeof from - 1) {
-        bool keep = false;
+        bool keep = strncmp(at, viewer, strlen(viewer)) == 0 && ends_there(at + strlen(viewer));
         for (size_t i = 0; i < sizeof shared / sizeof *shared; ++i)
             keep = keep || strncmp(at, shared[i], strlen(shared[i])) == 0;
         fprintf(f, "%.*s%s", (int)(at - text), text, keep ? from : to);
