@@ -56,6 +56,7 @@ SMALL = [
 
 # What is not run, with the reason; its options are checked like those of the others.
 NOT_RUN = [
+    (r"make shells --size 512", "a volume of 512 voxels a side: minutes beside other work, and a gigabyte"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
     (r"bench consistency --(shading|filters)", "minutes; tests/check_consistency.sh runs them with few voxels and pixels"),
     (r"bench encode", "a minute whatever the options; tests/check_bench_encode.sh runs it"),
