@@ -265,19 +265,14 @@ static iso_status write_files(const export_job *e, const char *folder, iso_outpu
     for (size_t i = 0; i < e->count && status == ISO_OK; ++i)
         if (e->views[i].roi)
             status = write_roi_grid(e, i, &outs[(*files)++], err);
-    if (status == ISO_OK)
-        status = iso_output_begin(&outs[*files], e->blend_path, err);
-    char *target = status == ISO_OK ? realpath(outs[*files].temp_path, NULL) : NULL;
-    if (status == ISO_OK && !target)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", e->blend_path);
     if (status == ISO_OK) {
         json_t *about = describe_export(e);
-        json_object_set_new(about, "save", json_string(target));
         status = describe_labels(about, e->p, &(iso_blender_levels){e->first, e->count, e->views}, e->space->units,
                                  folder, err);
-        status = run_described(status, about, folder, e->opt, progress, err);
+        if (status == ISO_OK)
+            return iso_blender_save(about, e->blend_path, &outs[*files], folder, e->opt, progress, err);
+        json_decref(about);
     }
-    free(target);
     return status;
 }
 
@@ -286,12 +281,8 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
 {
     const size_t first = levels->first, count = levels->count;
     iso_status status = iso_blender_check(p, first, count, opt, err);
-    if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
-        status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
-    json_t *probe = json_string(blend_path);
-    if (status == ISO_OK && !probe)
-        status = iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path);
-    json_decref(probe);
+    if (status == ISO_OK)
+        status = iso_blender_check_path(blend_path, err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();

@@ -121,7 +121,7 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     const char *blend_path = job->blend_path;
     iso_status status = ISO_OK;
     const char *base = iso_path_base(blend_path);
-    char name[NAME_MAX + 1], *target = NULL;
+    char name[NAME_MAX + 1];
     iso_vdb_options options = iso_vdb_defaults();
     iso_vdb_shown shown; /* has no meaning for lattices, which are sparse */
     iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
@@ -132,18 +132,12 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
             status = save_lattice(plan, i, outs[i].temp_path, options, progress, err);
         free(path);
     }
-    if (status == ISO_OK)
-        status = iso_output_begin(&outs[plan->count], blend_path, err);
-    if (status == ISO_OK && !(target = realpath(outs[plan->count].temp_path, NULL)))
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
     if (status == ISO_OK) {
         snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
         json_t *about = describe_plan(job, name);
-        json_object_set_new(about, "save", json_string(target));
         iso_blender_scale_directions(about, job->opt, ISO_VDB_LINEAR_SCALE);
-        status = iso_blender_run(about, folder, job->opt, progress, err);
+        status = iso_blender_save(about, blend_path, &outs[plan->count], folder, job->opt, progress, err);
     }
-    free(target);
     return status;
 }
 
@@ -151,8 +145,8 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
                                    const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
     iso_status status = check_plan(plan, view, opt, err);
-    if (status == ISO_OK && !iso_path_ends_with(blend_path, ".blend"))
-        status = iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    if (status == ISO_OK)
+        status = iso_blender_check_path(blend_path, err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();

@@ -11,6 +11,7 @@
 #ifndef ISO_BLENDER_SCENE_H
 #define ISO_BLENDER_SCENE_H
 
+#include "base/file.h"
 #include "base/json.h"
 #include "blender/blender.h"
 #include "vdb/vdb.h"
@@ -89,5 +90,11 @@ int iso_blender_seed(int seed);
 json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count);
 iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, size_t count, iso_image *pictures,
                                      iso_error *err);
+
+/* ISO_E_USAGE: not a path that Blender takes for a .blend. */
+iso_status iso_blender_check_path(const char *blend_path, iso_error *err);
+/* Reserves the .blend in *out, and lets Blender save in it what `about` describes, which is taken. */
+iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
+                            const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
 #endif

@@ -309,3 +309,28 @@ iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, s
         iso_image_destroy(&pictures[i]);
     return status;
 }
+
+iso_status iso_blender_check_path(const char *blend_path, iso_error *err)
+{
+    json_t *text = json_string(blend_path);
+    json_decref(text);
+    if (!iso_path_ends_with(blend_path, ".blend"))
+        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
+    return text ? ISO_OK : iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path);
+}
+
+iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
+                            const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
+{
+    iso_status status = iso_output_begin(out, blend_path, err);
+    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
+    if (status == ISO_OK && !target)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
+    if (status != ISO_OK) {
+        json_decref(about);
+        return status;
+    }
+    json_object_set_new(about, "save", json_string(target));
+    free(target);
+    return iso_blender_run(about, folder, opt, progress, err);
+}

@@ -94,34 +94,22 @@ static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
 
 static iso_status write_blend(sequence_job *job, const char *folder, iso_error *err)
 {
-    iso_output *out = &job->outs[job->sequence->count];
-    iso_status status = iso_output_begin(out, job->blend_path, err);
-    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
-    if (status == ISO_OK && !target)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", job->blend_path);
-    if (status == ISO_OK) {
-        json_t *about = job->about;
-        job->about = NULL; /* is taken */
-        json_object_set_new(about, "save", json_string(target));
-        status = iso_blender_run(about, folder, job->opt, job->progress, err);
-    }
-    free(target);
-    return status;
+    json_t *about = job->about;
+    job->about = NULL; /* is taken */
+    return iso_blender_save(about, job->blend_path, &job->outs[job->sequence->count], folder, job->opt, job->progress, err);
 }
 
 iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    if (!iso_path_ends_with(blend_path, ".blend"))
-        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
     sequence_job job = {.sequence = s, .blend_path = blend_path, .opt = opt, .progress = progress};
-    json_t *probe = json_string(blend_path);
+    iso_status status = iso_blender_check_path(blend_path, err);
+    if (status != ISO_OK)
+        return status;
     char *folder = iso_make_temp_dir();
     job.outs = calloc(s->count + 1, sizeof *job.outs);
-    iso_status status = !probe ? iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path)
-                        : !folder || !job.outs ? iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made")
-                                               : ISO_OK;
-    json_decref(probe);
+    if (!folder || !job.outs)
+        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     for (size_t k = 0; k < s->count && status == ISO_OK; ++k)
         status = write_frame(&job, k, err);
     if (status == ISO_OK)

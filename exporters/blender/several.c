@@ -109,32 +109,23 @@ static iso_status write_volume(several_job *job, size_t i, iso_error *err)
 
 static iso_status write_blend(several_job *job, iso_error *err)
 {
-    iso_output *out = &job->outs[job->several->count];
     const char *base = iso_path_base(job->blend_path);
     char scene[NAME_MAX + 1];
-    iso_status status = iso_output_begin(out, job->blend_path, err);
-    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
-    if (status == ISO_OK && !target)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", job->blend_path);
-    if (status == ISO_OK) {
-        json_t *about = job->about;
-        job->about = NULL; /* is taken */
-        snprintf(scene, sizeof scene, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-        json_object_set_new(about, "scene", iso_blender_text(scene, 50));
-        json_object_set(about, "more", job->more);
-        json_object_set_new(about, "save", json_string(target));
-        status = iso_blender_run(about, job->folder, &job->opt, job->progress, err);
-    }
-    free(target);
-    return status;
+    json_t *about = job->about;
+    job->about = NULL; /* is taken */
+    snprintf(scene, sizeof scene, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+    json_object_set_new(about, "scene", iso_blender_text(scene, 50));
+    json_object_set(about, "more", job->more);
+    return iso_blender_save(about, job->blend_path, &job->outs[job->several->count], job->folder, &job->opt,
+                            job->progress, err);
 }
 
 iso_status iso_blender_export_several(const iso_blender_several *s, const char *blend_path,
                                       const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    if (!iso_path_ends_with(blend_path, ".blend"))
-        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
-    json_t *probe = json_string(blend_path);
+    iso_status status = iso_blender_check_path(blend_path, err);
+    if (status != ISO_OK)
+        return status;
     char *folder = iso_make_temp_dir();
     several_job job = {.several = s,
                        .blend_path = blend_path,
@@ -143,10 +134,8 @@ iso_status iso_blender_export_several(const iso_blender_several *s, const char *
                        .progress = progress,
                        .outs = calloc(s->count + 1, sizeof *job.outs),
                        .more = json_array()};
-    iso_status status = !probe ? iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path)
-                        : !folder || !job.outs ? iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made")
-                                               : ISO_OK;
-    json_decref(probe);
+    if (!folder || !job.outs)
+        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     for (size_t i = 0; i < s->count && status == ISO_OK; ++i)
         status = write_volume(&job, i, err);
     if (status == ISO_OK)
