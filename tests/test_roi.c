@@ -303,12 +303,13 @@ static void povray_blends_as_the_reference(void **state)
 }
 
 /* Cycles begins a new phase of its steps where a ray meets the second volume: an error of the first order in the step
- * that is random, so the mean of pictures with several seeds is compared. */
+ * that is random, so the mean of pictures with several seeds is compared: of 8 it is off by 1.9e-4 in Blender 3.4 and 2.1e-4
+ * in 4.3, of 16 by 1.4e-4 and 1.6e-4. */
 static void cycles_blends_as_the_reference(void **state)
 {
     (void)state;
     need_cycles();
-    enum { seeds = 8 };
+    enum { seeds = 16 };
     subject s = open_subject();
     iso_render_options reference = iso_render_defaults(&iso_renderer_reference);
     iso_view view = s.view; /* lent */
@@ -329,7 +330,7 @@ static void cycles_blends_as_the_reference(void **state)
             sum += (double)pictures[k].rgba[i] / seeds;
         pictures[0].rgba[i] = (float)sum;
     }
-    check_image(&pictures[0], &s, &reference, "cycles, mean of 8", 1, 2e-4);
+    check_image(&pictures[0], &s, &reference, "cycles, mean of 16", 1, 2e-4);
     for (int k = 0; k < seeds; ++k)
         iso_image_destroy(&pictures[k]);
     close_subject(&s);
