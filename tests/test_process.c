@@ -123,6 +123,12 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "exit code 5"));
     assert_true(pid > 1);
     assert_int_equal(kill((pid_t)pid, 0), -1);
+    /* Children that ended before it, and that it did not wait for, come to the keeper with it: their codes are not its. */
+    const char *careless[] = {"/bin/sh", "-c", "for i in 1 2 3 4 5 6 7 8; do (exit 9) & done; exec timeout 0.1 sleep 60", NULL};
+    for (int i = 0; i < 5; ++i) {
+        assert_int_equal(iso_process_run(careless, NULL, &err), ISO_E_PROGRAM);
+        assert_non_null(strstr(err.text, "exit code 124")); /* of timeout */
+    }
     const char *killed[] = {"/bin/sh", "-c", "kill -SEGV $$", NULL};
     assert_int_equal(iso_process_run(killed, NULL, &err), ISO_E_PROGRAM);
     assert_non_null(strstr(err.text, "ended by signal 11"));

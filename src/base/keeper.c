@@ -33,8 +33,8 @@ static void run_program(const char *const argv[], const char *directory, int in,
     _exit(127);
 }
 
-/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. */
-static void kill_children(void)
+/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it lists none. */
+static bool kill_children(void)
 {
     const int list = open("/proc/thread-self/children", O_RDONLY);
     char digits[256];
@@ -51,6 +51,7 @@ static void kill_children(void)
         }
     if (list >= 0)
         close(list);
+    return list >= 0;
 }
 
 /* Until nothing is left: who loses its parent becomes our child, and may have started others in the meantime. */
@@ -59,8 +60,9 @@ static void end_all(pid_t program, int *result)
     for (;;) {
         int how;
         kill(-program, SIGKILL);
-        kill_children();
-        const pid_t pid = waitpid(-1, &how, 0);
+        /* Where children are not listed, those that left the program's group are not waited for: they may stay for ever. */
+        const bool all_are_killed = kill_children();
+        const pid_t pid = waitpid(all_are_killed ? -1 : -program, &how, 0);
         if (pid < 0 && errno != EINTR)
             return;
         if (pid == program)
@@ -89,8 +91,11 @@ static void keep(pid_t program, const sigset_t *wanted)
     for (bool stop = false, ended = false; !stop && !ended;) {
         const struct timespec patience = {.tv_sec = 1}; /* a signal that came before this process began is not lost either */
         stop = sigtimedwait(wanted, NULL, &patience) == SIGTERM;
-        for (pid_t pid; (pid = waitpid(-1, &result, WNOHANG)) > 0 && !ended;)
+        int how; /* of the program, or of what it left */
+        for (pid_t pid; !ended && (pid = waitpid(-1, &how, WNOHANG)) > 0;)
             ended = pid == program;
+        if (ended)
+            result = how;
     }
     end_all(program, &result);
     end_like(result);
