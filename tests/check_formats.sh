@@ -55,7 +55,7 @@ check slab_has_its_formula read_iso slab slab.exr c.iso slab.scene.json
 expect opacity_between_entries_is_found 1 env WRONG=opacity "$python" "$top/tests/read_iso.py" slab slab.exr c.iso slab.scene.json
 
 # ---- keys: those of the code are on the page, those of the page are in the code ----
-rooms="pyramid tf scene plan compare report validate chart cli options"
+rooms="pyramid tf scene renderers plan compare report validate chart cli options"
 (cd "$top/src" && python3 "$top/tests/json_words.py" $rooms ../exporters/targets) >words
 [ "$(wc -l <words)" -gt 150 ] && ok words_are_found || not_ok words_are_found "$(wc -l <words) words"
 undocumented() { # page: words of the code that it lacks
