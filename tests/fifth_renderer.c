@@ -6,8 +6,9 @@
 
 static double shift_voxels = 0; /* anything else is a fault, which validation finds */
 
-static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
+    (void)self;
     (void)r, (void)err; /* what is not there: return iso_fail(err, ISO_E_MISSING, "...") */
     snprintf(text, size, "shifted by %g voxels", shift_voxels);
     return ISO_OK;

@@ -6,7 +6,28 @@ Joined with the other scripts of this folder into one (exporters/blender/run.c):
 import bpy
 import numpy
 
-# ---- node groups -----------------------------------------------------------------------------------------------
+# ---- nodes -----------------------------------------------------------------------------------------------------
+
+MATH = ("Value", "Value_001", "Value_002")
+VECTOR = ("Vector", "Vector_001", "Vector_002")
+
+
+def socket(sockets, name):
+    """By its identifier, which versions of Blender keep while they rename what is shown ("Fac" is "Factor" in 5.2) and change
+    the order; of groups, whose identifiers are numbers, by its name."""
+    found = next((one for one in sockets if one.identifier == name), None) or next((one for one in sockets if one.name == name), None)
+    if not found:
+        raise KeyError(f"Blender {bpy.app.version_string} has no socket {name}, but {[one.identifier for one in sockets]}")
+    return found
+
+
+def tree_of(block):
+    """The nodes of a new material or world, emptied. From Blender 5 on it has them from the start, and use_nodes goes away."""
+    if not block.node_tree:
+        block.use_nodes = True
+    block.node_tree.nodes.clear()
+    return block.node_tree
+
 
 
 class Group:
@@ -38,7 +59,7 @@ class Group:
         return node
 
     def node(self, kind, label, inputs, **settings):
-        """inputs: {name or number of the socket: operand}."""
+        """inputs: {identifier of the socket, of groups its name: operand}."""
         node = self.tree.nodes.new(kind)
         node.label = label
         for key, value in settings.items():
@@ -46,24 +67,40 @@ class Group:
         column = 0
         for key, operand in inputs.items():
             if isinstance(operand, bpy.types.NodeSocket):
-                self.tree.links.new(operand, node.inputs[key])
+                self.tree.links.new(operand, socket(node.inputs, key))
                 column = max(column, self.column[operand.node.name] + 1)
             else:
-                node.inputs[key].default_value = operand
+                socket(node.inputs, key).default_value = operand
         return self.place(node, column)
 
     def math(self, operation, *operands, label="", clamp=False):
-        return self.node('ShaderNodeMath', label, dict(enumerate(operands)), operation=operation,
-                         use_clamp=clamp).outputs[0]
+        return self.node('ShaderNodeMath', label, dict(zip(MATH, operands)), operation=operation,
+                         use_clamp=clamp).outputs["Value"]
 
     def vector(self, operation, *operands, label=""):
-        names = (0, 'Scale') if operation == 'SCALE' else (0, 1, 2)
+        names = ("Vector", "Scale") if operation == 'SCALE' else VECTOR
         node = self.node('ShaderNodeVectorMath', label, dict(zip(names, operands)), operation=operation)
         return node.outputs['Value' if operation in ('DOT_PRODUCT', 'LENGTH') else 'Vector']
 
     def transform(self, kind, vector, source, target):
-        return self.node('ShaderNodeVectorTransform', "", {0: vector}, vector_type=kind, convert_from=source,
-                         convert_to=target).outputs[0]
+        return self.node('ShaderNodeVectorTransform', "", {"Vector": vector}, vector_type=kind, convert_from=source,
+                         convert_to=target).outputs["Vector"]
+
+    def split(self, vector, label=""):
+        """The components."""
+        parts = self.node('ShaderNodeSeparateXYZ', label, {"Vector": vector}).outputs
+        return [parts[axis] for axis in "XYZ"]
+
+    def join(self, *components, label=""):
+        return self.node('ShaderNodeCombineXYZ', label, dict(zip("XYZ", components))).outputs["Vector"]
+
+    def attribute(self, label, kind, name, output):
+        node = self.node('ShaderNodeAttribute', label, {}, attribute_type=kind, attribute_name=name)
+        return socket(node.outputs, output)
+
+    def mix_color(self, part, first, second, label="color"):
+        node = self.node('ShaderNodeMixRGB', label, {"Fac": part, "Color1": first, "Color2": second})
+        return node.outputs["Color"]
 
     def call(self, group, **operands):
         return self.node('ShaderNodeGroup', "", {k.replace('_', ' '): v for k, v in operands.items()}, node_tree=group).outputs
@@ -79,7 +116,7 @@ class Group:
 def dots(group, rows, vector, label):
     """Matrix times vector: three dot products."""
     parts = [group.vector('DOT_PRODUCT', vector, row, label=label) for row in rows]
-    return group.node('ShaderNodeCombineXYZ', label, dict(enumerate(parts))).outputs[0]
+    return group.join(*parts, label=label)
 
 
 def box_group(to_box, clip_planes):
@@ -101,7 +138,7 @@ def box_group(to_box, clip_planes):
     half = group.math('MULTIPLY', group.given["Step"], 0.5)
 
     def extreme(vector, operation, last):
-        part = group.node('ShaderNodeSeparateXYZ', "", {0: vector}).outputs
+        part = group.split(vector)
         return group.math(operation, group.math(operation, group.math(operation, part[0], part[1]), part[2]), last)
 
     enter = extreme(group.vector('SUBTRACT', middle, reach), 'MAXIMUM', group.math('MULTIPLY', half, -1.0))
@@ -132,7 +169,7 @@ def roi_group(to_box):
     below = group.vector('SUBTRACT', group.given["Lo"], f)
     above = group.vector('SUBTRACT', f, group.given["Hi"])
     far = group.vector('DIVIDE', group.vector('MAXIMUM', below, above), group.given["Band"], label="outside, in bands")
-    part = group.node('ShaderNodeSeparateXYZ', "", {0: far}).outputs
+    part = group.split(far)
     outside = group.math('MAXIMUM', group.math('MAXIMUM', part[0], part[1]), part[2])
     u = group.math('SUBTRACT', 1.0, group.math('MINIMUM', group.math('MAXIMUM', outside, 0.0), 1.0), label="u")
     steep = group.math('MULTIPLY_ADD', u, -2.0, 3.0)
@@ -163,12 +200,12 @@ def piece_group(about):
                      [row[3] - 0.5 / side for row in scaled], label="from the first voxel's centre")
     q = group.vector('MINIMUM', group.vector('MAXIMUM', group.vector('FLOOR', q), (0, 0, 0)), (nx - 1, ny - 1, nz - 1),
                      label="brick")
-    brick = group.node('ShaderNodeSeparateXYZ', "", {0: q}).outputs
+    brick = group.split(q)
     u = group.math('MULTIPLY_ADD', brick[0], 1 / nx, 0.5 / nx)
     row = group.math('MULTIPLY_ADD', brick[2], float(ny), brick[1], label="row of the table")
     v = group.math('MULTIPLY_ADD', row, 1 / (ny * nz), 0.5 / (ny * nz))
-    where = group.node('ShaderNodeCombineXYZ', "", {0: u, 1: v}).outputs[0]
-    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=piece_table(bricks), interpolation='Closest',
+    where = group.join(u, v)
+    texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=piece_table(bricks), interpolation='Closest',
                        extension='EXTEND', projection='FLAT').outputs
     return group.finish(Piece=texel["Color"])
 
@@ -197,19 +234,19 @@ def label_group(about):
     last = group.vector('SUBTRACT', group.given["Size"], (1, 1, 1), label="last voxel")
     voxel = group.vector('FLOOR', group.vector('MULTIPLY', part, group.given["Cells"]))
     voxel = group.vector('MINIMUM', group.vector('MAXIMUM', voxel, (0, 0, 0)), last, label="voxel")
-    x, y, z = group.node('ShaderNodeSeparateXYZ', "voxel", {0: voxel}).outputs
-    nx, ny, _ = group.node('ShaderNodeSeparateXYZ', "size", {0: group.given["Size"]}).outputs
-    across, first, _ = group.node('ShaderNodeSeparateXYZ', "tiles in a row, first row", {0: group.given["Tiles"]}).outputs
+    x, y, z = group.split(voxel, "voxel")
+    nx, ny, _ = group.split(group.given["Size"], "size")
+    across, first, _ = group.split(group.given["Tiles"], "tiles in a row, first row")
     down = group.math('FLOOR', group.math('DIVIDE', group.math('ADD', z, 0.5), across), label="row of tiles")
     over = group.math('SUBTRACT', z, group.math('MULTIPLY', down, across), label="tile in it")
     column = group.math('MULTIPLY_ADD', over, nx, x, label="column of pixels")
     row = group.math('ADD', group.math('MULTIPLY_ADD', down, ny, y), first, label="row of pixels, from above")
     u = group.math('MULTIPLY_ADD', column, 1 / width, 0.5 / width)
     v = group.math('MULTIPLY_ADD', row, -1 / height, 1 - 0.5 / height)
-    where = group.node('ShaderNodeCombineXYZ', "", {0: u, 1: v}).outputs[0]
-    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Closest', extension='EXTEND',
+    where = group.join(u, v)
+    texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=image, interpolation='Closest', extension='EXTEND',
                        projection='FLAT').outputs
-    low, high, _ = group.node('ShaderNodeSeparateXYZ', "red, green", {0: texel["Color"]}).outputs
+    low, high, _ = group.split(texel["Color"], "red, green")
     low = group.math('ROUND', group.math('MULTIPLY', low, 255.0))
     high = group.math('ROUND', group.math('MULTIPLY', high, 255.0))
     return group.finish(Class=group.math('MULTIPLY_ADD', high, 256.0, low, label="class"))
@@ -255,7 +292,7 @@ def where_positive(group, factor, volume, label):
     """The same shader, of which Cycles evaluates nothing where the factor is 0: it jumps over the branch of a mix that has no
     part. Volumes that overlap, as the levels of a plan, are all evaluated at each step of a ray."""
     part = group.math('GREATER_THAN', factor, 0.0, label=label)
-    return group.node('ShaderNodeMixShader', label, {0: part, 2: volume}).outputs[0]
+    return group.node('ShaderNodeMixShader', label, {"Fac": part, "Shader_001": volume}).outputs["Shader"]
 
 
 def isoshade_group(about, frame):
@@ -265,17 +302,15 @@ def isoshade_group(about, frame):
               ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0),
               ('NodeSocketFloat', "Physical", 0.0), ('NodeSocketFloat', "Anisotropy", 0.0)]
     group = Group("isoshade", inputs + light_inputs(lights), [('NodeSocketShader', "Volume")])
-    direction = group.node('ShaderNodeAttribute', "direction", {}, attribute_type='GEOMETRY', attribute_name="gradient")
-    table = group.node('ShaderNodeAttribute', "table of the level", {}, attribute_type='OBJECT',
-                       attribute_name="isoshade_table")
-    row = group.node('ShaderNodeAttribute', "row of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_row")
-    step = group.node('ShaderNodeAttribute', "ray step of the level", {}, attribute_type='OBJECT',
-                      attribute_name="isoshade_step")
+    direction = group.attribute("direction", 'GEOMETRY', "gradient", "Vector")
+    table = group.attribute("table of the level", 'OBJECT', "isoshade_table", "Vector")
+    row = group.attribute("row of the level", 'OBJECT', "isoshade_row", "Fac")
+    step = group.attribute("ray step of the level", 'OBJECT', "isoshade_step", "Fac")
     position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
-    scalar = group.node('ShaderNodeAttribute', "scalar", {}, attribute_type='GEOMETRY', attribute_name="density").outputs["Fac"]
+    scalar = group.attribute("scalar", 'GEOMETRY', "density", "Fac")
     if "labels" in about:
-        tiles = {name: group.node('ShaderNodeAttribute', f"labels' {name}", {}, attribute_type='OBJECT',
-                                  attribute_name=f"isoshade_labels_{name}").outputs["Vector"] for name in ("cells", "size", "tiles")}
+        tiles = {name: group.attribute(f"labels' {name}", 'OBJECT', f"isoshade_labels_{name}", "Vector")
+                 for name in ("cells", "size", "tiles")}
         found = group.call(label_group(about), Position=position, Cells=tiles["cells"], Size=tiles["size"],
                            Tiles=tiles["tiles"])["Class"]
         # Cycles shows no volume of which a shader asks no grid: it is asked for one that is too faint to add anything.
@@ -285,56 +320,52 @@ def isoshade_group(about, frame):
     travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
     ray = group.vector('NORMALIZE', travel)
 
-    where = row.outputs["Fac"]
+    where = row
     if any(table["rows"] > 1 for table in about["tf"]["tables"]):
-        part = group.node('ShaderNodeAttribute', "second value, 0 to 1", {}, attribute_type='GEOMETRY', attribute_name="second_value")
-        last = group.node('ShaderNodeAttribute', "last row of the 2D transfer function", {}, attribute_type='OBJECT', attribute_name="isoshade_last_row")
-        where = group.math('MULTIPLY_ADD', part.outputs["Fac"], last.outputs["Fac"], where, label="row of the 2D transfer function")
+        part = group.attribute("second value, 0 to 1", 'GEOMETRY', "second_value", "Fac")
+        last = group.attribute("last row of the 2D transfer function", 'OBJECT', "isoshade_last_row", "Fac")
+        where = group.math('MULTIPLY_ADD', part, last, where, label="row of the 2D transfer function")
     exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar,
-                       Table=table.outputs["Vector"], Row=where)
-    which = group.node('ShaderNodeAttribute', "ramp of the level", {}, attribute_type='OBJECT', attribute_name="isoshade_ramp")
-    ramp = group.call(ramp_group(about["tf"]["ramps"]), Scalar=scalar, Ramp=which.outputs["Fac"])
+                       Table=table, Row=where)
+    which = group.attribute("ramp of the level", 'OBJECT', "isoshade_ramp", "Fac")
+    ramp = group.call(ramp_group(about["tf"]["ramps"]), Scalar=scalar, Ramp=which)
     use_ramp = group.given["Use Ramp"]
-    color = group.node('ShaderNodeMixRGB', "color", {0: use_ramp, 1: exact["Color"], 2: ramp["Color"]}).outputs[0]
+    color = group.mix_color(use_ramp, exact["Color"], ramp["Color"])
     extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
                             exact["Extinction"])
     if about.get("extinction_scale"):
-        octaves = group.node('ShaderNodeAttribute', "log2 of the extinction's scale", {}, attribute_type='GEOMETRY',
-                             attribute_name="log2_extinction_scale")
-        scale = group.math('POWER', 2.0, octaves.outputs["Fac"], label="the extinction's scale")
+        octaves = group.attribute("log2 of the extinction's scale", 'GEOMETRY', "log2_extinction_scale", "Fac")
+        scale = group.math('POWER', 2.0, octaves, label="the extinction's scale")
         extinction = group.math('MULTIPLY', extinction, scale)
     inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
-                        Step=step.outputs["Fac"])["Inside"]
+                        Step=step)["Inside"]
     if any("roi" in level for level in about["levels"]):
-        box = {name: group.node('ShaderNodeAttribute', f"roi {name}", {}, attribute_type='OBJECT',
-                                attribute_name=f"isoshade_roi_{name}").outputs["Vector"] for name in ("lo", "hi", "band", "side")}
+        box = {name: group.attribute(f"roi {name}", 'OBJECT', f"isoshade_roi_{name}", "Vector")
+               for name in ("lo", "hi", "band", "side")}
         weight = group.call(roi_group(about["world_to_box"]), Position=position, Lo=box["lo"], Hi=box["hi"],
                             Band=box["band"])["Weight"]
-        side = group.node('ShaderNodeSeparateXYZ', "constant and factor", {0: box["side"]}).outputs
-        share = group.math('MULTIPLY_ADD', weight, side[1], side[0], label="this level's share")
+        constant, factor, _ = group.split(box["side"], "constant and factor")
+        share = group.math('MULTIPLY_ADD', weight, factor, constant, label="this level's share")
         inside = group.math('MULTIPLY', inside, share)
     seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
     sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
     names = ["Ambient", "Diffuse", "Specular", "Power"] + [label for _, label, _ in light_inputs(lights)]
-    shade = group.call(shade_group(lights, about["eps"]), Direction=direction.outputs["Vector"],
+    shade = group.call(shade_group(lights, about["eps"]), Direction=direction,
                        **{name: group.given[name] for name in names})["Shade"]
     volume = group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma, Physical=group.given["Physical"],
                         Anisotropy=group.given["Anisotropy"])["Volume"]
     volume = where_positive(group, sigma, volume, "where something is seen")
     if "bricks" in about:
-        piece = group.node('ShaderNodeAttribute', "number of the piece", {}, attribute_type='OBJECT',
-                           attribute_name="isoshade_piece")
+        piece = group.attribute("number of the piece", 'OBJECT', "isoshade_piece", "Fac")
         here = group.call(piece_group(about), Position=position)["Piece"]
-        own = group.math('COMPARE', here, piece.outputs["Fac"], 0.5, label="of this piece")
+        own = group.math('COMPARE', here, piece, 0.5, label="of this piece")
         volume = where_positive(group, own, volume, "in its own bricks")
     return group.finish(Volume=volume)
 
 
 def material(about, frame):
     result = bpy.data.materials.new(about["name"])
-    result.use_nodes = True
-    tree = result.node_tree
-    tree.nodes.clear()
+    tree = tree_of(result)
     node = tree.nodes.new('ShaderNodeGroup')
     node.node_tree = isoshade_group(about, frame)
     node.name = node.label = "isoshade"

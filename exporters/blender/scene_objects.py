@@ -93,9 +93,7 @@ def configure(scene, about):
     settings.color_depth = '32'
     settings.exr_codec = 'ZIP'
     world = bpy.data.worlds.new("isoshade background")
-    world.use_nodes = True
-    nodes = world.node_tree.nodes
-    nodes.clear()
+    nodes = tree_of(world).nodes
     background = nodes.new('ShaderNodeBackground')
     sink = nodes.new('ShaderNodeOutputWorld')
     sink.location = (240, 0)
@@ -176,15 +174,14 @@ def calibrate(about):
     thing = volume_object("calibration", about["vdb"], scene.collection)
     thing.data.render.step_size = 0.125
     paint = bpy.data.materials.new("calibration")
-    paint.use_nodes = True
-    nodes, links = paint.node_tree.nodes, paint.node_tree.links
-    nodes.clear()
+    tree = tree_of(paint)
+    nodes, links = tree.nodes, tree.links
     density = nodes.new('ShaderNodeAttribute')
     density.attribute_name = "density"
     emission = nodes.new('ShaderNodeEmission')
     output = nodes.new('ShaderNodeOutputMaterial')
-    links.new(density.outputs["Fac"], emission.inputs["Strength"])
-    links.new(emission.outputs[0], output.inputs["Volume"])
+    links.new(socket(density.outputs, "Fac"), emission.inputs["Strength"])
+    links.new(emission.outputs["Emission"], output.inputs["Volume"])
     thing.data.materials.append(paint)
     extent = 2.0 * about["size"]
     found = []

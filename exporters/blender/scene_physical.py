@@ -24,17 +24,20 @@ def physical_group():
     color, sigma, physical = (group.given[name] for name in ("Color", "Extinction", "Physical"))
     exact = group.math('SUBTRACT', 1.0, physical, label="share of the exact one")
     emission = group.node('ShaderNodeEmission', "", {
-        0: group.vector('MULTIPLY', color, group.given["Shade"], label="shaded color"),
-        1: group.math('MULTIPLY', sigma, exact)}).outputs[0]
+        "Color": group.vector('MULTIPLY', color, group.given["Shade"], label="shaded color"),
+        "Strength": group.math('MULTIPLY', sigma, exact)}).outputs["Emission"]
     albedo = group.vector('MINIMUM', group.vector('MAXIMUM', color, (0, 0, 0)), (1, 1, 1), label="albedo")
     # Absorption takes density (1 - color): black leaves sigma itself, the albedo leaves what is not scattered.
     absorption = group.node('ShaderNodeVolumeAbsorption', "", {
-        "Color": group.vector('SCALE', albedo, physical), "Density": sigma}).outputs[0]
+        "Color": group.vector('SCALE', albedo, physical), "Density": sigma}).outputs["Volume"]
     scatter = group.node('ShaderNodeVolumeScatter', "", {
         "Color": albedo, "Density": group.math('MULTIPLY', sigma, physical),
-        "Anisotropy": group.given["Anisotropy"]}).outputs[0]
-    both = group.node('ShaderNodeAddShader', "", {0: emission, 1: absorption}).outputs[0]
-    return group.finish(Volume=group.node('ShaderNodeAddShader', "", {0: both, 1: scatter}).outputs[0])
+        "Anisotropy": group.given["Anisotropy"]}).outputs["Volume"]
+
+    def add(first, second):
+        return group.node('ShaderNodeAddShader', "", {"Shader": first, "Shader_001": second}).outputs["Shader"]
+
+    return group.finish(Volume=add(add(emission, absorption), scatter))
 
 
 def choose_material(about, frame, look):
@@ -72,10 +75,10 @@ def light_world(about, world):
     path = tree.nodes.new('ShaderNodeLightPath')
     mix = tree.nodes.new('ShaderNodeMixShader')
     output = next(node for node in tree.nodes if node.bl_idname == 'ShaderNodeOutputWorld')
-    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
-    tree.links.new(light.outputs[0], mix.inputs[1])
-    tree.links.new(seen.outputs[0], mix.inputs[2])
-    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    tree.links.new(path.outputs["Is Camera Ray"], socket(mix.inputs, "Fac"))
+    tree.links.new(light.outputs["Background"], socket(mix.inputs, "Shader"))
+    tree.links.new(seen.outputs["Background"], socket(mix.inputs, "Shader_001"))
+    tree.links.new(mix.outputs["Shader"], output.inputs["Surface"])
     for node, place in ((path, (-300, 400)), (light, (-300, 50)), (seen, (-300, -150)), (mix, (0, 100)), (output, (200, 100))):
         node.location = place
 

@@ -46,15 +46,14 @@ def transfer_function_group(tf):
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
     image = color_table(tf)
     width, rows = image.size
-    table = group.node('ShaderNodeSeparateXYZ', "first value, entries per value, last entry",
-                       {0: group.given["Table"]}).outputs
-    offset = group.math('SUBTRACT', group.given["Scalar"], table[0], label="from the first value")
-    entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, table[1]), 0.0)
-    entry = group.math('MINIMUM', entry, table[2], label="entry")
+    first, scale, last = group.split(group.given["Table"], "first value, entries per value, last entry")
+    offset = group.math('SUBTRACT', group.given["Scalar"], first, label="from the first value")
+    entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, scale), 0.0)
+    entry = group.math('MINIMUM', entry, last, label="entry")
     x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centres")
     y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="the level's row")
-    where = group.node('ShaderNodeCombineXYZ', "", {0: x, 1: y}).outputs[0]
-    texel = group.node('ShaderNodeTexImage', "", {0: where}, image=image, interpolation='Linear', extension='EXTEND',
+    where = group.join(x, y)
+    texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=image, interpolation='Linear', extension='EXTEND',
                        projection='FLAT').outputs
     return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
 
@@ -77,16 +76,16 @@ def one_ramp(group, ramp, number):
     """Colour and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by their
     names."""
     name = f"isoshade ramp {number}"
-    offset = group.node('ShaderNodeMath', "from the first value", {0: group.given["Scalar"], 1: ramp["lo"]}, operation='SUBTRACT',
-                        name=name + " start").outputs[0]
-    u = group.node('ShaderNodeMath', "fraction of the range", {0: offset, 1: 1 / (ramp["hi"] - ramp["lo"])}, operation='MULTIPLY',
-                   use_clamp=True, name=name + " scale").outputs[0]
-    node = group.node('ShaderNodeValToRGB', ", ".join(ramp["of"]), {0: u}, name=name)
+    offset = group.node('ShaderNodeMath', "from the first value", dict(zip(MATH, (group.given["Scalar"], ramp["lo"]))), operation='SUBTRACT',
+                        name=name + " start").outputs["Value"]
+    u = group.node('ShaderNodeMath', "fraction of the range", dict(zip(MATH, (offset, 1 / (ramp["hi"] - ramp["lo"])))), operation='MULTIPLY',
+                   use_clamp=True, name=name + " scale").outputs["Value"]
+    node = group.node('ShaderNodeValToRGB', ", ".join(ramp["of"]), {"Fac": u}, name=name)
     set_stops(node.color_ramp, ramp)
     passed = group.math('MAXIMUM', group.math('SUBTRACT', 1.0, node.outputs["Alpha"], label="1 - opacity"), MOST_OPAQUE)
     depth = group.math('LOGARITHM', passed, math.e, label="ln")
-    extinction = group.node('ShaderNodeMath', "extinction", {0: depth, 1: -1 / ramp["unit_distance"]}, operation='MULTIPLY',
-                            name=name + " extinction").outputs[0]
+    extinction = group.node('ShaderNodeMath', "extinction", dict(zip(MATH, (depth, -1 / ramp["unit_distance"]))), operation='MULTIPLY',
+                            name=name + " extinction").outputs["Value"]
     return node, extinction
 
 
@@ -101,7 +100,7 @@ def ramp_group(ramps):
         node, own_extinction = one_ramp(group, ramp, number)
         nodes.append(node)
         mine = group.math('COMPARE', group.given["Ramp"], float(number), 0.5, label=f"is ramp {number} asked for?")
-        color = group.node('ShaderNodeMixRGB', "color", {0: mine, 1: color, 2: node.outputs["Color"]}).outputs[0]
+        color = group.mix_color(mine, color, node.outputs["Color"])
         extinction = group.math('MULTIPLY_ADD', mine, group.math('SUBTRACT', own_extinction, extinction), extinction)
     tree = group.finish(Color=color, Extinction=extinction)
     tree["isoshade_ramps"] = json.dumps([{key: ramp[key] for key in ("of", "lo", "hi", "unit_distance_mm", "unit_distance",

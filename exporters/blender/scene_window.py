@@ -12,15 +12,14 @@ from mathutils import Matrix, Vector
 def sign_paint():
     """Red, whatever lights there are."""
     paint = bpy.data.materials.new("isoshade missing file")
-    paint.use_nodes = True
+    tree = tree_of(paint)
     paint.diffuse_color = (1, 0.1, 0.05, 1)
-    nodes = paint.node_tree.nodes
-    nodes.clear()
+    nodes = tree.nodes
     emission = nodes.new('ShaderNodeEmission')
     emission.inputs["Color"].default_value = (1, 0.1, 0.05, 1)
     sink = nodes.new('ShaderNodeOutputMaterial')
     sink.location = (240, 0)
-    paint.node_tree.links.new(emission.outputs[0], sink.inputs["Surface"])
+    tree.links.new(emission.outputs["Emission"], sink.inputs["Surface"])
     return paint
 
 
@@ -42,25 +41,25 @@ def sign_group(thing, words, size, frames, paint):
         for key, value in settings.items():
             if hasattr(result, key):
                 setattr(result, key, value)
-        sockets = {socket.name: socket for socket in result.inputs if socket.enabled}
+        sockets = {one.name: one for one in result.inputs if one.enabled}
         for key, value in inputs.items():
-            socket = result.inputs[key] if isinstance(key, int) else sockets[key]
+            place = socket(result.inputs, key) if kind.startswith("Shader") else sockets[key]
             if isinstance(value, bpy.types.NodeSocket):
-                tree.links.new(value, socket)
+                tree.links.new(value, place)
             else:
-                socket.default_value = value
-        return next(socket for socket in result.outputs if socket.enabled)
+                place.default_value = value
+        return next(one for one in result.outputs if one.enabled)
 
     volume = node('GeometryNodeObjectInfo', {"Object": thing}).node.outputs["Geometry"]
     box = node('GeometryNodeBoundBox', {"Geometry": volume}).node
-    extent = node('ShaderNodeVectorMath', {0: box.outputs["Min"], 1: box.outputs["Max"]}, operation='DISTANCE').node.outputs["Value"]
-    silent = node('ShaderNodeMath', {0: extent, 1: 0.0}, operation='GREATER_THAN')
+    extent = node('ShaderNodeVectorMath', dict(zip(VECTOR, (box.outputs["Min"], box.outputs["Max"]))), operation='DISTANCE').node.outputs["Value"]
+    silent = node('ShaderNodeMath', dict(zip(MATH, (extent, 0.0))), operation='GREATER_THAN')
     if frames:
         frame = node('GeometryNodeInputSceneTime', {}).node.outputs["Frame"]
-        early = node('ShaderNodeMath', {0: frame, 1: 0.5}, operation='LESS_THAN')
-        late = node('ShaderNodeMath', {0: frame, 1: frames + 0.5}, operation='GREATER_THAN')
-        outside = node('ShaderNodeMath', {0: early, 1: late}, operation='ADD')
-        silent = node('ShaderNodeMath', {0: silent, 1: outside}, operation='ADD')
+        early = node('ShaderNodeMath', dict(zip(MATH, (frame, 0.5))), operation='LESS_THAN')
+        late = node('ShaderNodeMath', dict(zip(MATH, (frame, frames + 0.5))), operation='GREATER_THAN')
+        outside = node('ShaderNodeMath', dict(zip(MATH, (early, late))), operation='ADD')
+        silent = node('ShaderNodeMath', dict(zip(MATH, (silent, outside))), operation='ADD')
     text = node('GeometryNodeStringToCurves', {"String": words, "Size": size}, align_x='CENTER', align_y='MIDDLE')
     curves = node('GeometryNodeRealizeInstances', {"Geometry": text})
     letters = node('GeometryNodeFillCurve', {"Curve": curves})
@@ -68,7 +67,7 @@ def sign_group(thing, words, size, frames, paint):
     shown = node('GeometryNodeSwitch', {"Switch": silent, "False": letters}, input_type='GEOMETRY')
     sink = tree.nodes.new('NodeGroupOutput')
     sink.location = (200 * column, 0)
-    tree.links.new(shown, sink.inputs[0])
+    tree.links.new(shown, sink.inputs["Geometry"])
     return tree
 
 

@@ -63,8 +63,8 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
         iso_error why = {""};
         if (!run->grid.with[r])
             continue;
-        status = iso_renderer_at(r)->version(&run->bench.renderers, result->versions[r], sizeof result->versions[r],
-                                             &why);
+        status = iso_renderer_at(r)->version(iso_renderer_at(r), &run->bench.renderers, result->versions[r],
+                                             sizeof result->versions[r], &why);
         if (status != ISO_OK && run->grid.optional[r]) {
             snprintf(result->left_out[r], sizeof result->left_out[r], "%.300s", why.text);
             run->grid.with[r] = false;

@@ -256,7 +256,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
                                     err);
     if (status == ISO_OK)
-        status = opt.renderer->version(&renderers, version, sizeof version, err);
+        status = opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err);
     if (status == ISO_OK && iso_render_is_in_bricks(a))
         status = render_cached(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK && a->limit)

@@ -7,8 +7,9 @@
 #include "blender/blender.h"
 #include "renderers/renderers.h"
 
-static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
+    (void)self;
     (void)r;
     char found[128] = "";
     const iso_status status = iso_cycles_version(found, sizeof found, err);
@@ -83,7 +84,8 @@ const iso_renderer_info iso_renderer_cycles = {
     .title = "Blender Cycles",
     .stages = {"OpenVDB grids", "Blender"},
     .color = "#d55e00",
-    .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_READS_SAMPLES | ISO_READS_SEED,
+    .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_READS_SAMPLES |
+              ISO_READS_SEED,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,
     .version = version,

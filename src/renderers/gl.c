@@ -27,8 +27,9 @@ void iso_render_stats_of_gl(const iso_gl_stats *inside, iso_render_stats *stats)
     stats->bytes = inside->texture_bytes;
 }
 
-static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
+    (void)self;
     iso_gl *gl;
     const iso_status status = iso_renderers_need_gl(r, &gl, err);
     if (status != ISO_OK)

@@ -7,8 +7,9 @@
 
 #include "renderers/renderers.h"
 
-static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
+    (void)self;
     (void)r;
     char found[128] = "";
     const iso_status status = iso_povray_version(found, sizeof found, err);
@@ -78,8 +79,8 @@ const iso_renderer_info iso_renderer_povray = {
     .title = "POV-Ray",
     .stages = {"povray: writing DF3", "povray: rendering"},
     .color = "#009e73",
-    .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES | ISO_HAS_PROCESSOR_TIME |
-              ISO_READS_INTERVALS | ISO_READS_PLANES,
+    .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES |
+              ISO_HAS_PROCESSOR_TIME | ISO_READS_INTERVALS | ISO_READS_PLANES,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,
     .max_intervals = ISO_POVRAY_MAX_INTERVALS,

@@ -6,8 +6,9 @@
 #include "base/version.h"
 #include "renderers/renderers.h"
 
-static iso_status version(iso_renderers *r, char *text, size_t size, iso_error *err)
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
+    (void)self;
     (void)r, (void)err;
     snprintf(text, size, "isoshade %s, double precision", ISO_VERSION);
     return ISO_OK;

@@ -137,8 +137,10 @@ struct iso_renderer_info {
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
 
+    const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
+
     /* Its version, such as "Blender 3.4.1". ISO_E_MISSING when it is not there, with the reason. */
-    iso_status (*version)(iso_renderers *r, char *text, size_t size, iso_error *err);
+    iso_status (*version)(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err);
     /* Creates the image. Fills stats, but for what the caller sees by itself: setup_seconds of programs, and the time where
      * there is none but that of the call. */
     iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);

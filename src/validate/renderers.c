@@ -23,7 +23,7 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     iso_error why = {""};
     snprintf(stage, sizeof stage, "calibration: %s", f->which->name);
     iso_progress_report(v->progress, stage, 0);
-    iso_status status = f->which->version(&v->renderers, f->version, sizeof f->version, &why);
+    iso_status status = f->which->version(f->which, &v->renderers, f->version, sizeof f->version, &why);
     if (status == ISO_OK)
         status = iso_calibrate(&v->renderers, f->which, NULL, f->checks, v->progress, &why);
     if (status == ISO_E_MISSING) {

@@ -13,6 +13,16 @@ from mathutils import Vector
 from . import tables
 from .tables import Refused
 
+# ---- sockets ---------------------------------------------------------------------------------------------------
+
+MATH = ("Value", "Value_001", "Value_002")  # the operands of a Math node
+
+
+def socket(sockets, identifier):
+    """Versions of Blender rename what is shown ("Fac" is "Factor" in 5.2) and change the order, but keep identifiers."""
+    return next(one for one in sockets if one.identifier == identifier)
+
+
 # ---- objects ---------------------------------------------------------------------------------------------------
 
 
@@ -185,7 +195,8 @@ class Ramp:
         start, scale = (self.tree.nodes.get(f"isoshade ramp {self.index} {name}") for name in ("start", "scale"))
         if not start or not scale:
             raise Refused(f"{self.tree.name}: the nodes of ColorRamp {self.index} are missing")
-        start.inputs[1].default_value, scale.inputs[1].default_value = lo, 1 / (hi - lo)
+        socket(start.inputs, MATH[1]).default_value = lo
+        socket(scale.inputs, MATH[1]).default_value = 1 / (hi - lo)
         self.lo, self.hi = lo, hi
         self.note(lo=lo, hi=hi)
 
@@ -195,7 +206,7 @@ class Ramp:
             raise Refused(f"{self.tree.name}: the nodes of ColorRamp {self.index} are missing")
         self.unit *= unit_mm / self.unit_mm
         self.unit_mm = unit_mm
-        node.inputs[1].default_value = -1 / self.unit
+        socket(node.inputs, MATH[1]).default_value = -1 / self.unit
         self.note(unit_distance_mm=self.unit_mm, unit_distance=self.unit)
 
     def note(self, **values):
@@ -250,28 +261,27 @@ def add_ramp(thing):
         node = nodes.new('ShaderNodeMath')
         node.operation, node.use_clamp, node.name = operation, clamp, name
         node.location = (old.node.location.x, old.node.location.y - 400 * (index - old.index))
-        for i, operand in enumerate(operands):
+        for identifier, operand in zip(MATH, operands):
             if isinstance(operand, bpy.types.NodeSocket):
-                links.new(operand, node.inputs[i])
+                links.new(operand, socket(node.inputs, identifier))
             else:
-                node.inputs[i].default_value = operand
-        return node.outputs[0]
+                socket(node.inputs, identifier).default_value = operand
+        return node.outputs["Value"]
 
     name = f"isoshade ramp {index}"
     offset = math_node(name + " start", 'SUBTRACT', source.outputs["Scalar"], old.lo)
     u = math_node(name + " scale", 'MULTIPLY', offset, 1 / (old.hi - old.lo), clamp=True)
     node = nodes.new('ShaderNodeValToRGB')
     node.name, node.label, node.location = name, f"level {int(thing['isoshade_level'])}", (old.node.location.x + 260, old.node.location.y - 400 * (index - old.index))
-    links.new(u, node.inputs[0])
+    links.new(u, socket(node.inputs, "Fac"))
     passed = math_node("", 'MAXIMUM', math_node("", 'SUBTRACT', 1.0, node.outputs["Alpha"]), 1 - tables.MOST_OPACITY)
     extinction = math_node(name + " extinction", 'MULTIPLY', math_node("", 'LOGARITHM', passed, math.e), -1 / old.unit)
     mine = math_node("", 'COMPARE', source.outputs["Ramp"], float(index), 0.5)
     before = {key: sink.inputs[key].links[0].from_socket for key in ("Color", "Extinction")}
     mix = nodes.new('ShaderNodeMixRGB')
-    links.new(mine, mix.inputs[0])
-    links.new(before["Color"], mix.inputs[1])
-    links.new(node.outputs["Color"], mix.inputs[2])
-    links.new(mix.outputs[0], sink.inputs["Color"])
+    for identifier, operand in (("Fac", mine), ("Color1", before["Color"]), ("Color2", node.outputs["Color"])):
+        links.new(operand, socket(mix.inputs, identifier))
+    links.new(mix.outputs["Color"], sink.inputs["Color"])
     difference = math_node("", 'SUBTRACT', extinction, before["Extinction"])
     links.new(math_node("", 'MULTIPLY_ADD', mine, difference, before["Extinction"]), sink.inputs["Extinction"])
     notes.append(dict(notes[old.index], of=[node.label]))
