@@ -34,12 +34,12 @@ typedef struct iso_bake_words {
 
 /* clang-format off */
 #define ISO_BAKE_OPTIONS(a)                                                                                                        \
-    {"bake", 0, POPT_ARG_STRING, &(a)->grids, 0, "vdb: what other programs read in place of the scalar: extinction and color by the scene's transfer function", "density,Cd,..."}, \
-    {"for", 0, POPT_ARG_STRING, &(a)->program, 0, "vdb: the program that the file is for, of the list below: sets --bake, --scene-unit, --up, --half and --usd", "PROGRAM"}, \
-    {"scene-unit", 0, POPT_ARG_STRING, &(a)->unit, 0, "vdb, baked: the length of one scene unit (mm)", "m|cm|mm|..."},             \
-    {"up", 0, POPT_ARG_STRING, &(a)->up, 0, "vdb, baked: the scene's axis that points up (z)", "z|y"},                             \
-    {"points", 0, POPT_ARG_INT, &(a)->points, 0, "vdb, baked: points of the grid along a voxel's side (1)", "N"},                  \
-    {"supersample", 0, POPT_ARG_INT, &(a)->samples, 0, "vdb, baked: samples along a point's cell, which are averaged (2)", "N"},   \
+    {"bake", 0, POPT_ARG_STRING, &(a)->grids, 0, "vdb, nanovdb: what other programs read in place of the scalar: extinction and color by the scene's transfer function", "density,Cd,..."}, \
+    {"for", 0, POPT_ARG_STRING, &(a)->program, 0, "vdb, nanovdb: the program that the file is for, of the list below: sets --bake, --scene-unit, --up, --half and --usd", "PROGRAM"}, \
+    {"scene-unit", 0, POPT_ARG_STRING, &(a)->unit, 0, "vdb, nanovdb, baked: the length of one scene unit (mm)", "m|cm|mm|..."},             \
+    {"up", 0, POPT_ARG_STRING, &(a)->up, 0, "vdb, nanovdb, baked: the scene's axis that points up (z)", "z|y"},                             \
+    {"points", 0, POPT_ARG_INT, &(a)->points, 0, "vdb, nanovdb, baked: points of the grid along a voxel's side (1)", "N"},                  \
+    {"supersample", 0, POPT_ARG_INT, &(a)->samples, 0, "vdb, nanovdb, baked: samples along a point's cell, which are averaged (2)", "N"},   \
     {"usd", 0, POPT_ARG_NONE, &(a)->usd, 0, "vdb, baked: a .usda beside the file, which names its grids", NULL}
 /* clang-format on */
 

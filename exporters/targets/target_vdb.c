@@ -56,7 +56,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     if (status == ISO_OK) {
         const bool sparse = (job->is_shown || job->background) && !job->dense;
         o.shown = sparse ? l->shown : NULL;
-        o.half_directions = sparse;
+        o.half_directions = sparse && !job->float_directions;
         o.extinction_scale = job->extinction_scale ? l->views[0].extinction_scale : NULL;
         status = iso_vdb_save(job->pyramid, job->level, job->level_count, job->output, &o, job->progress, err);
     }
@@ -71,6 +71,7 @@ const iso_export_target iso_export_target_vdb = {
     .title = "OpenVDB",
     .stages = {"OpenVDB grids"},
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
+    .baked = "an OpenVDB file of baked grids",
     .output = "NAME.vdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
                ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |

@@ -19,6 +19,7 @@
 /* clang-format off */
 #define ISO_EXPORT_TARGET_LIST(X) \
     X(vdb)                        \
+    X(nanovdb)                    \
     X(blender)                    \
     X(povray)
 /* clang-format on */
@@ -61,6 +62,7 @@ typedef struct iso_export_job {
     bool merged;                /* what a plan leaves as one grid, else one a level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
+    bool float_directions; /* directions are not stored in half floats, whatever is left out */
     const iso_bake_request *bake; /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
     bool physical;         /* the material that the file opens with (exporters/blender/blender.h) */
     bool is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
@@ -91,6 +93,7 @@ typedef struct iso_export_target {
     const char *name;      /* "vdb" */
     const char *title;     /* "OpenVDB" */
     const char *summary;   /* what is written */
+    const char *baked;     /* the same of a target that bakes, where that is asked for; or NULL */
     const char *output;    /* what -o names: "NAME.vdb" */
     unsigned options;      /* of ISO_EXPORT_TAKES(option) */
     const char *stages[4]; /* that writing reports (base/progress.h), in order; the last takes longest; or none */

@@ -5,7 +5,8 @@
  *   vdb_grids.c      the grids of a level and of a lattice, as sources of rows
  *   vdb_sparse.c     which voxels of a level are active
  *   vdb_read.c       reading back, measuring
- *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory */
+ *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory
+ *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end there */
 #ifndef ISO_VDB_FILE_H
 #define ISO_VDB_FILE_H
 

@@ -1,47 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-#include "vdb/vdb_tree.h"
+#include "vdb/vdb_guarded.h"
 #include "vdb/vdb_openvdb.h"
+#include "vdb/vdb_tree.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <fstream>
 #include <list>
-#include <new>
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
+using iso_vdb::guarded;
 using openvdb::Coord;
 
 namespace {
-
-/* The one place where exceptions end. */
-template <typename Work> int guarded(iso_vdb_message *message, Work work)
-{
-    int status = ISO_OPENVDB_FAILED;
-    const char *what = "unknown failure";
-    try {
-        return work();
-    } catch (const openvdb::IoError &e) {
-        status = ISO_OPENVDB_IO;
-        std::snprintf(message->text, sizeof message->text, "%s", e.what());
-        return status;
-    } catch (const std::ios_base::failure &e) {
-        status = ISO_OPENVDB_IO;
-        what = "writing failed (is the disk full?)";
-    } catch (const std::bad_alloc &) {
-        status = ISO_OPENVDB_MEMORY;
-        what = "out of memory";
-    } catch (const std::exception &e) {
-        std::snprintf(message->text, sizeof message->text, "%s", e.what());
-        return status;
-    } catch (...) {
-    }
-    std::snprintf(message->text, sizeof message->text, "%s", what);
-    return status;
-}
 
 /* OpenVDB's File does not look at the stream's state after writing. */
 struct archive : openvdb::io::Archive {

@@ -75,6 +75,10 @@ int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_
 
 const char *iso_openvdb_version(void);
 
+/* All grids of a file as a file of NanoVDB (nanovdb.h). The version is NULL where its headers were not there. */
+int iso_openvdb_to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message);
+const char *iso_openvdb_nanovdb_version(void);
+
 #ifdef __cplusplus
 }
 #endif

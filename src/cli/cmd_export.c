@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_export.c - a level for other programs: OpenVDB, Blender, POV-Ray. */
+/* cmd_export.c - a level for other programs: the table of exporters/targets. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -263,7 +263,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
     } else {
         json_decref(root);
         if (status == ISO_OK)
-            printf("%s: %s\n", a->output, a->bake.wanted ? "an OpenVDB file of baked grids" : target->summary);
+            printf("%s: %s\n", a->output, a->bake.wanted ? target->baked : target->summary);
     }
     free(command);
     iso_planned_destroy(&planned);
@@ -433,12 +433,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.blend, or a folder for povray", "PATH"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray", "PATH"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "vdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
+         "vdb, nanovdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
          "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
          "all"},
@@ -453,16 +453,16 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
          "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
-         "vdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
+         "vdb, nanovdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
-         "vdb, blender: all voxels, not only what the transfer function shows: for one that will be edited", NULL},
+         "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited", NULL},
         {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
-         "vdb: the value of what is left out; without a scene or --tf, voxels of this value are", "VALUE"},
+         "vdb, nanovdb: the value of what is left out; without a scene or --tf, voxels of this value are", "VALUE"},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -493,7 +493,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_export = {
     .name = "export",
-    .summary = "write a level for OpenVDB, Blender or POV-Ray",
+    .summary = "write a level for OpenVDB, NanoVDB, Blender or POV-Ray",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
@@ -503,6 +503,7 @@ const iso_command iso_command_export = {
         "Its material is exact, or physical: lit by lamps and world, with shadows; a property switches.\n"
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
         "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"
+        "nanovdb: what vdb would write, baked or not, as NanoVDB has it; doc/openvdb.md.\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
         "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
         "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
@@ -520,6 +521,7 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --level 1 --adapt --extinction-scale -o scaled.vdb\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --bake density,Cd --scene-unit cm -o baked.vdb\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --for karma -o karma.vdb\n"
+        "  isoshade export shells.nrrd --to nanovdb -o shells.nvdb\n"
         "  isoshade make shells --size 16 -o step_1.nrrd\n"
         "  isoshade make noise --size 16 -o step_2.nrrd\n"
         "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/* target_nanovdb.c - what the target vdb writes, as a NanoVDB file: by a file of OpenVDB grids beside it, which goes. */
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "targets/targets.h"
+#include "vdb/nanovdb.h"
+
+extern const iso_export_target iso_export_target_vdb;
+
+static const char stage[] = "NanoVDB grids";
+
+static void tell(const iso_export_job *job)
+{
+    if (job->results)
+        json_object_set_new(job->results, "nanovdb", json_pack("{ss}", "format", iso_nanovdb_version()));
+    if (job->notes)
+        fprintf(job->notes, "NanoVDB %s, not compressed\n", iso_nanovdb_version());
+}
+
+static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
+{
+    if (job->bake && job->bake->usd)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--usd, which --for %s may mean, has no meaning for --to nanovdb: a .usda names OpenVDB files",
+                        job->bake->program ? job->bake->program->name : "PROGRAM");
+    if (!iso_nanovdb_version()) /* before the work, not after it */
+        return iso_nanovdb_from_vdb("", job->output, err);
+    char *folder = iso_path_dir(job->output);
+    char *vdb = folder ? iso_temporary_path(folder, iso_path_base(job->output)) : NULL;
+    iso_export_job grids = *job;
+    grids.output = vdb;
+    grids.float_directions = true; /* NanoVDB has no metadata that could say what half floats were multiplied by */
+    iso_status status = vdb ? iso_export_target_vdb.write(&grids, err)
+                            : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", job->output);
+    iso_progress_report(job->progress, stage, 0);
+    if (status == ISO_OK)
+        status = iso_nanovdb_from_vdb(vdb, job->output, err);
+    iso_progress_report(job->progress, stage, 1);
+    if (status == ISO_OK)
+        tell(job);
+    if (vdb)
+        unlink(vdb);
+    free(vdb);
+    free(folder);
+    return status;
+}
+
+const iso_export_target iso_export_target_nanovdb = {
+    .name = "nanovdb",
+    .title = "NanoVDB",
+    .stages = {"OpenVDB grids", stage},
+    .summary = "a NanoVDB file: the grids of --to vdb, as programs on a GPU map them",
+    .baked = "a NanoVDB file of baked grids",
+    .output = "NAME.nvdb",
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) | ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
+    .write = write_nanovdb,
+    .suffix = ".nvdb",
+};

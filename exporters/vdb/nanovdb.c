@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+#include "vdb/nanovdb.h"
+
+#include "base/file.h"
+#include "vdb/vdb_file.h"
+
+iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_error *err)
+{
+    if (!iso_nanovdb_version())
+        return iso_fail(err, ISO_E_MISSING,
+                        "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)", path);
+    iso_output out = {0};
+    iso_vdb_message message = {""};
+    iso_status status = iso_output_begin(&out, path, err);
+    if (status == ISO_OK) {
+        const int code = iso_openvdb_to_nanovdb(vdb_path, out.temp_path, &message);
+        status = code == ISO_OPENVDB_OK ? iso_output_commit(&out, err) : iso_vdb_fail(code, path, &message, err);
+    }
+    iso_output_abandon(&out);
+    return status;
+}
+
+const char *iso_nanovdb_version(void)
+{
+    return iso_openvdb_nanovdb_version();
+}

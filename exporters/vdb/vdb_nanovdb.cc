@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+#include "vdb/vdb_guarded.h"
+#include "vdb/vdb_openvdb.h"
+
+#if __has_include(<nanovdb/NanoVDB.h>)
+
+#include <fstream>
+#include <vector>
+
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+
+namespace {
+
+using handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
+
+handle convert(const openvdb::GridBase::Ptr &grid)
+{
+    const auto stats = nanovdb::StatsMode::All;
+    const auto checksum = nanovdb::ChecksumMode::Full;
+    if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+        return nanovdb::openToNanoVDB(*scalars, stats, checksum);
+    if (const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) {
+        vectors->setGridClass(openvdb::GRID_UNKNOWN); /* NanoVDB knows fog volumes of one channel alone */
+        return nanovdb::openToNanoVDB(*vectors, stats, checksum);
+    }
+    throw std::runtime_error("grid \"" + grid->getName() + "\" has values of type " + grid->valueType() +
+                             ", wanted float or vec3s");
+}
+
+} // namespace
+
+int iso_openvdb_to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message)
+{
+    return iso_vdb::guarded(message, [&] {
+        openvdb::initialize();
+        openvdb::io::File file(vdb_path);
+        std::vector<handle> grids;
+        file.open(/*delayLoad=*/false);
+        for (auto name = file.beginName(); name != file.endName(); ++name)
+            grids.push_back(convert(file.readGrid(name.gridName()))); /* one at a time as OpenVDB holds it */
+        std::ofstream out;
+        out.exceptions(std::ios::failbit | std::ios::badbit);
+        out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
+        nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(out, grids, nanovdb::io::Codec::NONE);
+        out.close();
+        return static_cast<int>(ISO_OPENVDB_OK);
+    });
+}
+
+const char *iso_openvdb_nanovdb_version(void)
+{
+#define NUMBERS_AS_TEXT(a, b, c) #a "." #b "." #c
+#define VERSION_TEXT(a, b, c) NUMBERS_AS_TEXT(a, b, c)
+    return VERSION_TEXT(NANOVDB_MAJOR_VERSION_NUMBER, NANOVDB_MINOR_VERSION_NUMBER, NANOVDB_PATCH_VERSION_NUMBER);
+}
+
+#else /* the headers are not installed: isoshade does without them */
+
+int iso_openvdb_to_nanovdb(const char *, const char *, iso_vdb_message *)
+{
+    return ISO_OPENVDB_FAILED;
+}
+
+const char *iso_openvdb_nanovdb_version(void)
+{
+    return nullptr;
+}
+
+#endif
