@@ -13,6 +13,7 @@
 #include "options/look.h"
 #include "options/visible.h"
 #include "report/levels.h"
+#include "report/markdown.h"
 #include "scene/views.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
@@ -22,7 +23,7 @@
 typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *with, *code, *junit, *suite;
+    char *output, *with, *code, *junit, *summary_md, *suite;
     int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
 } validate_arguments;
 
@@ -183,6 +184,11 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     iso_status status = iso_report_finish(v->report, err);
     if (status == ISO_OK && a->junit)
         status = iso_report_write_junit(v->report, a->junit, err);
+    if (status == ISO_OK && a->summary_md) {
+        char *page = iso_path_join(a->output, "index.html");
+        status = iso_markdown_of_report(a->summary_md, iso_report_json(v->report), page, err);
+        free(page);
+    }
     iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;
@@ -375,12 +381,12 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
 }
 
 /* Before the work, not after it. */
-static iso_status check_junit(const char *path, iso_error *err)
+static iso_status check_folder(const char *option, const char *path, iso_error *err)
 {
-    char *dir = iso_path_dir(path);
+    char *dir = path ? iso_path_dir(path) : NULL;
     iso_status status = ISO_OK;
-    if (!dir || !iso_path_is_dir(dir))
-        status = iso_fail(err, ISO_E_IO, "--junit %s: there is no folder %s", path, dir ? dir : "");
+    if (path && (!dir || !iso_path_is_dir(dir)))
+        status = iso_fail(err, ISO_E_IO, "%s %s: there is no folder %s", option, path, dir ? dir : "");
     free(dir);
     return status;
 }
@@ -409,8 +415,10 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
                           "--extinction-scale is for the levels of a volume, which --suite does not judge");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build.code, err);
-    if (status == ISO_OK && a->junit)
-        status = check_junit(a->junit, err);
+    if (status == ISO_OK)
+        status = check_folder("--junit", a->junit, err);
+    if (status == ISO_OK)
+        status = check_folder("--summary-md", a->summary_md, err);
     build.threads = cli->threads;
     if (status != ISO_OK)
         return status;
@@ -444,6 +452,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0,
          "validate a scene that shows next to nothing of the volume, or a box, too", NULL},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
+        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0,
+         "a summary as Markdown, for the page of a run of continuous integration", "FILE.md"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -481,7 +491,7 @@ const iso_command iso_command_validate = {
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 16 -o report\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --json -o report-gl\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --summary-md gl.md -o report-gl\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,

@@ -22,6 +22,7 @@
     X(chart) \
     X(figure) \
     X(baseline) \
+    X(report) \
     X(atlas) \
     X(bench)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the page's parts share: its data, builders of elements, numbers; and the head of the page.
+// What pages share: their data, builders of elements, numbers.
 const data = JSON.parse(document.getElementById('data').textContent);
 const inlined = JSON.parse(document.getElementById('inlined').textContent);
 const $ = id => document.getElementById(id);
@@ -18,6 +18,12 @@ let tables = 0, figures = 0;
 const caption = text => el('caption', {}, el('b', {}, `Table ${++tables}. `), text);
 const figcaption = (...text) => el('figcaption', {}, el('b', {}, `Figure ${++figures}. `), ...text);
 
+const cell = (content, numeric, extra) => el('td', {class: [numeric ? 'n' : '', extra || ''].join(' ').trim() || null}, content);
+function table(text, heads, rows) {
+    return el('div', {class: 'scroll'}, el('table', {}, caption(text),
+        el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
+        el('tbody', {}, rows)));
+}
 // 3.2 x 10^-6, or plain where that is short. null: a dash.
 function number(x, digits = 3) {
     if (x === null || x === undefined) return '–';
@@ -59,17 +65,4 @@ const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
 const title = row => row.comparison === 'stage' ? `${row.scene}: the stage ${row.variant}` : `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
 const uncompared = row => row.verdict === 'not compared', style = verdict => verdict.replaceAll(' ', '-');
 const ratio = (row, digits) => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : row.severity < 1e4 ? String(Number(row.severity.toPrecision(digits))) : row.severity.toExponential(0);
-
-// ---- head -------------------------------------------------------------------
-$('verdict').classList.add(data.verdict === 'agree' ? 'good' : 'bad');
-$('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
-{
-    const parts = [];
-    if (data.volume) parts.push(`Volume ${data.volume}`);
-    if (data.scene) parts.push(`scene ${data.scene}`);
-    parts.push(`made ${data.made.replace('T', ' ').replace('Z', ' UTC')}`);
-    if (data.seconds.total) parts.push(`in ${Number(data.seconds.total.toPrecision(3))} s`);
-    $('about').textContent = parts.join(', ') + '.';
-    for (const [scene, asked] of Object.entries(data.asked || {}).filter(([, a]) => a.assumed)) $('about').after(el('p', {class: 'about assumed'}, `${scene}: ${asked.why}.`));
-    if (data.command) $('again').append(command(data.command));
-}
+const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};

@@ -3,8 +3,6 @@
 #include "report/report_files.h"
 
 #include <errno.h>
-#include <math.h>
-#include <png.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -12,49 +10,11 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "report/gnuplot.h"
+#include "report/page.h"
 #include "report/report.h"
 
-ISO_EMBED(iso_report_html, "src/report/report.html");
-ISO_EMBED(iso_report_css, "src/report/report.css");
-ISO_EMBED(iso_report_js, "src/report/report.js");
-ISO_EMBED(iso_report_difference_js, "src/report/report_difference.js");
-ISO_EMBED(iso_report_tables_js, "src/report/report_tables.js");
-ISO_EMBED(iso_report_inspector_js, "src/report/report_inspector.js");
-ISO_EMBED(iso_report_levels_js, "src/report/report_levels.js");
-ISO_EMBED(iso_report_page_js, "src/report/report_page.js");
 ISO_EMBED(iso_report_agreement_gp, "src/report/agreement.gp");
 ISO_EMBED(iso_report_consistency_gp, "src/report/consistency.gp");
-
-static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char *out = malloc(strlen(type) + 32 + (size + 2) / 3 * 4);
-    if (!out)
-        return NULL;
-    char *at = out + sprintf(out, "data:%s;base64,", type);
-    for (size_t i = 0; i < size; i += 3) {
-        unsigned n = (unsigned)bytes[i] << 16 | (i + 1 < size ? (unsigned)bytes[i + 1] << 8 : 0) |
-                     (i + 2 < size ? bytes[i + 2] : 0);
-        *at++ = digits[n >> 18];
-        *at++ = digits[n >> 12 & 63];
-        *at++ = i + 1 < size ? digits[n >> 6 & 63] : '=';
-        *at++ = i + 2 < size ? digits[n & 63] : '=';
-    }
-    *at = 0;
-    return out;
-}
-
-static iso_status file_uri(const char *path, const char *type, char **uri, iso_error *err)
-{
-    char *bytes;
-    size_t size;
-    iso_status status = iso_file_read(path, &bytes, &size, err);
-    if (status != ISO_OK)
-        return status;
-    *uri = data_uri(type, (unsigned char *)bytes, size);
-    free(bytes);
-    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-}
 
 iso_status iso_report_files_begin(const char *dir, iso_error *err)
 {
@@ -83,47 +43,10 @@ iso_status iso_report_files_image(const char *dir, const char *name, const iso_i
     if (status == ISO_OK)
         status = iso_image_save_png(image, png, 1, err);
     if (status == ISO_OK)
-        status = file_uri(png, "image/png", uri, err);
+        status = iso_page_file_uri(png, "image/png", uri, err);
     free(exr);
     free(png);
     return status;
-}
-
-static unsigned difference_code(const float *a, const float *b)
-{
-    double d = 0;
-    for (int c = 0; c < 4; ++c) {
-        if (!isfinite(a[c]) || !isfinite(b[c]))
-            return 65535;
-        d = fmax(d, fabs((double)a[c] - (double)b[c]));
-    }
-    if (d == 0)
-        return 0;
-    double code = round(1 + 65533 * log10(d / 1e-9) / 11);
-    return (unsigned)fmin(fmax(code, 1), 65534);
-}
-
-static iso_status encode_difference(const iso_image *a, const iso_image *b, char **uri, iso_error *err)
-{
-    size_t count = a->width * a->height;
-    unsigned char *rgb = calloc(count, 3), *png = NULL;
-    png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
-    info.width = (png_uint_32)a->width;
-    info.height = (png_uint_32)a->height;
-    for (size_t i = 0; rgb && i < count; ++i) {
-        unsigned code = difference_code(a->rgba + 4 * i, b->rgba + 4 * i);
-        rgb[3 * i] = (unsigned char)(code >> 8);
-        rgb[3 * i + 1] = (unsigned char)(code & 255);
-    }
-    png_alloc_size_t size = 0;
-    if (rgb && png_image_write_to_memory(&info, NULL, &size, 0, rgb, 0, NULL))
-        png = malloc(size);
-    if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
-        *uri = data_uri("image/png", png, size);
-    png_image_free(&info);
-    free(rgb);
-    free(png);
-    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: no memory for a picture of %zu pixels", count);
 }
 
 iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err)
@@ -143,7 +66,7 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
         status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
                           images[0].width, images[0].height, images[1].width, images[1].height);
     if (status == ISO_OK)
-        status = encode_difference(&images[0], &images[1], uri, err);
+        status = iso_page_difference_uri(&images[0], &images[1], uri, err);
     iso_image_destroy(&images[0]);
     iso_image_destroy(&images[1]);
     return status;
@@ -236,7 +159,7 @@ static iso_status make_chart(const char *charts, const chart_kind *kind, const j
         return status;
     if (asprintf(&svg, "%s/%s.svg", charts, kind->name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    status = file_uri(svg, "image/svg+xml", &uri, err);
+    status = iso_page_file_uri(svg, "image/svg+xml", &uri, err);
     if (status == ISO_OK)
         json_object_set_new(inlined, kind->name, json_string(uri));
     free(uri);
@@ -263,78 +186,14 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
     return status;
 }
 
-/* One script for the page, in an order in which each part finds what it needs. */
-static void put_script(FILE *f)
-{
-    const char *const parts[] = {iso_report_js,           iso_report_difference_js, iso_report_tables_js,
-                                 iso_report_inspector_js, iso_report_levels_js,     iso_report_page_js};
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
-        fputs(parts[i], f);
-}
-
-/* JSON inside <script>: "<" is written as an escape, so that no text ends the element. */
-static void put_json(FILE *f, const json_t *value)
-{
-    char *s = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    for (const char *c = s; c && *c; ++c)
-        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
-    free(s);
-}
-
-static void put_html(FILE *f, const char *s)
-{
-    for (; *s; ++s)
-        *s == '<' ? fputs("&lt;", f) : *s == '&' ? fputs("&amp;", f) : fputc(*s, f);
-}
-
-/* The template with its marks @NAME@ filled in. */
-static void put_page(FILE *f, const json_t *root, const json_t *inlined)
-{
-    for (const char *at = iso_report_html; *at;) {
-        const char *mark = strchr(at, '@');
-        const char *end = mark ? strchr(mark + 1, '@') : NULL;
-        if (!end) {
-            fputs(at, f);
-            return;
-        }
-        fwrite(at, 1, (size_t)(mark - at), f);
-        size_t length = (size_t)(end - mark) + 1;
-        at = end + 1;
-        if (strncmp(mark, "@STYLE@", length) == 0)
-            fputs(iso_report_css, f);
-        else if (strncmp(mark, "@SCRIPT@", length) == 0)
-            put_script(f);
-        else if (strncmp(mark, "@DATA@", length) == 0)
-            put_json(f, root);
-        else if (strncmp(mark, "@INLINED@", length) == 0)
-            put_json(f, inlined);
-        else if (strncmp(mark, "@SENTENCE@", length) == 0)
-            put_html(f, iso_row_text(root, "sentence"));
-        else if (strncmp(mark, "@TITLE@", length) == 0)
-            put_html(f, iso_row_text(root, "title"));
-        else
-            fputc('@', f), at = mark + 1; /* no mark of ours */
-    }
-}
-
 iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err)
 {
-    char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html"), *html = NULL;
-    size_t size = 0;
-    FILE *f = open_memstream(&html, &size);
-    iso_status status = ISO_OK;
-    if (!data || !page || !f)
-        status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    if (f) {
-        put_page(f, root, inlined);
-        if (fclose(f) != 0)
-            status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    }
+    char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html");
+    iso_status status = data && page ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     if (status == ISO_OK)
         status = iso_json_save(data, root, err);
     if (status == ISO_OK)
-        status = iso_file_write(page, html, size, err);
-    free(html);
+        status = iso_page_write(page, &iso_page_of_report, root, inlined, err);
     free(data);
     free(page);
     return status;

@@ -14,8 +14,7 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err);
 iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
                                   const iso_image_note *notes, char **uri, iso_error *err);
 
-/* The largest channel difference of each pixel of two images, 16 bits on a log scale in a PNG's red
- * and green: code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */
+/* The difference of two images of the report as a picture (page.h), to be freed. */
 iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err);
 
 /* charts/: .csv, .gp and .svg; adds name: data URI to inlined. ISO_E_MISSING without gnuplot. */

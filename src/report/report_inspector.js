@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
-// The closer look: the two images of a case and their difference, side by side or in turn.
-const cases = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
-const view = {at: -1, mode: 'side', flip: 'a', threshold: -5, zoom: 1, x: 0.5, y: 0.5, timer: 0};
+// The closer look: the two images of a case and their difference, side by side, in turn, or parted by a slider. A case has a
+// row (image_a and image_b, their names a and b, number) and its place `at`; what else a page says of it is in `told`.
+let cases = [], told = null;
+const view = {at: -1, mode: 'side', flip: 'a', threshold: -5, part: 0.5, zoom: 1, x: 0.5, y: 0.5, timer: 0};
 let parts = null;
 
-function buildInspector() {
+// told: name(row) in the list, text(row) below the images, threshold(row), listed() places in the reader's order, mark(at), figure
+function buildInspector(itsCases, itsTold) {
     const section = $('inspector');
+    cases = itsCases;
+    told = itsTold;
     section.hidden = false;
     const select = el('select', {'aria-label': 'case', onchange: () => inspect(Number(select.value), false)},
-        cases.map(c => el('option', {value: c.at}, `${c.row.verdict}: ${title(c.row)}`)));
+        cases.map(c => el('option', {value: c.at}, told.name(c.row))));
     const walk = el('span', {class: 'group'}, el('button', {type: 'button', onclick: () => next(-1)}, '‹ previous'), el('button', {type: 'button', onclick: () => next(1)}, 'next ›'));
-    const modes = {side: 'side by side', flip: 'flip A/B', difference: 'difference'};
+    const modes = {side: 'side by side', flip: 'flip A/B', part: 'slider', difference: 'difference'};
     const buttons = Object.entries(modes).map(([mode, name]) => el('button', {type: 'button', 'data-mode': mode, onclick: () => { view.mode = mode; show(); }}, name));
     const flipButton = el('button', {type: 'button', onclick: swap}, 'swap (space)');
     const auto = el('button', {type: 'button', 'aria-pressed': 'false', onclick: () => {
@@ -19,6 +23,7 @@ function buildInspector() {
     }}, 'twice a second');
     const slider = el('input', {type: 'range', min: -9, max: 0, step: 0.05, 'aria-label': 'threshold', oninput: () => { view.threshold = Number(slider.value); show(); }});
     const value = el('output', {});
+    const place = el('input', {type: 'range', min: 0, max: 1, step: 0.005, 'aria-label': 'where a ends and b begins', oninput: () => { view.part = Number(place.value); show(); }});
     const zoomTo = factor => { view.zoom = Math.min(Math.max(view.zoom * factor, 1), 64); clampView(); show(); };
     const reset = () => zoomTo(0);
     const panel = name => {
@@ -27,19 +32,20 @@ function buildInspector() {
         attachPointer(canvas);
         return {box: el('div', {class: 'panel'}, canvas, label), canvas, label};
     };
-    parts = {select, slider, value, a: panel('image a'), b: panel('image b'), d: panel('difference'),
+    parts = {select, slider, value, place, a: panel('image a'), b: panel('image b'), d: panel('difference'), p: panel('image a, and b to the right'),
+        partGroup: el('label', {}, 'a', place, 'b'),
         flipGroup: el('span', {class: 'group'}, flipButton, auto), thresholdGroup: el('label', {}, 'differences above', slider, value),
         panels: el('div', {class: 'panels'}), readout: el('p', {class: 'readout'}, '\u00a0'), text: el('div', {}), buttons};
-    parts.panels.append(parts.a.box, parts.b.box, parts.d.box);
-    section.append(el('div', {class: 'controls'}, walk, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup,
+    parts.panels.append(parts.a.box, parts.b.box, parts.d.box, parts.p.box);
+    section.append(el('div', {class: 'controls'}, walk, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup, parts.partGroup,
         el('span', {class: 'group'}, el('button', {type: 'button', 'aria-label': 'zoom in', onclick: () => zoomTo(1.5)}, '+'),
             el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
-        el('figure', {}, parts.panels, parts.readout, legend(), figcaption('The two images and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
-            'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Keys: f flips, space swaps, s side by side, d difference, ' +
+        el('figure', {}, parts.panels, parts.readout, legend(), figcaption(told.figure + ' and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
+            'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Keys: f flips, space swaps, s side by side, w the slider, d difference, ' +
             'n and p the next and the previous case of the table, + − 0 and arrows zoom and move. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
     const move = (x, y) => { view.x += x / view.zoom; view.y += y / view.zoom; clampView(); show(); };
     const mode = name => { view.mode = name; show(); };
-    const keys = {f: () => view.mode === 'flip' ? swap() : mode('flip'), s: () => mode('side'), d: () => mode('difference'), n: () => next(1), p: () => next(-1),
+    const keys = {f: () => view.mode === 'flip' ? swap() : mode('flip'), s: () => mode('side'), w: () => mode('part'), d: () => mode('difference'), n: () => next(1), p: () => next(-1),
         '+': () => zoomTo(1.5), '=': () => zoomTo(1.5), '-': () => zoomTo(1 / 1.5), 0: reset};
     const arrows = {ArrowLeft: () => move(-0.1, 0), ArrowRight: () => move(0.1, 0), ArrowUp: () => move(0, -0.1), ArrowDown: () => move(0, 0.1)};
     document.addEventListener('keydown', e => {
@@ -55,7 +61,7 @@ function buildInspector() {
 }
 // The case after this one in the table, as its reader has arranged it.
 function next(step) {
-    const list = order.rows.filter(at => cases.some(c => c.at === at)), here = list.indexOf(view.at);
+    const list = told.listed().filter(at => cases.some(c => c.at === at)), here = list.indexOf(view.at);
     if (list.length) inspect(list[here < 0 ? 0 : (here + step + list.length) % list.length], false);
 }
 function swap() { view.flip = view.flip === 'a' ? 'b' : 'a'; show(); }
@@ -104,15 +110,27 @@ function readout(u, v) {
     const log = d.logs[i], text = log === Infinity ? 'not finite' : log === -Infinity ? '0' : (10 ** log).toExponential(2);
     parts.readout.textContent = `column ${x}, row ${y}:  a ${rgb(a)}   b ${rgb(b)} (sRGB)   difference ${text}`;
 }
-// Draws the part in view, with square pixels once they are large.
-function draw(panel, source, name, note) {
+// Draws the part in view, with square pixels once they are large. over: another image, from the column `from` of 0 to 1 on.
+function draw(panel, source, name, note, over, from) {
     const width = Math.max(Math.round(panel.canvas.clientWidth * (devicePixelRatio || 1)), 64);
     const height = Math.round(width * source.height / source.width);
     panel.canvas.width = width;
     panel.canvas.height = height;
     const context = panel.canvas.getContext('2d'), scale = width / source.width * view.zoom;
     context.imageSmoothingEnabled = scale < 1;
-    context.drawImage(source, width / 2 - view.x * source.width * scale, height / 2 - view.y * source.height * scale, source.width * scale, source.height * scale);
+    const put = image => context.drawImage(image, width / 2 - view.x * source.width * scale, height / 2 - view.y * source.height * scale, source.width * scale, source.height * scale);
+    put(source);
+    if (over) {
+        const at = Math.round(from * width);
+        context.save();
+        context.beginPath();
+        context.rect(at, 0, width - at, height);
+        context.clip();
+        put(over);
+        context.restore();
+        context.fillStyle = '#fff';
+        context.fillRect(at - 1, 0, 2, height);
+    }
     panel.label.replaceChildren(el('strong', {}, name), note ? ` ${note}` : '');
 }
 function show() {
@@ -121,14 +139,18 @@ function show() {
     for (const button of parts.buttons) button.setAttribute('aria-pressed', String(button.dataset.mode === view.mode));
     parts.panels.classList.toggle('one', !side);
     parts.flipGroup.hidden = !flip;
-    parts.thresholdGroup.hidden = flip;
+    parts.partGroup.hidden = view.mode !== 'part';
+    parts.thresholdGroup.hidden = flip || view.mode === 'part';
     parts.a.box.hidden = !(side || (flip && view.flip === 'a'));
     parts.b.box.hidden = !(side || (flip && view.flip === 'b'));
-    parts.d.box.hidden = flip;
+    parts.d.box.hidden = flip || view.mode === 'part';
+    parts.p.box.hidden = view.mode !== 'part';
+    parts.place.value = view.part;
     parts.slider.value = view.threshold;
     parts.value.replaceChildren(view.threshold <= -9 ? 'any' : brief(10 ** view.threshold));
     if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, 'a');
     if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, 'b');
+    if (!parts.p.box.hidden) draw(parts.p, a.canvas, row.a, `to the left, ${row.b} to the right`, b.canvas, view.part);
     if (!parts.d.box.hidden) {
         const threshold = view.threshold <= -9 ? -Infinity : view.threshold;
         if (!loaded.painted || loaded.painted.threshold !== threshold) loaded.painted = {threshold, ...paintDifference(d, a, threshold)};
@@ -137,19 +159,17 @@ function show() {
     }
 }
 async function inspect(at, scroll) {
-    const row = data.agreement[at];
-    if (!parts || !row.image_a || !row.image_b) return;
-    agreement.rows.forEach((tr, i) => { tr.classList.toggle('chosen', i === at); i === at ? tr.setAttribute('aria-current', 'true') : tr.removeAttribute('aria-current'); });
+    const one = cases.find(c => c.at === at);
+    if (!parts || !one) return;
+    const row = one.row;
+    told.mark(at);
     view.at = at;
     const [a, b, d] = await Promise.all([pixels(inlined.images[row.image_a]), pixels(inlined.images[row.image_b]), differences(row.number)]);
     if (view.at !== at) return; // another case was chosen meanwhile
     loaded = {row, a, b, d};
     parts.select.value = String(at);
-    // Where all is within the limits, all differences show; else those beyond the limit.
-    const gate = row.verdict !== 'differ' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5;
-    view.threshold = Math.min(Math.max(Math.round(Math.log10(gate) * 20) / 20, -9), 0);
-    parts.text.replaceChildren(el('p', {}, el('span', {class: style(row.verdict)}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
-        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || '');
+    view.threshold = Math.min(Math.max(Math.round(Math.log10(told.threshold(row)) * 20) / 20, -9), 0);
+    parts.text.replaceChildren(...told.text(row));
     // The address names the case, so that it can be passed on.
     if (scroll !== null && location.hash !== `#case-${row.number}`) history.replaceState(null, '', `#case-${row.number}`);
     show();
@@ -157,7 +177,7 @@ async function inspect(at, scroll) {
 }
 // #case-12, or #case-12-flip to begin with; scrolls there.
 function followHash() {
-    const wanted = /^#case-(\d+)(?:-(side|flip|difference))?$/.exec(location.hash);
+    const wanted = /^#case-(\d+)(?:-(side|flip|part|difference))?$/.exec(location.hash);
     const found = wanted ? cases.find(c => c.row.number === Number(wanted[1])) : null;
     if (wanted && wanted[2]) view.mode = wanted[2];
     if (found) inspect(found.at, true);

@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: MIT
 // Fills the page, in the order that its reader sees.
+// ---- head -------------------------------------------------------------------
+$('verdict').classList.add(data.verdict === 'agree' ? 'good' : 'bad');
+$('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
+{
+    const parts = [];
+    if (data.volume) parts.push(`Volume ${data.volume}`);
+    if (data.scene) parts.push(`scene ${data.scene}`);
+    parts.push(`made ${data.made.replace('T', ' ').replace('Z', ' UTC')}`);
+    if (data.seconds.total) parts.push(`in ${Number(data.seconds.total.toPrecision(3))} s`);
+    $('about').textContent = parts.join(', ') + '.';
+    for (const [scene, asked] of Object.entries(data.asked || {}).filter(([, a]) => a.assumed)) $('about').after(el('p', {class: 'about assumed'}, `${scene}: ${asked.why}.`));
+    if (data.command) $('again').append(command(data.command));
+}
+
+// ---- what follows ---------------------------------------------------------------
 failures();
 notCompared();
 if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
 $('agreement').append(...agreementTable());
-if (cases.length > 0) {
-    buildInspector();
+const pictured = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
+if (pictured.length > 0) {
+    buildInspector(pictured, looked);
     if (!followHash()) inspect(cases[0].at, null);
 }
 if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),

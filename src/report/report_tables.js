@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The tables of what was compared, what was not, and the panels of cases that differ.
-const cell = (content, numeric, extra) => el('td', {class: [numeric ? 'n' : '', extra || ''].join(' ').trim() || null}, content);
-function table(text, heads, rows) {
-    return el('div', {class: 'scroll'}, el('table', {}, caption(text),
-        el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
-        el('tbody', {}, rows)));
-}
 const withLimit = (row, key, value) => {
     const limit = row.limits[key];
     const over = !uncompared(row) && limit !== undefined && value !== null && !(value <= limit);
     return el('td', {class: over ? 'n differ' : 'n', title: limit === undefined ? 'no limit' : `limit ${plain(limit)}`}, brief(value));
 };
 
-const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};
 function valueOf(row, key) {
     return key === 'ssim_dissimilarity' ? (row.ssim === null ? null : 1 - row.ssim) : row[key];
 }
@@ -136,6 +129,18 @@ function agreementTable() {
     arrange();
     return out;
 }
+
+// What the closer look says of a case of the table.
+const looked = {
+    figure: 'The two images',
+    name: row => `${row.verdict}: ${title(row)}`,
+    listed: () => order.rows,
+    mark: at => agreement.rows.forEach((tr, i) => { tr.classList.toggle('chosen', i === at); i === at ? tr.setAttribute('aria-current', 'true') : tr.removeAttribute('aria-current'); }),
+    // Where all is within the limits, all differences show; else those beyond the limit.
+    threshold: row => row.verdict !== 'differ' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5,
+    text: row => [el('p', {}, el('span', {class: style(row.verdict)}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || ''],
+};
 
 // ---- panels of failed cases ---------------------------------------------------
 function still(uri, name, note) {

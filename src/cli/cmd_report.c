@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/* cmd_report.c - what changed between two reports. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "options/cli.h"
+#include "report/difference.h"
+#include "report/markdown.h"
+#include "report/rows.h"
+
+typedef struct report_arguments {
+    char *output, *summary_md;
+    int results_only;
+} report_arguments;
+
+/* A report that was read; dir is the folder that report.json lies in. */
+typedef struct loaded_report {
+    const char *path; /* as the user named it */
+    char *dir;
+    json_t *root;
+} loaded_report;
+
+static iso_status load(const char *path, loaded_report *r, iso_error *err)
+{
+    const bool is_dir = iso_path_is_dir(path);
+    char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
+    r->path = path;
+    r->dir = is_dir ? strdup(path) : iso_path_dir(path);
+    iso_status status = file && r->dir ? iso_json_load(file, &r->root, err)
+                                       : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && strcmp(iso_row_text(r->root, "schema"), "isoshade.validate/1") != 0)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", file,
+                          iso_row_text(r->root, "schema"));
+    free(file);
+    return status;
+}
+
+static void unload(loaded_report *r)
+{
+    free(r->dir);
+    json_decref(r->root);
+}
+
+static char *text_of(const json_t *value)
+{
+    char *text = NULL;
+    if (json_is_real(value))
+        return asprintf(&text, "%.4g", json_real_value(value)) < 0 ? NULL : text;
+    return json_is_string(value) ? strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
+}
+
+/* "    rmse: 0.001 -> 0.002" */
+static void print_values(const char *before, const json_t *a, const json_t *b)
+{
+    char *from = text_of(a), *to = text_of(b);
+    printf("%s: %s -> %s\n", before, from ? from : "", to ? to : "");
+    free(from);
+    free(to);
+}
+
+static void print_text(const json_t *d)
+{
+    size_t i, j;
+    json_t *one, *what;
+    json_array_foreach(json_object_get(d, "facts"), i, one)
+        print_values(iso_row_text(one, "fact"), json_object_get(one, "a"), json_object_get(one, "b"));
+    json_array_foreach(json_object_get(d, "rows"), i, one)
+    {
+        printf("%s: %s\n", iso_row_text(one, "change"), iso_row_text(one, "name"));
+        json_array_foreach(json_object_get(one, "what"), j, what)
+        {
+            char line[160];
+            snprintf(line, sizeof line, "    %.140s", iso_row_text(what, "what"));
+            print_values(line, json_object_get(what, "a"), json_object_get(what, "b"));
+        }
+    }
+    json_array_foreach(json_object_get(d, "pictures"), i, one)
+    {
+        if (json_is_true(json_object_get(one, "counts")) && json_object_get(one, "problem"))
+            printf("picture: %s: %s\n", iso_row_text(one, "name"), iso_row_text(one, "problem"));
+        else if (json_is_true(json_object_get(one, "counts")))
+            printf("picture: %s: RMSE %.4g, tolerance %.4g (%s)\n", iso_row_text(one, "name"),
+                   iso_row_number(one, "rmse"), iso_row_number(one, "tolerance"), iso_row_text(one, "why"));
+    }
+    puts(iso_row_text(d, "sentence"));
+}
+
+/* Command, options and paths, which the page and --json show; report.json's own words for the heading. */
+static void describe(const iso_cli *cli, const report_arguments *a, const loaded_report of[2], json_t *d)
+{
+    char *line = iso_cli_command_line(cli);
+    for (int i = 0; i < 2; ++i)
+        json_object_set_new(json_object_get(d, i ? "b" : "a"), "path", json_string(of[i].path));
+    json_object_set_new(d, "command", json_string(line ? line : ""));
+    json_object_set_new(d, "options", json_pack("{s:b}", "results_only", a->results_only));
+    json_object_set_new(d, "title", json_sprintf("%s and %s", of[0].path, of[1].path));
+    free(line);
+}
+
+static iso_status write_files(const report_arguments *a, const json_t *d, const json_t *inlined, iso_error *err)
+{
+    iso_status status = a->output ? iso_difference_write(a->output, d, inlined, err) : ISO_OK;
+    if (status == ISO_OK && a->summary_md) {
+        char *link = a->output ? iso_path_join(a->output, "index.html") : NULL;
+        status = iso_markdown_of_difference(a->summary_md, d, link, err);
+        free(link);
+    }
+    return status;
+}
+
+static iso_status diff(const iso_cli *cli, const report_arguments *a, const loaded_report of[2], iso_error *err)
+{
+    const iso_difference_source from[2] = {{of[0].dir, of[0].root}, {of[1].dir, of[1].root}};
+    json_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
+    iso_status status = iso_difference_of(of[0].root, of[1].root, a->results_only, &d, err);
+    if (status == ISO_OK) {
+        describe(cli, a, of, d);
+        status = iso_difference_add_pictures(d, &from[0], &from[1], a->output ? inlined : NULL, err);
+    }
+    if (status == ISO_OK) {
+        iso_difference_conclude(d);
+        status = write_files(a, d, inlined, err);
+    }
+    if (status == ISO_OK && cli->json)
+        iso_cli_print_json(json_incref(d));
+    else if (status == ISO_OK)
+        print_text(d);
+    if (status == ISO_OK && !cli->json && a->output)
+        printf("page: %s/index.html\n", a->output);
+    if (status == ISO_OK && iso_row_verdict(d) != ISO_VERDICT_AGREE)
+        status = iso_fail(err, ISO_E_DIFFERS, "%s", iso_row_text(d, "sentence"));
+    json_decref(d);
+    json_decref(inlined);
+    return status;
+}
+
+static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, iso_error *err)
+{
+    loaded_report of[2] = {{0}};
+    if (strcmp(cli->arguments[0], "diff") != 0)
+        return iso_fail(err, ISO_E_USAGE, "\"%s\" is nothing that report does; wanted diff A B", cli->arguments[0]);
+    if (cli->argument_count != 3)
+        return iso_fail(err, ISO_E_USAGE, "diff wants two reports, A and B");
+    iso_status status = load(cli->arguments[1], &of[0], err);
+    if (status == ISO_OK)
+        status = load(cli->arguments[2], &of[1], err);
+    if (status == ISO_OK)
+        status = diff(cli, a, of, err);
+    unload(&of[0]);
+    unload(&of[1]);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    report_arguments a = {0};
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "a folder for the page that shows it", "DIR"},
+        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0,
+         "what changed as Markdown, for the summary of a run of continuous integration", "FILE.md"},
+        {"results-only", 0, POPT_ARG_NONE, &a.results_only, 0,
+         "other versions and options are told and are no difference by themselves", NULL},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = check_and_diff(&cli, &a, err);
+    iso_cli_end(&cli);
+    free(a.output);
+    free(a.summary_md);
+    return status;
+}
+
+const iso_command iso_command_report = {
+    .name = "report",
+    .summary = "what changed between two reports: verdicts, figures, versions, and pictures to flip between",
+    .min_arguments = 1,
+    .max_arguments = 3,
+    .usage = "diff A B [-o DIR] [--summary-md FILE] [options]",
+    .details =
+        "A and B are folders that `isoshade validate` wrote, or their report.json alone, without pictures. A row changed where its\n"
+        "verdict did, where it appeared or disappeared, where a limit is another one, and where a figure that it is held to moved\n"
+        "by more than its tolerance: a hundredth of its limit, or 1.5 times the noise of both rows, and at least 1e-7; of gates and\n"
+        "calibrations a tenth of their limit (half of it in rows with noise), of levels .001. A picture differs by the same tolerance.\n"
+        "Times, dates, commands, folders and the machine are no difference. DIR/index.html shows both pictures in turn, parted by\n"
+        "a slider, and their difference; DIR/difference.json has all as data.\n"
+        "Exit code 0: no difference; 1: there is one.",
+    .examples =
+        "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-then\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-now --summary-md now.md\n"
+        "  isoshade report diff report-then report-now -o report-diff --summary-md diff.md\n",
+    .run = run,
+};

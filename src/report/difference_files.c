@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: MIT */
+/* difference_files.c - the pictures of two reports, and the page that shows what changed. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/words.h"
+#include "report/difference.h"
+#include "report/page.h"
+#include "report/report.h"
+
+/* ---- pictures ---- */
+
+/* Two pictures of one name. */
+typedef struct picture_pair {
+    const char *name;
+    const json_t *about;
+    const json_t *rows[2]; /* whose image b it is; or NULL */
+    iso_image images[2];
+} picture_pair;
+
+static char *path_of(const char *dir, const char *name, const char *suffix)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/images/%s.%s", dir, name, suffix) < 0 ? NULL : path;
+}
+
+/* Names of images are words without a path; those of a report that somebody else made may be anything. */
+static bool is_image_name(const char *name)
+{
+    return name[0] && name[0] != '.' && !strchr(name, '/') && !iso_words_has_control(name);
+}
+
+static const json_t *row_of_image(const json_t *report, const char *name)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(json_object_get(report, "agreement"), i,
+                       row) if (strcmp(iso_row_text(row, "image_b"), name) == 0) return row;
+    return NULL;
+}
+
+static bool has_the_same_pixels(const iso_image *a, const iso_image *b)
+{
+    return a->width == b->width && a->height == b->height &&
+           memcmp(a->rgba, b->rgba, 4 * a->width * a->height * sizeof *a->rgba) == 0;
+}
+
+/* The figures of two pictures that differ. */
+static json_t *describe(const picture_pair *p, const iso_metrics *m)
+{
+    const iso_tolerance t = iso_difference_tolerance(p->rows[0], p->rows[1], "rmse");
+    return json_pack("{s:s, s:O, s:o, s:o, s:o, s:[I,I], s:f, s:s, s:b}", "name", p->name, "caption",
+                     json_object_get(p->about, "caption") ? json_object_get(p->about, "caption") : json_null(), "rmse",
+                     iso_json_number(m->rmse), "max_abs", iso_json_number(m->max_abs), "flip_mean",
+                     iso_json_number(m->flip_mean), "worst_pixel", (json_int_t)m->worst[0], (json_int_t)m->worst[1],
+                     "tolerance", t.value, "why", t.why, "counts", !(m->rmse <= t.value));
+}
+
+static json_t *describe_problem(const char *name, const char *problem)
+{
+    return json_pack("{s:s, s:n, s:s, s:b}", "name", name, "caption", "problem", problem, "counts", true);
+}
+
+/* What the page shows of the picture numbered so. */
+static iso_status inline_pair(const picture_pair *p, const iso_difference_source *const of[2], size_t number,
+                              json_t *inlined, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    char *uri = NULL, key[32];
+    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+        char *png = path_of(of[i]->dir, p->name, "png"), *place = NULL;
+        status = png && asprintf(&place, "%c/%s", "ab"[i], p -> name) >= 0
+                     ? iso_page_file_uri(png, "image/png", &uri, err)
+                     : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+        if (status == ISO_OK)
+            json_object_set_new(json_object_get(inlined, "images"), place, json_string(uri));
+        free(uri);
+        uri = NULL;
+        free(png);
+        free(place);
+    }
+    if (status == ISO_OK)
+        status = iso_page_difference_uri(&p->images[0], &p->images[1], &uri, err);
+    snprintf(key, sizeof key, "%zu", number);
+    if (status == ISO_OK)
+        json_object_set_new(json_object_get(inlined, "differences"), key, json_string(uri));
+    free(uri);
+    return status;
+}
+
+/* Both pictures; where one cannot be read, the reason is left in *problem, to be freed. */
+static void load(picture_pair *p, const iso_difference_source *const of[2], char **problem)
+{
+    for (int i = 0; i < 2 && !*problem; ++i) {
+        iso_error why = {""};
+        char *exr = path_of(of[i]->dir, p->name, "exr");
+        if (!exr || iso_image_load_exr(exr, &p->images[i], &why) != ISO_OK)
+            *problem = strdup(why.text[0] ? why.text : "out of memory");
+        free(exr);
+    }
+    if (!*problem && (p->images[0].width != p->images[1].width || p->images[0].height != p->images[1].height) &&
+        asprintf(problem, "%zu x %zu pixels in A, %zu x %zu in B", p->images[0].width, p->images[0].height,
+                 p->images[1].width, p->images[1].height) < 0)
+        *problem = NULL;
+}
+
+/* Adds the picture to list where it differs. */
+static iso_status compare_pair(picture_pair *p, const iso_difference_source *const of[2], json_t *list, json_t *inlined,
+                               iso_error *err)
+{
+    char *problem = NULL;
+    iso_metrics m;
+    iso_status status = ISO_OK;
+    load(p, of, &problem);
+    if (problem) {
+        json_array_append_new(list, describe_problem(p->name, problem));
+    } else if (!has_the_same_pixels(&p->images[0], &p->images[1])) {
+        status = iso_metrics_measure(&p->images[0], &p->images[1], &m, err);
+        json_t *picture = status == ISO_OK ? describe(p, &m) : NULL;
+        const size_t number = json_array_size(list);
+        if (picture)
+            json_object_set_new(picture, "number", json_integer((json_int_t)number));
+        if (status == ISO_OK && inlined)
+            status = inline_pair(p, of, number, inlined, err);
+        json_array_append_new(list, picture);
+    }
+    free(problem);
+    iso_image_destroy(&p->images[0]);
+    iso_image_destroy(&p->images[1]);
+    return status;
+}
+
+/* How far it differs, in its tolerance; what cannot be compared is the farthest. */
+static double size_of_difference(const json_t *picture)
+{
+    const double rmse = iso_row_number(picture, "rmse"), tolerance = iso_row_number(picture, "tolerance");
+    return isnan(rmse) ? INFINITY : rmse / tolerance;
+}
+
+static int largest_first(const void *a, const void *b)
+{
+    const double x = size_of_difference(*(json_t *const *)a), y = size_of_difference(*(json_t *const *)b);
+    return (x < y) - (x > y);
+}
+
+/* Takes the reference to list. */
+static iso_status keep_sorted(json_t *difference, json_t *list, iso_error *err)
+{
+    const size_t count = json_array_size(list);
+    json_t **order = calloc(count + 1, sizeof *order), *sorted = json_array();
+    for (size_t i = 0; order && i < count; ++i)
+        order[i] = json_array_get(list, i);
+    if (order)
+        qsort(order, count, sizeof *order, largest_first);
+    for (size_t i = 0; order && i < count; ++i)
+        json_array_append(sorted, order[i]);
+    json_object_set_new(difference, "pictures", sorted);
+    json_decref(list);
+    free(order);
+    return order ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+}
+
+/* Which of the two has no pictures at all: somebody kept report.json alone. */
+static const iso_difference_source *without_pictures(const iso_difference_source *const of[2])
+{
+    for (int i = 0; i < 2; ++i) {
+        char *images = of[i]->dir ? iso_path_join(of[i]->dir, "images") : NULL;
+        const bool there = images && iso_path_is_dir(images);
+        free(images);
+        if (!there)
+            return of[i];
+    }
+    return NULL;
+}
+
+iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_source *a,
+                                       const iso_difference_source *b, json_t *inlined, iso_error *err)
+{
+    const iso_difference_source *const of[2] = {a, b}, *none = without_pictures(of);
+    const json_t *others = json_object_get(b->root, "images");
+    json_t *list = json_array(), *about;
+    const char *name;
+    size_t count = 0;
+    iso_status status = ISO_OK;
+    json_object_foreach(json_object_get(a->root, "images"), name, about)
+    {
+        picture_pair p = {.name = name,
+                          .about = about,
+                          .rows = {row_of_image(a->root, name), row_of_image(b->root, name)}};
+        if (none || status != ISO_OK || !json_object_get(others, name))
+            continue;
+        ++count;
+        if (!is_image_name(name))
+            json_array_append_new(list, describe_problem(name, "no name of an image"));
+        else
+            status = compare_pair(&p, of, list, inlined, err);
+    }
+    json_object_set_new(difference, "picture_count", json_integer((json_int_t)count));
+    if (none)
+        json_object_set_new(difference, "pictures_missing",
+                            json_sprintf("Pictures were not compared: %s has no folder images.",
+                                         none == a ? "A" : "B"));
+    if (status != ISO_OK) {
+        json_decref(list);
+        return status;
+    }
+    return keep_sorted(difference, list, err);
+}
+
+/* ---- what it comes to ---- */
+
+static size_t count_changes(const json_t *rows, const char *change)
+{
+    size_t i, count = 0;
+    json_t *row;
+    json_array_foreach(rows, i, row) count += strcmp(iso_row_text(row, "change"), change) == 0;
+    return count;
+}
+
+static size_t count_counting(const json_t *list)
+{
+    size_t i, count = 0;
+    json_t *one;
+    json_array_foreach(list, i, one) count += json_is_true(json_object_get(one, "counts"));
+    return count;
+}
+
+static const char *plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+/* "Versions and options: 2 differ" and what of the rest is the same. */
+static void tell_facts(const json_t *difference, size_t counting, char *sentence, size_t size)
+{
+    const json_t *facts = json_object_get(difference, "facts"), *fact;
+    size_t i, machine = 0;
+    json_array_foreach(facts, i, fact) machine += strncmp(iso_row_text(fact, "fact"), "machine", 7) == 0;
+    const size_t told = json_array_size(facts) - machine;
+    if (told > 0)
+        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", told, plural(told), plural(told),
+                         told == 1 ? "s" : "", counting ? "" : ", which was not to count");
+    if (json_object_get(difference, "pictures_missing"))
+        iso_words_append(sentence, size, " %s", iso_row_text(difference, "pictures_missing"));
+}
+
+void iso_difference_conclude(json_t *difference)
+{
+    const json_t *rows = json_object_get(difference, "rows"), *pictures = json_object_get(difference, "pictures");
+    const size_t all = (size_t)json_integer_value(json_object_get(difference, "row_count")),
+                 shown = (size_t)json_integer_value(json_object_get(difference, "picture_count")),
+                 changed = count_changes(rows, "changed"), appeared = count_changes(rows, "appeared"),
+                 gone = count_changes(rows, "disappeared"), differing = count_counting(pictures),
+                 facts = count_counting(json_object_get(difference, "facts"));
+    char sentence[1024] = "";
+    if (json_array_size(rows) + differing == 0)
+        iso_words_append(sentence, sizeof sentence, "No difference in %zu row%s and %zu picture%s.", all, plural(all),
+                         shown, plural(shown));
+    else
+        iso_words_append(sentence, sizeof sentence,
+                         "The reports differ: of %zu row%s %zu changed, %zu appeared and %zu disappeared; %zu of %zu "
+                         "picture%s differ%s beyond tolerance.",
+                         all, plural(all), changed, appeared, gone, differing, shown, plural(shown),
+                         differing == 1 ? "s" : "");
+    tell_facts(difference, facts, sentence, sizeof sentence);
+    json_object_set_new(difference, "changed_count", json_integer((json_int_t)changed));
+    json_object_set_new(difference, "appeared_count", json_integer((json_int_t)appeared));
+    json_object_set_new(difference, "disappeared_count", json_integer((json_int_t)gone));
+    json_object_set_new(difference, "differing_picture_count", json_integer((json_int_t)differing));
+    json_object_set_new(difference, "verdict",
+                        json_string(iso_verdict_word(
+                            json_array_size(rows) + differing + facts == 0 ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
+    json_object_set_new(difference, "sentence", json_string(sentence));
+}
+
+iso_status iso_difference_write(const char *dir, const json_t *difference, const json_t *inlined, iso_error *err)
+{
+    iso_output out = {0};
+    iso_status status = iso_output_begin_dir(&out, dir, "difference.json", err);
+    if (status != ISO_OK)
+        return status;
+    char *data = iso_path_join(out.temp_path, "difference.json"), *page = iso_path_join(out.temp_path, "index.html");
+    status = data && page ? iso_json_save(data, difference, err)
+                          : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+    if (status == ISO_OK)
+        status = iso_page_write(page, &iso_page_of_difference, difference, inlined, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(data);
+    free(page);
+    return status;
+}

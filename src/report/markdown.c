@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "report/markdown.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "report/report.h"
+
+enum { MOST_ROWS = 40 }; /* of a table: pages of runs end at a megabyte */
+
+/* Punctuation that neither Markdown nor HTML looks at in the middle of a line. A character reference is text wherever it
+ * stands: it parts no cells and opens no element, no emphasis, no link and no mention. */
+void iso_markdown_put_text(FILE *f, const char *text)
+{
+    for (; *text; ++text) {
+        const unsigned char c = (unsigned char)*text;
+        if (c < 0x20 || c == 0x7f)
+            fputc(' ', f);
+        else if (c < 0x80 && ispunct(c) && !strchr(",.;:/()-+=%'?", c))
+            fprintf(f, "&#%u;", c);
+        else
+            fputc(c, f);
+    }
+}
+
+/* What a link may hold between its brackets: everything else is escaped as URLs have it. */
+static void put_target(FILE *f, const char *path)
+{
+    for (; *path; ++path) {
+        const unsigned char c = (unsigned char)*path;
+        if (isalnum(c) || strchr("/._-~:", c))
+            fputc(c, f);
+        else
+            fprintf(f, "%%%02X", c);
+    }
+}
+
+static void put_link(FILE *f, const char *link)
+{
+    if (!link)
+        return;
+    fputs("[", f);
+    iso_markdown_put_text(f, link);
+    fputs("](", f);
+    put_target(f, link);
+    fputs(")\n", f);
+}
+
+static void put_number(FILE *f, double value)
+{
+    if (isnan(value))
+        fputs("no number", f);
+    else
+        fprintf(f, "%.4g", value);
+}
+
+/* A cell and what follows it. */
+static void put_cell(FILE *f, const char *text)
+{
+    iso_markdown_put_text(f, text);
+    fputs(" | ", f);
+}
+
+/* How many of `all` there are beyond those shown. */
+static void put_more(FILE *f, size_t all)
+{
+    if (all > MOST_ROWS)
+        fprintf(f, "\nand %zu more, which the report has.\n", all - MOST_ROWS);
+}
+
+/* ---- a report ---- */
+
+/* The worst of what is asked of a row that differs. */
+typedef struct excess {
+    char name[64];
+    double value, limit, ratio;
+} excess;
+
+static void consider(excess *worst, const char *name, double value, double limit)
+{
+    const double ratio = isnan(value) ? INFINITY : limit > 0 ? value / limit : value <= 0 ? 0 : INFINITY;
+    if (worst->name[0] && !(ratio > worst->ratio))
+        return;
+    snprintf(worst->name, sizeof worst->name, "%.60s", name);
+    worst->value = value, worst->limit = limit, worst->ratio = ratio;
+}
+
+static excess worst_of(const json_t *row)
+{
+    excess worst = {.name = ""};
+    const char *metric;
+    json_t *limit, *gate;
+    size_t i;
+    json_object_foreach(json_object_get(row, "limits"), metric, limit)
+    {
+        const bool ssim = strcmp(metric, "ssim_dissimilarity") == 0;
+        consider(&worst, metric, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, metric),
+                 json_number_value(limit));
+    }
+    json_array_foreach(json_object_get(row, "gates"), i, gate)
+        consider(&worst, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
+    return worst;
+}
+
+static void put_failed_row(FILE *f, const json_t *row)
+{
+    char name[ISO_ROW_NAME_BYTES], level[32];
+    const excess worst = worst_of(row);
+    iso_row_name_of(row, name);
+    snprintf(level, sizeof level, "%lld", (long long)json_integer_value(json_object_get(row, "level")));
+    fputs("| ", f);
+    put_cell(f, iso_row_text(row, "scene"));
+    put_cell(f, level);
+    put_cell(f, name);
+    put_cell(f, worst.name);
+    put_number(f, worst.value);
+    fputs(" | ", f);
+    put_number(f, worst.limit);
+    fputs(" |\n", f);
+}
+
+static void put_failed_calibration(FILE *f, const json_t *row)
+{
+    fputs("| calibration | | ", f);
+    put_cell(f, iso_row_text(row, "renderer"));
+    put_cell(f, iso_row_text(row, "check"));
+    put_number(f, iso_row_number(row, "value"));
+    fputs(" | ", f);
+    put_number(f, iso_row_number(row, "limit"));
+    fputs(" |\n", f);
+}
+
+/* Levels that fail are told by their sentence. */
+static void put_failures(FILE *f, const json_t *root)
+{
+    const json_t *agreement = json_object_get(root, "agreement"), *calibration = json_object_get(root, "calibration"),
+                 *row;
+    size_t i, count = 0;
+    json_array_foreach(agreement, i, row) count += iso_row_verdict(row) == ISO_VERDICT_DIFFER;
+    json_array_foreach(calibration, i, row) count += iso_row_verdict(row) == ISO_VERDICT_FAIL;
+    if (count == 0)
+        return;
+    fputs("\n| scene | level | renderer | what | value | at most |\n|---|---|---|---|---|---|\n", f);
+    size_t shown = 0;
+    json_array_foreach(agreement, i, row) if (iso_row_verdict(row) == ISO_VERDICT_DIFFER && shown < MOST_ROWS)
+    {
+        put_failed_row(f, row);
+        ++shown;
+    }
+    json_array_foreach(calibration, i, row) if (iso_row_verdict(row) == ISO_VERDICT_FAIL && shown < MOST_ROWS)
+    {
+        put_failed_calibration(f, row);
+        ++shown;
+    }
+    put_more(f, count);
+}
+
+/* Each reason once, with its renderer and the number of rows that were refused for it. */
+static void put_refusals(FILE *f, const json_t *agreement)
+{
+    json_t *reasons = json_object(), *row, *rows;
+    const char *key;
+    size_t i;
+    json_array_foreach((json_t *)agreement, i, row) if (iso_row_verdict(row) == ISO_VERDICT_REFUSED)
+    {
+        const iso_row_identity id = iso_row_identify(row);
+        char *name = NULL;
+        if (asprintf(&name, "%s: %s", id.renderer, iso_row_text(row, "why")) < 0)
+            continue;
+        json_object_set_new(reasons, name, json_integer(1 + json_integer_value(json_object_get(reasons, name))));
+        free(name);
+    }
+    if (json_object_size(reasons) > 0)
+        fputs("\n**Refused**\n\n", f);
+    json_object_foreach(reasons, key, rows)
+    {
+        fputs("- ", f);
+        iso_markdown_put_text(f, key);
+        fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows), json_integer_value(rows) == 1 ? "" : "s");
+    }
+    json_decref(reasons);
+}
+
+static void put_versions(FILE *f, const json_t *versions)
+{
+    const char *what;
+    json_t *version;
+    if (json_object_size(versions) == 0)
+        return;
+    fputs("\n| | version |\n|---|---|\n", f);
+    json_object_foreach((json_t *)versions, what, version)
+    {
+        fputs("| ", f);
+        put_cell(f, what);
+        iso_markdown_put_text(f, json_is_string(version) ? json_string_value(version) : "");
+        fputs(" |\n", f);
+    }
+}
+
+static void put_head(FILE *f, const char *kind, const json_t *root)
+{
+    const bool good = iso_row_verdict(root) == ISO_VERDICT_AGREE;
+    fprintf(f, "### %s %s", good ? "✅" : "❌", kind);
+    iso_markdown_put_text(f, iso_row_text(root, "title"));
+    fputs("\n\n", f);
+    iso_markdown_put_text(f, iso_row_text(root, "sentence"));
+    fputs("\n\n", f);
+}
+
+static void put_report(FILE *f, const json_t *root)
+{
+    put_head(f, "isoshade validate: ", root);
+    if (iso_row_text(root, "levels_sentence")[0]) {
+        iso_markdown_put_text(f, iso_row_text(root, "levels_sentence"));
+        fputs("\n", f);
+    }
+    put_failures(f, root);
+    put_refusals(f, json_object_get(root, "agreement"));
+    put_versions(f, json_object_get(root, "versions"));
+}
+
+/* ---- two reports ---- */
+
+/* Numbers with four digits, texts as they are. */
+static void put_value(FILE *f, const json_t *value)
+{
+    if (json_is_real(value)) {
+        put_number(f, json_real_value(value));
+    } else if (json_is_string(value)) {
+        iso_markdown_put_text(f, json_string_value(value));
+    } else {
+        char *text = value && !json_is_null(value) ? json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT) : NULL;
+        iso_markdown_put_text(f, text ? text : "-");
+        free(text);
+    }
+    fputs(" | ", f);
+}
+
+/* A line a change: row, what, A, B. */
+static void put_change(FILE *f, const json_t *row, const char *what, const json_t *a, const json_t *b)
+{
+    fputs("| ", f);
+    put_cell(f, iso_row_text(row, "name"));
+    put_cell(f, what);
+    put_value(f, a);
+    put_value(f, b);
+    fputs("\n", f);
+}
+
+static void put_changed_row(FILE *f, const json_t *row)
+{
+    const json_t *what = json_object_get(row, "what"), *one;
+    size_t i;
+    if (json_array_size(what) == 0)
+        put_change(f, row, iso_row_text(row, "change"), json_object_get(row, "verdict_a"),
+                   json_object_get(row, "verdict_b"));
+    json_array_foreach(what, i, one)
+        put_change(f, row, iso_row_text(one, "what"), json_object_get(one, "a"), json_object_get(one, "b"));
+}
+
+static void put_facts(FILE *f, const json_t *facts)
+{
+    size_t i;
+    json_t *fact;
+    if (json_array_size(facts) == 0)
+        return;
+    fputs("\n| made with | A | B |\n|---|---|---|\n", f);
+    json_array_foreach((json_t *)facts, i, fact)
+    {
+        fputs("| ", f);
+        put_cell(f, iso_row_text(fact, "fact"));
+        put_value(f, json_object_get(fact, "a"));
+        put_value(f, json_object_get(fact, "b"));
+        fputs("\n", f);
+    }
+}
+
+static void put_difference(FILE *f, const json_t *difference)
+{
+    const json_t *rows = json_object_get(difference, "rows"), *row;
+    size_t i;
+    put_head(f, "isoshade report diff: ", difference);
+    if (json_array_size(rows) > 0)
+        fputs("| row | what | A | B |\n|---|---|---|---|\n", f);
+    json_array_foreach(rows, i, row) if (i < MOST_ROWS) put_changed_row(f, row);
+    put_more(f, json_array_size(rows));
+    put_facts(f, json_object_get(difference, "facts"));
+}
+
+/* ---- files ---- */
+
+static iso_status save(const char *path, void (*put)(FILE *f, const json_t *root), const json_t *root, const char *link,
+                       iso_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    put(f, root);
+    fputs("\n", f);
+    put_link(f, link);
+    iso_status status = fclose(f) == 0 ? iso_file_write(path, text, size, err)
+                                       : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    free(text);
+    return status;
+}
+
+iso_status iso_markdown_of_report(const char *path, const json_t *root, const char *link, iso_error *err)
+{
+    return save(path, put_report, root, link, err);
+}
+
+iso_status iso_markdown_of_difference(const char *path, const json_t *difference, const char *link, iso_error *err)
+{
+    return save(path, put_difference, difference, link, err);
+}

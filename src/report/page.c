@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "report/page.h"
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "report/rows.h"
+
+ISO_EMBED(iso_report_html, "src/report/report.html");
+ISO_EMBED(iso_difference_html, "src/report/difference.html");
+ISO_EMBED(iso_report_css, "src/report/report.css");
+ISO_EMBED(iso_report_js, "src/report/report.js");
+ISO_EMBED(iso_report_difference_js, "src/report/report_difference.js");
+ISO_EMBED(iso_report_tables_js, "src/report/report_tables.js");
+ISO_EMBED(iso_report_inspector_js, "src/report/report_inspector.js");
+ISO_EMBED(iso_report_levels_js, "src/report/report_levels.js");
+ISO_EMBED(iso_report_page_js, "src/report/report_page.js");
+ISO_EMBED(iso_difference_page_js, "src/report/difference_page.js");
+
+/* One script for a page, in an order in which each part finds what it needs. */
+const iso_page iso_page_of_report = {iso_report_html,
+                                     {iso_report_js, iso_report_difference_js, iso_report_tables_js,
+                                      iso_report_inspector_js, iso_report_levels_js, iso_report_page_js}};
+const iso_page iso_page_of_difference = {iso_difference_html,
+                                         {iso_report_js, iso_report_difference_js, iso_report_inspector_js,
+                                          iso_difference_page_js}};
+
+/* ---- pictures as text ---- */
+
+static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *out = malloc(strlen(type) + 32 + (size + 2) / 3 * 4);
+    if (!out)
+        return NULL;
+    char *at = out + sprintf(out, "data:%s;base64,", type);
+    for (size_t i = 0; i < size; i += 3) {
+        unsigned n = (unsigned)bytes[i] << 16 | (i + 1 < size ? (unsigned)bytes[i + 1] << 8 : 0) |
+                     (i + 2 < size ? bytes[i + 2] : 0);
+        *at++ = digits[n >> 18];
+        *at++ = digits[n >> 12 & 63];
+        *at++ = i + 1 < size ? digits[n >> 6 & 63] : '=';
+        *at++ = i + 2 < size ? digits[n & 63] : '=';
+    }
+    *at = 0;
+    return out;
+}
+
+iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err)
+{
+    char *bytes;
+    size_t size;
+    iso_status status = iso_file_read(path, &bytes, &size, err);
+    if (status != ISO_OK)
+        return status;
+    *uri = data_uri(type, (unsigned char *)bytes, size);
+    free(bytes);
+    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+}
+
+static unsigned difference_code(const float *a, const float *b)
+{
+    double d = 0;
+    for (int c = 0; c < 4; ++c) {
+        if (!isfinite(a[c]) || !isfinite(b[c]))
+            return 65535;
+        d = fmax(d, fabs((double)a[c] - (double)b[c]));
+    }
+    if (d == 0)
+        return 0;
+    double code = round(1 + 65533 * log10(d / 1e-9) / 11);
+    return (unsigned)fmin(fmax(code, 1), 65534);
+}
+
+iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char **uri, iso_error *err)
+{
+    size_t count = a->width * a->height;
+    unsigned char *rgb = calloc(count, 3), *png = NULL;
+    png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
+    info.width = (png_uint_32)a->width;
+    info.height = (png_uint_32)a->height;
+    for (size_t i = 0; rgb && i < count; ++i) {
+        unsigned code = difference_code(a->rgba + 4 * i, b->rgba + 4 * i);
+        rgb[3 * i] = (unsigned char)(code >> 8);
+        rgb[3 * i + 1] = (unsigned char)(code & 255);
+    }
+    png_alloc_size_t size = 0;
+    if (rgb && png_image_write_to_memory(&info, NULL, &size, 0, rgb, 0, NULL))
+        png = malloc(size);
+    if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
+        *uri = data_uri("image/png", png, size);
+    png_image_free(&info);
+    free(rgb);
+    free(png);
+    return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: no memory for a picture of %zu pixels", count);
+}
+
+/* ---- the page ---- */
+
+/* JSON inside <script>: "<" is written as an escape, so that no text ends the element. */
+static void put_json(FILE *f, const json_t *value)
+{
+    char *s = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    for (const char *c = s; c && *c; ++c)
+        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
+    free(s);
+}
+
+static void put_html(FILE *f, const char *s)
+{
+    for (; *s; ++s)
+        *s == '<' ? fputs("&lt;", f) : *s == '&' ? fputs("&amp;", f) : fputc(*s, f);
+}
+
+static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
+{
+    if (strcmp(mark, "STYLE") == 0)
+        fputs(iso_report_css, f);
+    else if (strcmp(mark, "SCRIPT") == 0)
+        for (size_t i = 0; page->scripts[i]; ++i)
+            fputs(page->scripts[i], f);
+    else if (strcmp(mark, "DATA") == 0)
+        put_json(f, data);
+    else if (strcmp(mark, "INLINED") == 0)
+        put_json(f, inlined);
+    else if (strcmp(mark, "SENTENCE") == 0)
+        put_html(f, iso_row_text(data, "sentence"));
+    else if (strcmp(mark, "TITLE") == 0)
+        put_html(f, iso_row_text(data, "title"));
+}
+
+/* The template with its marks @NAME@ filled in; @ stands nowhere else in it. */
+static void put_page(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined)
+{
+    const char *at = page->html;
+    for (const char *mark; (mark = strchr(at, '@'));) {
+        char name[16];
+        const int length = (int)strcspn(mark + 1, "@");
+        snprintf(name, sizeof name, "%.*s", length, mark + 1);
+        fwrite(at, 1, (size_t)(mark - at), f);
+        put_mark(f, page, data, inlined, name);
+        at = mark + 1 + length + 1;
+    }
+    fputs(at, f);
+}
+
+iso_status iso_page_write(const char *path, const iso_page *page, const json_t *data, const json_t *inlined,
+                          iso_error *err)
+{
+    char *html = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&html, &size);
+    iso_status status = f ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    if (f) {
+        put_page(f, page, data, inlined);
+        if (fclose(f) != 0)
+            status = iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    }
+    if (status == ISO_OK)
+        status = iso_file_write(path, html, size, err);
+    free(html);
+    return status;
+}
