@@ -6,7 +6,7 @@
 cd "$top" || exit 1
 scene=refscenes/marschner-lobb.scene.json
 # Without a limit of time, so that a busy machine leaves no setting out; a later --budget wins.
-all_axes() { "$ISOSHADE" chart "$dir/v.nrrd" --scene $scene --size 24 --quiet --budget 0 "$@"; }
+all_axes() { "$ISOSHADE" chart "$dir/v.nrrd" --scene $scene --size 24 --full-paths --quiet --budget 0 "$@"; }
 chart() { all_axes --with gl --quadratures midpoint --plans none --estimators central --filters moments --codes snorm,region48 "$@"; }
 column() { python3 "$top/tests/column.py" "$@"; } # CSV COLUMN [COLUMN=VALUE ...]: the values of a column, one a line
 "$ISOSHADE" make marschner-lobb --size 20x28x17 --spacing 1x1x1.5 -o "$dir/v.nrrd" >/dev/null || exit 1

@@ -4,7 +4,7 @@
 # level.
 . "$(dirname "$0")/lib.sh"
 suite=$top/refscenes/suite
-validate() { "$ISOSHADE" validate --with gl --quick -q "$@"; }
+validate() { "$ISOSHADE" validate --with gl --quick --full-paths -q "$@"; }
 
 # One of each tier and each kind of trouble; the whole folder is for people.
 mkdir few
@@ -47,7 +47,7 @@ facts() { python3 -c 'import json, sys
 report = json.load(open(sys.argv[1]))
 for row in report["agreement"]: del row["seconds"]; row["command"] = row["command"].replace(sys.argv[1].split("/")[0], "report")
 print(json.dumps([report["agreement"], report["images"]], sort_keys=True, indent=1))' "$1/report.json" >"$1.facts"; }
-for threads in 1 7; do "$ISOSHADE" validate --with gl --quick -q --suite few --size 8 --threads $threads -o threads-$threads >/dev/null && facts threads-$threads; done
+for threads in 1 7; do "$ISOSHADE" validate --with gl --quick -q --full-paths --suite few --size 8 --threads $threads -o threads-$threads >/dev/null && facts threads-$threads; done
 check scenes_at_a_time_change_nothing cmp threads-1.facts threads-7.facts
 check rows_say_their_seconds python3 -c 'import json; assert all(r["seconds"] > 0 for r in json.load(open("report/report.json"))["agreement"])'
 
@@ -94,7 +94,7 @@ check and_a_failure_with_its_command grep -q 'failure type="differ".*isoshade ma
 # Said to be sharp, it is also looked up exactly, within limits that the texture unit does not meet.
 mkdir steep
 sed 's/"opacity": 0.7/"opacity": 0.9999/' "$suite/step.scene.json" >steep/steep.scene.json
-check a_steep_table_agrees "$ISOSHADE" validate --with gl --quick -q --suite steep --size 24 -o steeply
+check a_steep_table_agrees "$ISOSHADE" validate --with gl --quick --full-paths -q --suite steep --size 24 -o steeply
 check and_within_narrower_limits_when_it_is_looked_up_exactly python3 - <<'END'
 import json
 rows = {r["b"]: r for r in json.load(open("steeply/report.json"))["agreement"] if r["tier"] == "lock-step"}

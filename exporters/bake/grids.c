@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 
 /* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active points
  * alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
@@ -150,7 +151,7 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
                                 .count = count,
                                 .rim = RIM,
                                 .level = level,
-                                .made_from = made_from ? iso_path_base(made_from) : "",
+                                .made_from = iso_provenance_name(made_from),
                                 .convention = r->convention,
                                 .half_float = r->half};
     iso_status status = iso_vdb_save_fields(&all, path, progress, err);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "blender/blender_scene.h"
 #include "scene/roi.h"
 #include "vdb/vdb.h"
@@ -246,7 +247,7 @@ static json_t *describe_export(const export_job *e)
     json_object_set_new(about, "extinction_scale", json_boolean(have_scale(views, e->count)));
     iso_blender_scale_directions(about, e->opt, iso_vdb_direction_scale(e->p->options.code));
     json_object_set_new(about, "film_transparent", json_false());
-    json_object_set_new(about, "source", iso_blender_text(e->p->source ? e->p->source : "", 1000));
+    json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(e->p->source), 1000));
     json_object_set_new(about, "unit", json_string(e->p->unit.name));
     json_object_set_new(about, "value_range",
                         iso_json_numbers((double[]){iso_pyramid_lo(e->p), iso_pyramid_hi(e->p)}, 2));

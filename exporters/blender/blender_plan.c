@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "blender/blender_scene.h"
 #include "vdb/vdb.h"
 
@@ -76,7 +77,7 @@ static json_t *describe_plan(const plan_job *job, const char *name)
     json_object_set_new(about, "bricks", describe_bricks(plan));
     json_object_set_new(about, "tf", iso_blender_describe_tf(view, 0, 1, space.units));
     json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
-    json_object_set_new(about, "source", iso_blender_text(plan->source ? plan->source : "", 1000));
+    json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(plan->source), 1000));
     json_object_set_new(about, "unit", json_string(plan->unit ? plan->unit : ""));
     return about;
 }

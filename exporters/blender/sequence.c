@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "blender/blender_scene.h"
 
 typedef struct sequence_job {
@@ -48,7 +49,7 @@ static void describe(sequence_job *job, const iso_pyramid *p)
     json_object_set_new(job->about, "extinction_scale", json_false());
     iso_blender_scale_directions(job->about, job->opt, iso_vdb_direction_scale(p->options.code));
     json_object_set_new(job->about, "film_transparent", json_false());
-    json_object_set_new(job->about, "source", iso_blender_text(p->source ? p->source : "", 1000));
+    json_object_set_new(job->about, "source", iso_blender_text(iso_provenance_name(p->source), 1000));
     json_object_set_new(job->about, "unit", json_string(p->unit.name));
 }
 

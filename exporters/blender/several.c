@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "blender/blender_scene.h"
 
 typedef struct several_job {
@@ -42,7 +43,7 @@ static json_t *describe(const several_job *job, const iso_pyramid *p, const iso_
     json_object_set_new(about, "tf", iso_blender_describe_tf(view, s->level, 1, job->space.units));
     json_object_set_new(about, "extinction_scale", json_false());
     json_object_set_new(about, "film_transparent", json_false());
-    json_object_set_new(about, "source", iso_blender_text(p->source ? p->source : "", 1000));
+    json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(p->source), 1000));
     json_object_set_new(about, "unit", json_string(p->unit.name));
     return about;
 }

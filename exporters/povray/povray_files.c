@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "base/words.h"
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
@@ -197,7 +198,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
                           .view = view,
                           .tf = tf,
                           .options = opt};
-    iso_words_copy_line(p->source ? iso_path_base(p->source) : "a volume", s.source, sizeof s.source);
+    iso_words_copy_line(iso_provenance_title(p->source), s.source, sizeof s.source);
     s.scalar = scalar_coding(level, opt->df3_bits);
     s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
     s.center_mm = iso_geometry_box_center_mm(g);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "vdb/vdb_file.h"
 #include "volume/unit.h"
 
@@ -88,7 +89,7 @@ static void take_unit(iso_vdb_source *source, const iso_geometry *g, const iso_v
 iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt)
 {
     iso_vdb_source source = {.creator = opt->creator ? opt->creator : "isoshade",
-                             .made_from = made_from ? iso_path_base(made_from) : "",
+                             .made_from = iso_provenance_name(made_from),
                              .direction_scale = 1};
     memcpy(source.size, g->size, sizeof source.size);
     memcpy(source.box_index, g->box_index, sizeof source.box_index);
@@ -134,7 +135,7 @@ static iso_status note(const iso_vdb_job *job, const char *key, const char *text
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 
-/* The file's own metadata. Of what it was made from the name alone: folders tell who made it, and where. */
+/* The file's own metadata. */
 static iso_status note_file(const iso_vdb_job *job, const char *made_from, const iso_geometry *g, iso_error *err)
 {
     const iso_vdb_options *o = job->opt;

@@ -9,6 +9,7 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/machine.h"
+#include "base/provenance.h"
 #include "base/version.h"
 #include "report/gnuplot.h"
 
@@ -47,7 +48,7 @@ static char *result_csv(const iso_chart_result *r)
         iso_chart_name_shading(c, shading_from, sizeof shading_from);
         snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION,
                  r->versions[iso_renderer_index(c->renderer)]);
-        char *command = iso_chart_command(r, c);
+        char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
         fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, c->renderer->name, c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
                 c->preintegrated ? "preintegrated" : "midpoint", c->step_voxels, c->plan_error);
@@ -59,13 +60,14 @@ static char *result_csv(const iso_chart_result *r)
                 c->on_bytes_front, c->number, (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want,
                 iso_chart_metric_title(r->metric), iso_chart_time_kind(r), iso_chart_bytes_kind(r),
                 r->bench->view.width, r->bench->view.height);
-        put_field(f, r->bench->path);
-        put_field(f, r->scene);
+        put_field(f, iso_provenance_name(r->bench->path));
+        put_field(f, iso_provenance_name(r->scene));
         put_field(f, versions);
         put_field(f, machine);
         put_field(f, command);
         fputc('\n', f);
         free(command);
+        free(typed);
     }
     if (fclose(f) == 0)
         return text;

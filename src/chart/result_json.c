@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/machine.h"
+#include "base/provenance.h"
 #include "base/version.h"
 
 static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
@@ -14,7 +15,7 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
     char shading_from[64], setting[192];
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
     iso_chart_describe(c, setting, sizeof setting);
-    char *command = iso_chart_command(r, c);
+    char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
     json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer",
                           c->renderer->name, "level", (json_int_t)c->level, "shading_from", shading_from, "filter",
                           iso_direction_filter_name(c->filter), "estimator", iso_gradient_name(c->estimator), "tf",
@@ -34,6 +35,7 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
         json_object_set_new(o, "number", json_integer((json_int_t)c->number));
     json_object_set_new(o, "command", json_string(command ? command : ""));
     free(command);
+    free(typed);
     return o;
 }
 
@@ -63,9 +65,10 @@ json_t *iso_chart_result_json(const iso_chart_result *r)
            *cases = json_array(), *names = json_array();
     iso_chart_tags *untried;
     json_object_set_new(root, "options",
-                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume", r->bench->path, "scene",
-                                  r->scene, "metric", iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r),
-                                  "bytes", iso_chart_bytes_kind(r), "budget_seconds", r->budget_seconds, "image",
+                        json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume",
+                                  iso_provenance_name(r->bench->path), "scene", iso_provenance_name(r->scene), "metric",
+                                  iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r), "bytes",
+                                  iso_chart_bytes_kind(r), "budget_seconds", r->budget_seconds, "image",
                                   (json_int_t)r->bench->view.width, (json_int_t)r->bench->view.height));
     json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
     json_object_set_new(root, "versions", strings_json(r->versions));

@@ -229,7 +229,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                     &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
                                     a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
-    char *command = iso_cli_command_without_folders(a->cli);
+    char *command = iso_cli_command_line(a->cli);
     const iso_export_job job = {.pyramid = &pyramid,
                                 .level = (size_t)a->level,
                                 .level_count = (size_t)a->level_count,
@@ -346,7 +346,7 @@ static iso_status export_series(export_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = make_series_view(a, &frames, iso, &view, err);
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
-    char *command = iso_cli_command_without_folders(a->cli);
+    char *command = iso_cli_command_line(a->cli);
     iso_export_job job = {.level = (size_t)a->level,
                           .level_count = (size_t)a->level_count,
                           .output = a->output,

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/provenance.h"
 #include "cli/histogram_picture.h"
 #include "fit/level_scalar.h"
 #include "options/cli.h"
@@ -233,7 +234,7 @@ static iso_status draw_histogram(const char *path, const iso_volume *v, const vo
     iso_status status = iso_value_histogram_count(v, f->stats.min, f->stats.max, DRAWN_BINS, &h, err);
     if (status != ISO_OK)
         return status;
-    snprintf(title, sizeof title, "%.200s: %zu x %zu x %zu voxels, %.6g to %.6g", iso_path_base(path), n[0], n[1], n[2],
+    snprintf(title, sizeof title, "%.200s: %zu x %zu x %zu voxels, %.6g to %.6g", iso_provenance_title(path), n[0], n[1], n[2],
              f->stats.min, f->stats.max);
     status = iso_histogram_draw(&h, title, picture, err);
     iso_value_histogram_destroy(&h);

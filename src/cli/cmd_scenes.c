@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/provenance.h"
 #include "cli/contact_sheet.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -277,7 +278,7 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
         status = draw_all(&s, &progress, err);
     if (status == ISO_OK) {
         char title[256];
-        snprintf(title, sizeof title, "%.200s", iso_path_base(a->cli->arguments[0]));
+        snprintf(title, sizeof title, "%.200s", iso_provenance_title(a->cli->arguments[0]));
         status = iso_contact_sheet_draw(&s.pictures, s.view_count, title, a->output, err);
     }
     if (status == ISO_OK)

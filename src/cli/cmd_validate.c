@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
+#include "base/provenance.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -217,7 +218,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene),
-         *input = iso_volume_input_line(&a->input);
+         *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
     iso_validation v = {.pyramid = pyramid,
                         .scene = scene,
                         .view = &view,
@@ -232,7 +233,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                         .threads = cli->threads,
                         .line = cli->progress,
                         .progress = &progress};
-    const iso_report_about about = {.title = iso_path_base(cli->arguments[0]),
+    const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
                                     .command = line,
                                     .volume = cli->arguments[0],
                                     .scene = a->look.scene};
@@ -260,6 +261,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     iso_view_destroy(&view);
     free(line);
     free(input);
+    free(typed);
     free(name);
     return status;
 }

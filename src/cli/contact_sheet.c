@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "compare/srgb.h"
 #include "report/gnuplot.h"
 
@@ -130,9 +131,11 @@ json_t *iso_contact_sheet_to_json(const iso_contact_sheet *s)
     json_t *list = json_array();
     for (size_t i = 0; i < s->count; ++i) {
         const struct iso_contact_panel *p = &s->panels[i];
+        char *command = iso_provenance_line(p->command);
         json_array_append_new(list, json_pack("{s:I, s:s, s:s, s:I, s:I, s:I}", "number", (json_int_t)(i + 1), "label",
-                                              p->label, "command", p->command, "left", (json_int_t)p->left, "top",
-                                              (json_int_t)p->top, "size", (json_int_t)s->side));
+                                              p->label, "command", command ? command : "", "left", (json_int_t)p->left,
+                                              "top", (json_int_t)p->top, "size", (json_int_t)s->side));
+        free(command);
     }
     return list;
 }

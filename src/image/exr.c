@@ -53,7 +53,8 @@ static exr_result_t write_header(exr_context_t file, const iso_image *image, con
     for (int c = 0; c < 4 && result == EXR_ERR_SUCCESS; ++c)
         result = exr_add_channel(file, part, channel_names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     for (; notes && notes->key && result == EXR_ERR_SUCCESS; ++notes)
-        result = exr_attr_set_string(file, part, notes->key, notes->value);
+        if (notes->value[0])
+            result = exr_attr_set_string(file, part, notes->key, notes->value);
     return result == EXR_ERR_SUCCESS ? exr_write_header(file) : result;
 }
 

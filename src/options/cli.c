@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/process.h"
+#include "base/provenance.h"
 
 void iso_cli_print_names(FILE *f, const iso_names *names)
 {
@@ -140,18 +141,35 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
     visiting.visit = NULL;
 }
 
+/* Only what is said: a command that another one runs, as validate --suite runs make, leaves the other's options. */
+static iso_status take_common(double timeout, bool full_paths, bool no_provenance, iso_error *err)
+{
+    if (full_paths && no_provenance)
+        return iso_fail(err, ISO_E_USAGE, "--full-paths and --no-provenance exclude each other");
+    if (full_paths || no_provenance)
+        iso_provenance_set(full_paths ? ISO_PROVENANCE_PATHS : ISO_PROVENANCE_NONE);
+    if (timeout == -HUGE_VAL)
+        return ISO_OK;
+    const iso_status status = iso_words_check_range("--timeout", timeout, 0, 1e9, err);
+    if (status == ISO_OK)
+        iso_process_set_limit(timeout);
+    return status;
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
     *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
     *next = ISO_CLI_RUN;
-    int help = 0;
-    double timeout = ISO_PROCESS_LIMIT_SECONDS;
+    int help = 0, no_provenance = 0, full_paths = 0;
+    double timeout = -HUGE_VAL; /* not said */
     struct poptOption common[] = {
         {"json", 0, POPT_ARG_NONE, &cli->json, 0, "one JSON object on stdout", NULL},
         {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "no progress", NULL},
         {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "threads; 0: all cores", "N"},
         {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "limit of each run of another program; 0: none", "SECONDS"},
+        {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "outputs name files with their folders", NULL},
+        {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "outputs hold no command and no input's name", NULL},
         {"help", 'h', POPT_ARG_NONE, &help, 0, "this text", NULL},
         POPT_TABLEEND,
     };
@@ -185,10 +203,9 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
-    status = iso_words_check_range("--timeout", timeout, 0, 1e9, err);
+    status = take_common(timeout, full_paths, no_provenance, err);
     if (status != ISO_OK)
         return status;
-    iso_process_set_limit(timeout);
     if (!cli->quiet)
         cli->progress = iso_progress_line_create(command->name);
     cli->arguments = poptGetArgs(cli->context);
@@ -234,42 +251,22 @@ void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const 
         iso_cli_expect(cli, &(iso_cli_stage){otherwise, 1}, 1);
 }
 
-/* "--scene=a/b.json" as "--scene=b.json" */
-static void put_without_folders(FILE *f, const char *word)
-{
-    const char *slash = strrchr(word, '/'), *equals = strchr(word, '=');
-    char *text = NULL;
-    const int kept = slash && equals && equals < slash && word[0] == '-' ? (int)(equals + 1 - word) : 0;
-    if (asprintf(&text, "%.*s%s", kept, word, slash ? slash + 1 : word + kept) < 0)
-        return;
-    iso_words_put_quoted(f, text);
-    free(text);
-}
-
-static char *command_line(const iso_cli *cli, void (*put)(FILE *f, const char *word))
+char *iso_cli_command_line(const iso_cli *cli)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
         return NULL;
-    fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
-    for (int i = 1; i < cli->argc; ++i) {
-        fputc(' ', memory);
-        put(memory, cli->argv[i]);
+    if (iso_provenance_kept() != ISO_PROVENANCE_NONE) {
+        fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
+        for (int i = 1; i < cli->argc; ++i) {
+            fputc(' ', memory);
+            iso_provenance_put_word(memory, cli->argv[i]);
+        }
     }
     fclose(memory);
     return text;
-}
-
-char *iso_cli_command_line(const iso_cli *cli)
-{
-    return command_line(cli, iso_words_put_quoted);
-}
-
-char *iso_cli_command_without_folders(const iso_cli *cli)
-{
-    return command_line(cli, put_without_folders);
 }
 
 json_t *iso_cli_json(const iso_cli *cli)

@@ -83,11 +83,8 @@ void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const 
 json_t *iso_cli_json(const iso_cli *cli);
 /* Prints the object on stdout, and releases it. */
 void iso_cli_print_json(json_t *root);
-/* The command line as one string, quoted for a shell; to be freed. */
+/* The command line as one string, quoted for a shell, as outputs may name it (base/provenance.h); to be freed. */
 char *iso_cli_command_line(const iso_cli *cli);
-
-/* The same for files that go to others: of paths the last name alone. */
-char *iso_cli_command_without_folders(const iso_cli *cli);
 
 /* "WHATs:" and a line a row, name and summary, as --help has it. */
 void iso_cli_print_names(FILE *f, const iso_names *names);

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/provenance.h"
 
 #define ALIGNMENT 64
 
@@ -172,12 +173,13 @@ iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
         status = iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", path, schema, ISO_PYRAMID_SCHEMA);
     else if (!said || strlen(said) != CHECKSUM_DIGITS || !(place = find_digits(text, said)))
         status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: has no checksum of itself; isoshade before 0.3 wrote none: build the pyramid again", path);
+                          "%s: has no checksum of itself; isoshade before 0.3 wrote none: build the pyramid again",
+                          path);
     else {
         put_checksum(text, size, place);
         if (strncmp(place, said, CHECKSUM_DIGITS) != 0)
-            status = iso_fail(err, ISO_E_FORMAT, "%s: was changed since it was written: checksum %.16s, it says %s", path,
-                              place, said);
+            status = iso_fail(err, ISO_E_FORMAT, "%s: was changed since it was written: checksum %.16s, it says %s",
+                              path, place, said);
     }
     if (status != ISO_OK) {
         json_decref(*root);
@@ -190,8 +192,9 @@ iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err)
 {
-    json_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source", source, "built_by",
-                             "isoshade " ISO_VERSION, "options", iso_layout_options(opt), "levels", levels);
+    json_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source",
+                             iso_provenance_name(source), "built_by", "isoshade " ISO_VERSION, "options",
+                             iso_layout_options(opt), "levels", levels);
     if (root && unit->name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", unit->name, "mm", unit->mm));
     if (root && of && of->segments)

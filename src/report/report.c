@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/machine.h"
 #include "base/parallel.h"
+#include "base/provenance.h"
 #include "report/levels.h"
 #include "report/report_files.h"
 
@@ -56,12 +57,12 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
     r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
-    r->root =
-        json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}",
-                  "schema", "isoshade.validate/1", "command", text(about->command), "options", "title",
-                  text(about->title), "volume", text(about->volume), "scene", text(about->scene), "made", stamp,
-                  "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels", "consistency",
-                  "calibration", "images", "machine", "versions", "seconds");
+    r->root = json_pack(
+        "{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
+        "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title), "volume",
+        text(iso_provenance_name(about->volume)), "scene", text(iso_provenance_name(about->scene)), "made", stamp,
+        "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels", "consistency", "calibration",
+        "images", "machine", "versions", "seconds");
     if (!r->root || !r->inlined) {
         iso_report_destroy(r);
         return no_memory(err);
@@ -297,13 +298,15 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
         return status;
     json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "level",
                           (json_int_t)row->level, "method", text(row->method), "tf",
-                          row->scaled ? "scaled" : row->adapted ? "adapted" : "original", "original_kept", text(row->original_kept), "views",
-                          (json_int_t)row->views, "ssim_dissimilarity_mean",
-                          iso_json_number(row->ssim_dissimilarity_mean), "flip_mean", iso_json_number(row->flip_mean),
-                          "rmse_mean", iso_json_number(row->rmse_mean), "gradient_angle_mean_deg",
-                          iso_json_number(row->gradient_angle_mean_deg), "gradient_angle_p95_deg",
-                          iso_json_number(row->gradient_angle_p95_deg), "image", text(row->image), "reference_image",
-                          text(row->reference_image));
+                          row->scaled    ? "scaled"
+                          : row->adapted ? "adapted"
+                                         : "original",
+                          "original_kept", text(row->original_kept), "views", (json_int_t)row->views,
+                          "ssim_dissimilarity_mean", iso_json_number(row->ssim_dissimilarity_mean), "flip_mean",
+                          iso_json_number(row->flip_mean), "rmse_mean", iso_json_number(row->rmse_mean),
+                          "gradient_angle_mean_deg", iso_json_number(row->gradient_angle_mean_deg),
+                          "gradient_angle_p95_deg", iso_json_number(row->gradient_angle_p95_deg), "image",
+                          text(row->image), "reference_image", text(row->reference_image));
     if (row->by_view.ssim_dissimilarity)
         json_object_set_new(o, "by_view",
                             json_pack("{s:o, s:o, s:o}", "ssim_dissimilarity",

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/provenance.h"
 #include "base/words.h"
 #include "validate/validate.h"
 
@@ -29,16 +30,16 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
     const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
     if (v->make) {
         fprintf(f, "isoshade make %s -o ", v->make);
-        iso_words_put_quoted(f, v->volume_path);
+        iso_provenance_put_word(f, v->volume_path);
         fputs(" && ", f);
     }
     fputs("isoshade render ", f);
-    iso_words_put_quoted(f, v->volume_path);
+    iso_provenance_put_word(f, v->volume_path);
     fputs(v->input_options, f);
     if (is_volume && v->pyramid->options.code != iso_pyramid_defaults().code)
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
-    iso_words_put_quoted(f, v->scene_path);
+    iso_provenance_put_word(f, v->scene_path);
     fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", renderer->name, level, v->view->width,
             v->view->height, v->render_options, options, image);
 }
@@ -49,11 +50,13 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
     /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
     if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))
         return NULL;
+    if (iso_provenance_kept() == ISO_PROVENANCE_NONE)
+        return NULL;
     char image[64], *text = NULL, *path = NULL;
     size_t size = 0;
     snprintf(image, sizeof image, "%s-level-%zu.exr", renderer->name, level);
     FILE *f = open_memstream(&text, &size);
-    if (!f || asprintf(&path, "%s/images/%s.exr", iso_report_path(v->report), image_a) < 0)
+    if (!f || asprintf(&path, "%s/images/%s.exr", iso_provenance_name(iso_report_path(v->report)), image_a) < 0)
         path = NULL;
     if (f) {
         put_render(f, v, level, renderer, options, image);

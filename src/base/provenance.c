@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "base/provenance.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/words.h"
+
+static iso_provenance kept_now = ISO_PROVENANCE_NAMES;
+
+void iso_provenance_set(iso_provenance kept)
+{
+    kept_now = kept;
+}
+
+iso_provenance iso_provenance_kept(void)
+{
+    return kept_now;
+}
+
+/* What follows the last slash that something follows: the name of "a/b/" is "b/". */
+static const char *last_name(const char *path)
+{
+    const char *name = path;
+    for (const char *c = path; *c; ++c)
+        if (*c == '/' && c[1] && c[1] != '/')
+            name = c + 1;
+    return name;
+}
+
+const char *iso_provenance_name(const char *path)
+{
+    if (!path || kept_now == ISO_PROVENANCE_NONE)
+        return "";
+    return kept_now == ISO_PROVENANCE_PATHS ? path : last_name(path);
+}
+
+const char *iso_provenance_title(const char *path)
+{
+    return path && kept_now != ISO_PROVENANCE_NONE ? last_name(path) : "a volume";
+}
+
+static bool is_quotient(const char *word)
+{
+    char *end;
+    iso_words_read_quotient(word, &end);
+    return end != word && !*end;
+}
+
+void iso_provenance_put_word(FILE *f, const char *word)
+{
+    const char *equals = word[0] == '-' ? strchr(word, '=') : NULL, *value = equals ? equals + 1 : word;
+    char text[4096];
+    if (kept_now == ISO_PROVENANCE_PATHS || !strchr(value, '/') || is_quotient(value)) {
+        iso_words_put_quoted(f, word);
+        return;
+    }
+    const int n = snprintf(text, sizeof text, "%.*s%s", (int)(value - word), word, last_name(value));
+    iso_words_put_quoted(f, n < (int)sizeof text ? text : "...");
+}
+
+/* Where a word ends: at a space outside of quotes, or at the line's end. */
+static const char *end_of_word(const char *word)
+{
+    bool quoted = false;
+    for (; *word && (quoted || *word != ' '); ++word)
+        if (*word == '\'')
+            quoted = !quoted;
+        else if (*word == '\\' && !quoted && word[1])
+            ++word;
+    return word;
+}
+
+/* A word without its quotes, in its own place. */
+static void unquote(char *word)
+{
+    char *to = word;
+    bool quoted = false;
+    for (const char *c = word; *c; ++c)
+        if (*c == '\'')
+            quoted = !quoted;
+        else if (*c == '\\' && !quoted && c[1])
+            *to++ = *++c;
+        else
+            *to++ = *c;
+    *to = 0;
+}
+
+char *iso_provenance_line(const char *line)
+{
+    char *text = NULL, *word = malloc(strlen(line) + 1);
+    size_t size = 0;
+    FILE *f = word ? open_memstream(&text, &size) : NULL;
+    while (f && kept_now != ISO_PROVENANCE_NONE && *line) {
+        const char *end = end_of_word(line);
+        const size_t n = (size_t)(end - line);
+        memcpy(word, line, n);
+        word[n] = 0;
+        if (strchr(word, '/')) {
+            unquote(word);
+            iso_provenance_put_word(f, word);
+        } else {
+            fputs(word, f); /* as it is: && too */
+        }
+        for (line = end; *line == ' '; ++line)
+            fputc(' ', f);
+    }
+    if (f)
+        fclose(f);
+    free(word);
+    return text;
+}
