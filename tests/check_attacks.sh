@@ -87,6 +87,22 @@ check a_step_of_nothing_is_refused ends 2 'step is 0' isoshade render s.nrrd --s
 mkfifo fifo.scene.json
 check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --scene fifo.scene.json --with reference --size 4 -o a.exr
 
+# ---- an output that is the input ----
+cp s.nrrd own.nrrd && ln own.nrrd linked.nrrd && cp "${shells%.scene.json}.tf.json" own.tf.json
+check a_volume_is_no_output ends 2 'which would be lost' isoshade palette own.nrrd --entries 4 -o ./own.nrrd -q
+check of_several_outputs_none_is ends 2 'which would be lost' isoshade palette own.nrrd --entries 4 -o a.csv -o own.nrrd -q
+check by_another_name_it_is_not_either ends 2 'which would be lost' isoshade render linked.nrrd --scene "$shells" --with reference --size 4 -o a.exr --png own.nrrd -q
+check a_converted_file_is_not_itself ends 2 'which would be lost' isoshade tf convert own.tf.json ./own.tf.json
+check the_input_is_whole cmp own.nrrd s.nrrd
+
+# ---- what is too large, and threads that cannot be had ----
+"$python" - <<'PY'
+open("large.tf.json", "w").write('{"schema": "isoshade.tf/1", "points": [' + "0," * (17 << 20) + "0]}")
+PY
+check a_transfer_function_of_many_megabytes_is_refused_unparsed ends 4 'a transfer function has at most' isoshade tf show large.tf.json -o a.png
+few_threads() { (ulimit -v 600000 && isoshade render s.nrrd --scene "$shells" --with reference --size 8 --threads 1000 -o a.exr); }
+check no_memory_for_threads_is_no_difference ends 6 'Thread creation failed' few_threads
+
 # ---- a renderer that hangs ----
 mkdir bin
 printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include <fcntl.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -62,11 +65,12 @@ static iso_status check_words(int argc, const char **argv, iso_error *err)
     for (int i = 1; i < argc; ++i) {
         json_t *string = json_string(argv[i]);
         json_decref(string);
-        const char *fault = !string                            ? "is not UTF-8"
+        const char *fault = !string                          ? "is not UTF-8"
                             : iso_words_has_control(argv[i]) ? "holds a control character, such as a line feed"
-                                                               : NULL;
+                                                             : NULL;
         if (fault)
-            return iso_fail(err, ISO_E_USAGE, "argument %d %s; give the file another name, or make a link to it", i, fault);
+            return iso_fail(err, ISO_E_USAGE, "argument %d %s; give the file another name, or make a link to it", i,
+                            fault);
     }
     return ISO_OK;
 }
@@ -87,7 +91,7 @@ static int say(const char *command, iso_status status, iso_error *err)
     return status;
 }
 
-int main(int argc, const char **argv)
+static int run(int argc, const char **argv)
 {
     iso_error err = {""};
     if (!have_standard_streams())
@@ -122,4 +126,22 @@ int main(int argc, const char **argv)
     }
     fprintf(stderr, "isoshade: unknown command \"%s\"; isoshade --help lists them\n", argv[1]);
     return ISO_E_USAGE;
+}
+
+/* Libraries that find no memory or no thread (popt, OpenMP) say so and end the process with 1, which would mean that
+ * pictures differ. isoshade itself only ends by returning from main(), so what comes here before that is theirs. */
+static bool has_returned;
+static void end_without_memory(int code, void *unused)
+{
+    (void)unused;
+    if (code == EXIT_FAILURE && !has_returned)
+        _exit(ISO_E_MEMORY);
+}
+
+int main(int argc, const char **argv)
+{
+    on_exit(end_without_memory, NULL);
+    const int code = run(argc, argv);
+    has_returned = true;
+    return code;
 }

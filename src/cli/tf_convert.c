@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "options/overwrite.h"
 #include "tf/format.h"
 #include "tf/presets.h"
 
@@ -176,11 +177,14 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     if (!output)
         return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE|PRESET OUT, a name that ends with %s",
                         iso_tf_format_written(written, sizeof written));
+    iso_status status = iso_cli_refuse_same_file(output, a->cli->arguments[1], err);
+    if (status != ISO_OK)
+        return status;
     const iso_tf_format *format = iso_tf_format_of(output);
     if (!format || !format->save)
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with %s", output,
                         iso_tf_format_written(written, sizeof written));
-    iso_status status = iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err);
+    status = iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err);
     if (status != ISO_OK)
         return status;
     status = check_known(a, format, &t.tf, err);

@@ -11,6 +11,7 @@
 
 #include "base/process.h"
 #include "base/provenance.h"
+#include "options/overwrite.h"
 
 void iso_cli_print_names(FILE *f, const iso_names *names)
 {
@@ -214,7 +215,11 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
                         command->usage);
-    return iso_words_check_range("--threads", cli->threads, 0, 1024, err);
+    status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
+    /* What tf writes has names of its own beside -o; convert looks for itself. */
+    return status == ISO_OK && strcmp(command->name, "tf") != 0
+               ? iso_cli_refuse_overwriting(options, cli->arguments, err)
+               : status;
 }
 
 void iso_cli_end(iso_cli *cli)

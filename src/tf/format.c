@@ -106,6 +106,9 @@ static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *pat
     return ISO_OK;
 }
 
+/* Room for the most points that a table can have, each in a hundred words; more would be parsed for seconds, in vain. */
+#define MOST_BYTES ((size_t)32 << 20)
+
 iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err)
 {
     char *text = NULL;
@@ -115,6 +118,11 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     iso_status status = iso_file_read(path, &text, &file.size, err);
     if (status != ISO_OK)
         return status;
+    if (file.size > MOST_BYTES) {
+        free(text);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes; a transfer function has at most %zu", path, file.size,
+                        MOST_BYTES);
+    }
     file.text = text;
     const iso_tf_format *format = find_format(&file, &other);
     status = format ? format->load(&file, tf, err)

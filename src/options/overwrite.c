@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+#include "options/overwrite.h"
+
+#include <stdbool.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool is_output(const struct poptOption *o)
+{
+    const char *const names[] = {"output",     "png",        "junit",     "image",
+                                 "full-image", "difference", "histogram", "summary-md"};
+    for (size_t i = 0; o->longName && i < sizeof names / sizeof *names; ++i)
+        if (strcmp(o->longName, names[i]) == 0)
+            return true;
+    return false;
+}
+
+iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_error *err)
+{
+    struct stat a, b;
+    if (!output || !input || stat(output, &a) != 0 || stat(input, &b) != 0 || !S_ISREG(a.st_mode) ||
+        a.st_dev != b.st_dev || a.st_ino != b.st_ino)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE, "the output %s is the input %s, which would be lost", output, input);
+}
+
+/* Calls `visit` for each text that an option of the table was given, until one fails. */
+typedef struct visitor {
+    iso_status (*visit)(struct visitor *self, const struct poptOption *option, const char *text);
+    const struct poptOption *all;
+    const char *const *arguments;
+    const char *output; /* that is compared */
+    iso_error *err;
+} visitor;
+
+static iso_status visit_texts(const struct poptOption *o, visitor *v)
+{
+    iso_status status = ISO_OK;
+    for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
+        const unsigned kind = o->argInfo & POPT_ARG_MASK;
+        if (kind == POPT_ARG_INCLUDE_TABLE)
+            status = visit_texts(o->arg, v);
+        else if (kind == POPT_ARG_STRING && o->arg && *(char **)o->arg)
+            status = v->visit(v, o, *(char **)o->arg);
+        else if (kind == POPT_ARG_ARGV && o->arg && *(char ***)o->arg)
+            for (char **text = *(char ***)o->arg; status == ISO_OK && *text; ++text)
+                status = v->visit(v, o, *text);
+    }
+    return status;
+}
+
+static iso_status compare_input(visitor *v, const struct poptOption *o, const char *text)
+{
+    return is_output(o) ? ISO_OK : iso_cli_refuse_same_file(v->output, text, v->err);
+}
+
+static iso_status compare_output(visitor *v, const struct poptOption *o, const char *text)
+{
+    if (!is_output(o))
+        return ISO_OK;
+    visitor inner = *v;
+    inner.visit = compare_input;
+    inner.output = text;
+    iso_status status = ISO_OK;
+    for (const char *const *input = v->arguments; status == ISO_OK && input && *input; ++input)
+        status = iso_cli_refuse_same_file(text, *input, v->err);
+    return status == ISO_OK ? visit_texts(v->all, &inner) : status;
+}
+
+iso_status iso_cli_refuse_overwriting(const struct poptOption *options, const char *const *arguments, iso_error *err)
+{
+    visitor v = {.visit = compare_output, .all = options, .arguments = arguments, .err = err};
+    return visit_texts(options, &v);
+}
